@@ -13,13 +13,14 @@ Floats = np.ndarray
 
 @dataclass
 class Design:
-    """Panels by name as polygons [mm], the pairs that are joined, and the size of the box round everything."""
+    """Panels by name as polygons [mm], the pairs that are joined, the size of the box round everything, and the burn in the outlines."""
 
     name: str
     thickness: float
     panels: dict[str, shapely.Polygon]
     joined: set[frozenset[str]]
     size: tuple[float, float, float]
+    burn: float = 0.0
 
     def svg(self, seed: int = 0) -> str:
         """Sheet with its panels side by side, some turned by a quarter or mirrored."""
@@ -180,6 +181,82 @@ def trapezoid(name: str, low: float, high: float, tall: float, depth: float, t: 
     panels = {"end a": plate, "end b": plate} | boards
     joined = {frozenset({f"end {e}", f"board {k}"}) for e in "ab" for k in range(4)}
     return Design(name, t, panels, joined, (max(low, high), tall, depth + 2 * t))
+
+
+def burnt(design: Design, burn: float) -> Design:
+    """The same with outlines grown by half the width of the cut, as tabbed-box makers write them."""
+    grown = {name: panel.buffer(burn, join_style="mitre") for name, panel in design.panels.items()}
+    return Design(f"{design.name} burn {burn:g}", design.thickness, grown, design.joined, design.size, burn)
+
+
+def bolted(design: Design, nut: float, sides: tuple[str, ...] = ("front", "back")) -> Design:
+    """The same with T-shaped slots for bolts and nuts in the middle of some panels' plain fields, and bolt holes: windows, not joints."""
+    panels = dict(design.panels)
+    for name in sides:
+        x0, y0, x1, y1 = panels[name].bounds
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        tee = shapely.union_all(
+            [shapely.box(x - 1.5, y - 8, x + 1.5, y + 4), shapely.box(x - nut, y - 2, x + nut, y + 0.4)]
+        )
+        hole = shapely.Point(x - 0.3 * (x1 - x0), y).buffer(1.6)
+        panels[name] = panels[name].difference(tee).difference(hole)
+    return Design(f"{design.name} bolted", design.thickness, panels, design.joined, design.size)
+
+
+def lapped_on_base(name: str, x: float, y: float, high: float, t: float, over: float) -> Design:
+    """Four walls that cross in half laps `over` from their ends and stand with tabs in holes of a base."""
+    holes, walls = [], {}
+    for axis, (long, other) in enumerate(((x, y), (y, x))):
+        tabs = [(long * 0.22, long * 0.34), (long * 0.58, long * 0.76)]
+        slots = [over, long - over - t]
+        low, top = (high / 2, high) if axis == 0 else (0.0, high / 2)
+        wall = shapely.union_all([shapely.box(0, 0, long, high), *(shapely.box(a, -t, b, 0) for a, b in tabs)])
+        wall = wall.difference(shapely.union_all([shapely.box(s, low, s + t, top) for s in slots]))
+        for k, at in enumerate((over, other - over - t)):
+            walls["xy"[axis] + str(k)] = wall
+            for a, b in tabs:
+                box_of = (a, at, b, at + t) if axis == 0 else (at, a, at + t, b)
+                holes.append(shapely.box(*box_of))
+    base = shapely.box(0, 0, x, y).difference(shapely.union_all(holes))
+    joined = {frozenset({f"x{i}", f"y{j}"}) for i in range(2) for j in range(2)}
+    joined |= {frozenset({"base", wall}) for wall in walls}
+    return Design(name, t, {"base": base} | walls, joined, (x, y, high + t))
+
+
+def divided(name: str, x: float, y: float, high: float, t: float, at: tuple[float, float]) -> Design:
+    """Open box of finger joints with two dividers that cross in a half lap and stand with tabs in holes of the walls."""
+    design = box(name, x, y, high, t, 3 * t, lid=False)
+    tabs = [(high * 0.3, high * 0.45), (high * 0.6, high * 0.8)]
+    holes = {"front": at[0], "back": at[0], "left": at[1], "right": at[1]}
+    for wall, place in holes.items():
+        cut = shapely.union_all([shapely.box(place - t / 2, a, place + t / 2, b) for a, b in tabs])
+        design.panels[wall] = design.panels[wall].difference(cut)
+    for key, long, cross, half in (("along", y, at[1], "up"), ("across", x, at[0], "down")):
+        sheet = shapely.box(t, t, long - t, high - 2)
+        sheet = shapely.union_all([sheet, *(shapely.box(c, a, c + t, b) for c in (0.0, long - t) for a, b in tabs)])
+        middle = (t + high - 2) / 2
+        low, top = (middle, high) if half == "up" else (0.0, middle)
+        design.panels[key] = sheet.difference(shapely.box(cross - t / 2, low, cross + t / 2, top))
+    design.joined |= {frozenset(pair) for pair in (("along", "front"), ("along", "back"), ("across", "left"))}
+    design.joined |= {frozenset(pair) for pair in (("across", "right"), ("along", "across"))}
+    return design
+
+
+def other_styles() -> list[Design]:
+    """Sheets in the style of other programs, on which nothing was tried out before they were measured."""
+    return [
+        burnt(box("tabbed", 110, 80, 55, 3, 12), 0.08),
+        burnt(box("tabbed tall", 60, 60, 140, 4, 10), 0.12),
+        burnt(box("tabbed open", 130, 70, 50, 6, 15, lid=False), 0.1),
+        bolted(box("bolts", 120, 90, 60, 3, 14), 2.75),
+        bolted(box("bolts open", 140, 100, 70, 5, 18, lid=False), 4.0, ("left", "front")),
+        lapped_on_base("laps", 120, 90, 50, 3, 8),
+        lapped_on_base("laps thick", 200, 140, 60, 6, 14),
+        lapped_on_base("laps tall", 90, 70, 110, 4, 6),
+        divided("divided", 120, 80, 50, 3, (45.0, 30.0)),
+        divided("divided thick", 200, 150, 80, 5, (70.0, 90.0)),
+        divided("divided low", 160, 110, 40, 4, (60.0, 40.0)),
+    ]
 
 
 def designs() -> list[Design]:

@@ -46,7 +46,7 @@ def next_hint(
     if not said.groups and drawn.name in BODIES:
         return replace(said, groups=BODIES[drawn.name])
     foreign = tuple(sorted(judged.unfilled & (set(poses) - joints.joined)))
-    if foreign:
+    if foreign and joints.asked:
         return replace(said, skip=(*said.skip, *foreign))
     named = {edge.panel for pair in said.joins for edge in pair[:1]} | {plate.panel for plate in said.plates}
     waiting = sorted((name for name in joints.open if name not in named), key=lambda name: -len(joints.open[name]))

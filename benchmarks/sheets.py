@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.boxes_sheets import DrawnSheet, draw, generators
 from benchmarks.joint_judge import judge_joints
-from benchmarks.sheet_drawings import Design, designs
+from benchmarks.sheet_drawings import Design, designs, other_styles
 from benchmarks.sheet_judge import Judged, judge
 from benchmarks.sheet_user import next_hint
 from wiggleroom.errors import InputError
@@ -71,6 +71,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         if not asked.only:
             _sum("own", [_own(design, Path(folder), asked.table) for design in designs()])
+            _sum("own, other styles", [_own(design, Path(folder), asked.table) for design in other_styles()])
         lists = [("boxes.py", GENERATORS)] * asked.boxes + [("held out", HELD_OUT)] * asked.held_out
         for what, names in lists:
             known = generators()
@@ -85,7 +86,7 @@ def _own(design: Design, folder: Path, table: bool) -> tuple[bool, bool]:
     sheet = folder / "sheet.svg"
     sheet.write_text(design.svg(seed=len(design.name)))
     begin = time.process_time()
-    found = assemble_sheet(read_sheet(sheet), design.thickness)
+    found = assemble_sheet(read_sheet(sheet), design.thickness, burn=design.burn)
     spent = time.process_time() - begin
     judged = _judged(found, folder)
     right = judged.overlap < OVERLAP and set(judged.names) == set(design.panels)

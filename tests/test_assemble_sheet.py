@@ -416,9 +416,9 @@ def test_a_flush_pair_chooses_which_way_round_a_strip_is(tmp_path: Path) -> None
             for name, end in zip(("x0", "x1"), (side, other), strict=True):
                 k = place[name]
                 axis, last = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}[end]
-                way = body.turns[k][:, axis] * (2 * last - 1)
+                normal = body.turns[k][:, axis] * (2 * last - 1)
                 corner = np.eye(3)[axis] * found.plates[body.rows[k]].polygon.bounds[axis + 2 * last]
-                planes.append((way, way @ (body.turns[k] @ corner + body.moves[k])))
+                planes.append((normal, normal @ (body.turns[k] @ corner + body.moves[k])))
             assert planes[0][0] @ planes[1][0] > 0.99
             assert planes[0][1] == pytest.approx(planes[1][1], abs=0.6)
     assert kept

@@ -10,7 +10,7 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble, read
 from wiggleroom.assembly.findings import findings, role_findings
 from wiggleroom.assembly.overlaps import overlaps_at_rest, width
-from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
 from wiggleroom.errors import InputError
 
@@ -212,7 +212,7 @@ def test_roles():
 
 def test_glue_groups_join():
     chain = Drawing((), glue=(("a", "b"), ("c", "d"), ("e",), ("b", "c")))
-    assert glue_groups(chain) == {"a": 0, "b": 0, "c": 0, "d": 0, "e": 2}
+    assert glue_groups(chain.glue) == {"a": 0, "b": 0, "c": 0, "d": 0, "e": 2}
 
 
 def test_nothing_is_found_in_a_grid_of_4096_parts():

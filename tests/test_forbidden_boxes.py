@@ -41,10 +41,10 @@ def test_forbidden_boxes_hold_no_free_motion(seed: int) -> None:
     middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
     state, first, upper = np.zeros(most, dtype=np.int64), np.full(most, -1), np.full(most, np.inf)
     asked = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf, np.inf])
-    visits, way = np.array([0, np.iinfo(np.int64).max]), np.zeros(most, dtype=np.int64)
+    visits, path = np.array([0, np.iinfo(np.int64).max]), np.zeros(most, dtype=np.int64)
     _, count, _ = search_boxes(
         middle, level, state, first, upper, 1, most, origin, scale, 22, True, False, asked, 1, *a.arrays, b.edge, b.disc,
-        b.kid, way, visits,
+        b.kid, path, visits,
     )  # fmt: skip
     leaves = np.flatnonzero((state[:count] == FORBIDDEN) & (first[:count] < 0))
     assert len(leaves) > 100
@@ -65,4 +65,4 @@ def test_a_knob_leaves_its_socket_where_it_is_narrower_than_the_neck(beyond: flo
     plate = shapely.box(-2, -2, 2, 2) - hole - shapely.box(-mouth, 0, mouth, 3)
     found = passage(plate, disc, most=60_000)
     assert found.closed == (beyond < 0)
-    assert (found.way is None) == (beyond < 0)
+    assert (found.path is None) == (beyond < 0)

@@ -850,6 +850,7 @@ def windowed() -> Content:
     made = wr.patterns.grid(3, 3, joint="tee", gap=GAP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(branch_and_bound, "MANY_BODIES", 4)
+        patch.setattr(branch_and_bound, "MAX_WHOLE_BODIES", 4)
         patch.setattr(neighbourhood_tightening, "REACH", 2)
         return proof_of(made, wr.Pull(made.names[-1], (0, 1)), within=0.01)
 

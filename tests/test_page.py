@@ -561,13 +561,14 @@ def test_what_was_repaired_piece_by_piece_looks_like_a_whole_repaint(browser: An
     path.write_text(write_assembly(wr.patterns.grid(6, 5, joint="tee", gap=0.03).drawing))
     with serving(path) as served, visiting(browser, served) as page:
         page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.wait_for_timeout(600)  # the picture has come to rest
         box = canvas(page)
         for k in range(3):
             x, y = box["x"] + (0.42 + 0.05 * k) * box["width"], box["y"] + (0.55 - 0.04 * k) * box["height"]
             page.mouse.move(x, y)
             page.mouse.down()
             page.mouse.move(x + 40, y - 25, steps=6)
-            page.locator("#answer", has_text="moved").wait_for(timeout=30_000)
+            page.locator("#answer", has_text="moved").wait_for(timeout=90_000)
             page.mouse.up()
             page.mouse.move(box["x"] + 3, box["y"] + 3)
         page.locator(".busy").wait_for(state="detached", timeout=30_000)

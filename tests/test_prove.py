@@ -271,6 +271,44 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
     assert wider - plain == pytest.approx(apart * np.hypot(y[..., 0], y[..., 1]).sum(1), rel=1e-3)
 
 
+def test_windows_are_alike_where_their_joints_are_whatever_the_outlines():
+    from wiggleroom.bound.local_windows import windows
+
+    ground = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
+    joints, _ = outer_regions(ground, lambda: False)
+    (window, *_) = windows(ground.bodies.rest[:, :2], joints, ground.clearance, 2)
+    assert len(window.placements) > 4
+    assert len({tuple(ground.bodies.shape[row].tolist()) for row in window.placements}) > 1
+
+
+@pytest.mark.parametrize("reach", [1, 2])
+def test_neighbourhoods_cut_no_motion_that_is_worth_enough(reach, monkeypatch):
+    from wiggleroom.bound import neighbourhood_tightening
+    from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges
+
+    monkeypatch.setattr(neighbourhood_tightening, "REACH", reach)
+    assembly = wr.patterns.grid(4, 3, joint="tee", gap=0.02)
+    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)))
+    ground = survey(assembly)
+    them = ground.bodies
+    joints, regions = outer_regions(ground, lambda: False)
+    turns = turn_differences(joints, regions)
+    ranges = first_ranges(them.fixed, joints, regions, turns)
+    linkage = Linkage(them.fixed, them.radius, them.rest[:, :2], joints, turns, ground.clearance)
+    program = RelaxationInRanges(linkage, RegionCuts([*regions]), ranges)
+    weights = goal_weights(objective(assembly, them, answer.goals), len(them.fixed))
+    most, multipliers, *_ = program.largest(weights, lambda: False, interior=True)
+    assert most >= answer.objective
+    every = np.flatnonzero(~them.fixed)
+    for share in (0.9, 0.9999):
+        cutoff = Cutoff(weights, share * answer.objective)
+        cuts = neighbourhood_tightening.neighbourhood_cuts(program, multipliers, every, cutoff, lambda: False)
+        assert len(cuts.body)
+        assert any(len(joined) < len(joints.a) for joined in cuts.joints)
+        turned = answer.motion[[them.members[b][0] for b in cuts.body], 2]
+        assert (cuts.sign * turned <= cuts.sign * cuts.end).all()
+
+
 @pytest.mark.parametrize(("sides", "share"), [(3, 0.3), (4, 0.45), (5, 0.2)])
 def test_turns_of_one_body_are_bounded_within_a_thousandth(sides, share):
     """A polygon in a larger one alike, about a pin: where it ends follows from one corner and one side."""

@@ -144,11 +144,11 @@ def test_multipliers_are_derivatives_of_the_optimum(solver):
 def test_the_path_and_the_inner_point_are_strictly_inside(name, solver):
     program = problem(name)
     solution = solver_named(solver)(program, tolerance=USUAL)
-    assert len(solution.way) >= 3
-    assert not solution.way[0].any()
-    for u in solution.way:
+    assert len(solution.path) >= 3
+    assert not solution.path[0].any()
+    for u in solution.path:
         assert program.values(u).min() > 0
-    assert any(u is solution.inner for u in solution.way)
+    assert any(u is solution.inner for u in solution.path)
     best, inner = value(program, solution), program.objective.value(program.motion(solution.inner))
     assert 0 <= inner < best
     assert solution.inner_mu * program.rows > USUAL  # not at the walls yet
@@ -162,8 +162,8 @@ def test_a_start_inside_leads_to_the_same_optimum(name, solver):
     cold = solve(program, tolerance=TIGHT)
     again = solve(program, cold.inner.copy(), mu=cold.inner_mu, tolerance=TIGHT)
     assert again.status == "converged"
-    assert np.array_equal(again.way[0], cold.inner)
-    assert all(program.values(u).min() > 0 for u in again.way)
+    assert np.array_equal(again.path[0], cold.inner)
+    assert all(program.values(u).min() > 0 for u in again.path)
     assert value(program, again) == pytest.approx(value(program, cold), rel=1e-7)
 
 
@@ -230,7 +230,7 @@ def test_an_open_assembly_escapes(solver):
     motion = program.motion(solution.u)
     assert np.abs(motion[:, :2]).max() > 4 * assembly.size
     assert motion[2, 0] > 4 * assembly.size
-    assert len(solution.way) > 2
+    assert len(solution.path) > 2
 
 
 @BOTH

@@ -404,3 +404,12 @@ def test_parts_glued_to_what_stands_do_not_end_a_check_with_an_error() -> None:
     found = wr.check(spatial(base, post, lid, glue=[["base", "post"]]))
     assert [e.parts for e in found.escapes] == [("lid",)]
     assert found.remains == ("base", "post")
+
+
+@pytest.mark.parametrize("glue", [[["base", "post"], ["post", "lid"]], [["post", "lid"], ["base", "post"]]])
+def test_what_is_glued_to_what_stands_through_others_cannot_be_pulled(glue: list[list[str]]) -> None:
+    base = {"name": "base", "boxes": [[0, 0, 0, 10, 10, 1]], "fixed": True}
+    post = {"name": "post", "boxes": [[0, 0, 2, 1, 1, 5]]}
+    lid = {"name": "lid", "boxes": [[2, 2, 2, 8, 8, 3]]}
+    with pytest.raises(wr.InputError, match='"lid" cannot be moved'):
+        spatial(base, post, lid, glue=glue, pull=[{"part": "lid", "direction": [0, 0, 1]}])

@@ -27,7 +27,7 @@ POSTS = [
 
 @pytest.mark.parametrize("turns", [t for k in range(4) for t in itertools.combinations(AXES[3:], k)], ids=str)
 @pytest.mark.parametrize("moves", [(), ("x",), ("y", "z")], ids=str)
-def test_a_lock_holds_along_the_whole_way(moves: tuple[str, ...], turns: tuple[str, ...]) -> None:
+def test_a_lock_holds_along_the_whole_path(moves: tuple[str, ...], turns: tuple[str, ...]) -> None:
     lock = [*moves, *turns]
     assembly = spatial(PLATE, PEG | {"lock": lock})
     rng = np.random.default_rng(len(lock))

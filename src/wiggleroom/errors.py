@@ -69,7 +69,7 @@ class MissingExtraError(WiggleroomError):
     """An optional library is needed; the message names the extra that installs it."""
 
 
-def see_extra(extra: str, what: str, *libraries: str) -> None:
+def require_extra(extra: str, what: str, *libraries: str) -> None:
     """Check that the libraries of an extra are installed, without importing them.
 
     Parameters

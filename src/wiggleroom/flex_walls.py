@@ -226,14 +226,14 @@ def _from_several(search: LocalSearch, first: Sequence[Objective], query: Motion
     """Best answer of searches that begin at the ends of several pulls, for objectives without a direction at rest."""
     answers = []
     for pull in first:
-        way_out = LocalSearch(search.ready, pull, search.solve, THOROUGH, search.stop, search.tell)
-        end = way_out.improve(start_at_rest(search.ready))
+        escape = LocalSearch(search.ready, pull, search.solve, THOROUGH, search.stop, search.tell)
+        end = escape.improve(start_at_rest(search.ready))
         again = LocalSearch(search.ready, search.objective, search.solve, THOROUGH, search.stop, search.tell)
         again.improve(start_at_rest(search.ready) if end is None else end.start())
         for stage in search.seconds:
-            search.seconds[stage] += way_out.seconds[stage] + again.seconds[stage]
-        search.rounds += way_out.rounds + again.rounds
-        search.iterations += way_out.iterations + again.iterations
+            search.seconds[stage] += escape.seconds[stage] + again.seconds[stage]
+        search.rounds += escape.rounds + again.rounds
+        search.iterations += escape.iterations + again.iterations
         answers.append(_answer(again, query))
         if answers[-1].objective is None or query.stopped:
             break

@@ -71,7 +71,7 @@ def _goals(file: File, design: Design) -> list[str] | None:
                 "--turn", f"{entry.part}:{entry.turn if isinstance(entry.turn, str) else _axis(entry.turn)}"
             )
         else:
-            found += _option("--pull", f"{entry.part}:{_way(entry)}")
+            found += _option("--pull", f"{entry.part}:{_direction(entry)}")
     return found if found else None
 
 
@@ -89,10 +89,10 @@ def _option(name: str, value: str) -> list[str]:
     return [f"{name}={value}"] if value.startswith("-") else [name, value]
 
 
-def _way(entry: GoalEntry) -> str:
+def _direction(entry: GoalEntry) -> str:
     assert entry.direction is not None
-    way = _axis(entry.direction)
-    return way if entry.point is None else f"{way}@{','.join(map(repr, entry.point))}"
+    axis = _axis(entry.direction)
+    return axis if entry.point is None else f"{axis}@{','.join(map(repr, entry.point))}"
 
 
 def _axis(direction: tuple[float, ...]) -> str:

@@ -59,7 +59,7 @@ def contact_entries(contacts: Iterable[Any], assembly: Assembly | SpatialAssembl
 
 
 def frames_of(assembly: Assembly | SpatialAssembly, points: Floats) -> Floats:
-    """Frames along a way of motions (m, n, 3) or (m, n, 6)."""
+    """Frames along a path of motions (m, n, 3) or (m, n, 6)."""
     if isinstance(assembly, Assembly):
         return path_frames(assembly, points)
     from wiggleroom.report.spatial_messages import spatial_frames

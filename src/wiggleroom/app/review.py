@@ -15,7 +15,7 @@ from wiggleroom.app.open_requests import suggested
 from wiggleroom.app.reporter import on_the_page
 from wiggleroom.assembly.findings import examine_parts, free_overlaps
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.answer_words import number, short
 from wiggleroom.schema.replies import Finding, Mend
@@ -147,7 +147,7 @@ def _near(
     drawing: Drawing, parts: Sequence[Part], whole: list[shapely.Geometry], reach: float
 ) -> list[tuple[str, str]]:
     """Pairs of parts no further apart than `reach` [mm] that are neither glued nor ignored nor both fixed."""
-    group, ignored = glue_groups(drawing), {frozenset(pair) for pair in drawing.ignore}
+    group, ignored = glue_groups(drawing.glue), {frozenset(pair) for pair in drawing.ignore}
     i, j = shapely.STRtree(whole).query(whole, predicate="dwithin", distance=reach)
     found = []
     for a, b in ((parts[k], parts[m]) for k, m in zip(i.tolist(), j.tolist(), strict=True) if k < m):

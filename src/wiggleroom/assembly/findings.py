@@ -10,8 +10,9 @@ import numpy as np
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
-from wiggleroom.assembly.statements import glue_groups, statement_findings
+from wiggleroom.assembly.statements import statement_findings
 from wiggleroom.drawing.flatten import flattened_for
+from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, Goal, Part
 from wiggleroom.errors import InputError
 
@@ -145,7 +146,7 @@ def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
 
 def free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
     """Names of parts that overlap at rest and are neither glued nor ignored, and how deep [mm]."""
-    group = glue_groups(drawing)
+    group = glue_groups(drawing.glue)
     ignored = {frozenset(pair) for pair in drawing.ignore}
     found = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps_at_rest(parts)]
     return [

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, Part
 
 TOLERANCE = 1e-9
@@ -58,7 +58,7 @@ def overlap_areas(drawing: Drawing, parts: Sequence[Part]) -> list[shapely.Geome
     [1.0]
     """
     sound = [part for part in parts if shapely.is_valid(placed_regions([part])[0]).all()]
-    group = glue_groups(drawing)
+    group = glue_groups(drawing.glue)
     ignored = {frozenset(pair) for pair in drawing.ignore}
     found = []
     for i, j, _ in overlaps_at_rest(sound):

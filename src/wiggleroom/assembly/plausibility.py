@@ -7,7 +7,6 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Drawing
 
 LARGE_GAP = 0.1
@@ -87,8 +86,8 @@ def _sheet_doubts(
     together = np.zeros(count, dtype=bool)
     together[owner[i[near]]] = True
     together[owner[j[near]]] = True
-    names = [part.name for part in drawing.parts]
-    together |= np.array([name in glue_groups(drawing) for name in names])
+    names, glued = [part.name for part in drawing.parts], {name for group in drawing.glue for name in group}
+    together |= np.array([name in glued for name in names])
     alone = int(count - together.sum())
     if 2 * alone < count or alone < 2:
         return []

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.assembly.loops import placed_regions
+from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
 from wiggleroom.drawing.parts import place_of
 
@@ -149,23 +150,6 @@ def _roles(drawing: Drawing) -> list[str]:
 
 def _glued_to(drawing: Drawing, fixed: Iterable[str]) -> list[tuple[str, str]]:
     """Pairs of a fixed part and a part glued to it, directly or through others."""
-    group = glue_groups(drawing)
+    group = glue_groups(drawing.glue)
     anchors = {group[name]: name for name in fixed if name in group}
     return [(anchors[g], name) for name, g in group.items() if g in anchors]
-
-
-def glue_groups(drawing: Drawing) -> dict[str, int]:
-    """Find the rigid group of every glued part, as a number; groups that share a part are one.
-
-    Examples
-    --------
-    >>> glue_groups(Drawing((), glue=(("a", "b"), ("c", "d"), ("b", "e"))))
-    {'a': 0, 'b': 0, 'c': 1, 'd': 1, 'e': 0}
-    """
-    group: dict[str, int] = {}
-    for number, members in enumerate(drawing.glue):
-        merged = {group[m] for m in members if m in group}
-        lowest = min(merged, default=number)
-        group = {name: lowest if g in merged else g for name, g in group.items()}
-        group |= dict.fromkeys(members, lowest)
-    return group

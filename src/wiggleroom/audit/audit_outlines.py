@@ -110,8 +110,8 @@ def outlines(assembly: Assembly) -> AuditOutlines:
     before[after] = np.arange(len(after))
     corner = _inward(corner, before, after, inset)
     corner, after, start, count = _without_points(corner, after, start, count)
-    way = corner[after] - corner
-    length = np.hypot(*way.T)
+    edge = corner[after] - corner
+    length = np.hypot(*edge.T)
 
     n = len(rest)
     of_ring = np.array(owner)
@@ -127,7 +127,7 @@ def outlines(assembly: Assembly) -> AuditOutlines:
         rest=rest,
         corner=corner,
         next_corner=after,
-        direction=way / length[:, None],
+        direction=edge / length[:, None],
         length=length,
         first=first,
         ring=start,
@@ -157,10 +157,10 @@ def _turned(corner: Floats, after: Ints, start: Ints, count: Ints, outer: NDArra
 
 def _inward(corner: Floats, before: Ints, after: Ints, inset: float) -> Floats:
     """Corners (N, 2) moved along their bisectors, so that both edges move inward by `inset` [mm]."""
-    way = corner[after] - corner
-    long = np.hypot(*way.T)
-    way /= np.where(long > 0, long, 1.0)[:, None]
-    inner = np.column_stack([-way[:, 1], way[:, 0]])
+    edge = corner[after] - corner
+    long = np.hypot(*edge.T)
+    edge /= np.where(long > 0, long, 1.0)[:, None]
+    inner = np.column_stack([-edge[:, 1], edge[:, 0]])
     both = inner + inner[before]
     share = np.maximum(1.0 + (inner * inner[before]).sum(axis=1), 2.0 / LONGEST_MITRE**2)
     return corner + inset * both / share[:, None]

@@ -27,7 +27,7 @@ STOP_CHECK_CORNERS = 50_000
 
 @dataclass(frozen=True, eq=False)
 class PathAudit:
-    """What is known about a way.
+    """What is known about a path.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class PathAudit:
 
 
 def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | None = None) -> PathAudit:
-    """Judge a way from its way-points and the outlines of the parts alone.
+    """Judge a path from its way-points and the outlines of the parts alone.
 
     Between two way-points every part moves straight: x, y and angle of its reference point change evenly.
 
@@ -69,7 +69,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | No
     motions : (k, n, 3) float64 [mm, mm, rad]
         Way-points: motions of all parts about their reference points, from a state at which parts do not lie inside each other.
     stop : optional
-        Once it is set, the whole way is in doubt.
+        Once it is set, the whole path is in doubt.
 
     Returns
     -------

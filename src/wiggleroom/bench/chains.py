@@ -10,7 +10,7 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
-from wiggleroom.errors import Stop, see_extra
+from wiggleroom.errors import Stop, require_extra
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.maximise import witness
 
@@ -61,7 +61,7 @@ def optima() -> tuple[int, dict[tuple[str, float], float]]:
 
 def require_engine() -> None:
     """Check that the physics engine is there; raises MissingExtraError."""
-    see_extra("bench", "bench chains compares with a physics engine", "pymunk")
+    require_extra("bench", "bench chains compares with a physics engine", "pymunk")
 
 
 def chains(*, stop: Stop | None = None, progress: Callable[[int, int], None] | None = None) -> Bench:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.drawing.model import Pull
-from wiggleroom.errors import InputError, see_extra
+from wiggleroom.errors import InputError, require_extra
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.overlap import overlaps
@@ -234,7 +234,7 @@ def _area(points: Floats) -> float:
 
 def _library() -> Any:
     """The engine, imported when it is needed."""
-    see_extra("bench", "the physics engine needs pymunk", "pymunk")
+    require_extra("bench", "the physics engine needs pymunk", "pymunk")
     import pymunk
 
     return pymunk

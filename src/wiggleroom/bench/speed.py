@@ -18,7 +18,7 @@ from wiggleroom.bench.large_assemblies import CASES, GAP, LargeAssembly
 from wiggleroom.bench.published import published_speed as published
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.bench.run_one import METHODS
-from wiggleroom.errors import InputError, Stop, see_extra
+from wiggleroom.errors import InputError, Stop, require_extra
 from wiggleroom.solve.ipopt import described
 from wiggleroom.solve.linear_programming import linear_solver
 
@@ -130,7 +130,7 @@ def checked_cases(max_parts: int | None, limit: float | None) -> list[LargeAssem
         wrong.append(f"limit {limit:g} s: it must be a time above 0")
     if wrong:
         raise InputError(wrong)
-    see_extra("bench", "bench speed compares with IPOPT", "casadi")
+    require_extra("bench", "bench speed compares with IPOPT", "casadi")
     return cases
 
 

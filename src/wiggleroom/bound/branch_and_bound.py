@@ -48,8 +48,10 @@ MIN_REDUCTION = 0.1
 MAX_PROOF_DEPTH = 200
 """So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
 MANY_BODIES = 60
-"""With more bodies than this local windows pay, and turns are tightened a neighbourhood at a time."""
-FIRST_HOPS, MIN_GAIN = 2, 0.2
+"""With more bodies than this local windows pay, and only some bodies are asked about at first."""
+MAX_WHOLE_BODIES = 300
+"""With more bodies than this programs of the whole take too long, and turns are tightened a neighbourhood at a time."""
+FIRST_HOPS, MIN_GAIN = 2, 0.5
 """At first bodies so many joints apart are asked about; nearer ones where the bound's distance from `cut` falls by less than this share."""
 
 
@@ -155,7 +157,7 @@ class BranchAndBound:
                 step.empty = nothing.pair
             return []
         held = np.flatnonzero(program.linear.column >= 0)
-        many = len(held) > MANY_BODIES
+        many = len(held) > MAX_WHOLE_BODIES
         most, multipliers, y, x = program.largest(self.weights, self.clock.is_set, interior=many)
         value = min(before, most)
         if step is not None:

@@ -44,7 +44,7 @@ class Corners:
     at : (n, 2) float64 [mm]
     angle : (n,) float64 [rad]
         By which the boundary turns there.
-    way : (n,) float64 [rad]
+    heading : (n,) float64 [rad]
         Direction of the side that begins there.
     long : (n,) float64 [mm]
         Its length if it ends near the other body, too, else nought.
@@ -52,7 +52,7 @@ class Corners:
 
     at: Floats
     angle: Floats
-    way: Floats
+    heading: Floats
     long: Floats
 
 
@@ -99,7 +99,7 @@ class CongruentJoint:
         first = np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]
         same = np.abs(corners.angle - mine.angle[first, None]) < ANGLE_TOLERANCE
         for j, k in zip(*np.nonzero(same), strict=True):
-            angle = float(corners.way[k] - mine.way[first[j]])
+            angle = float(corners.heading[k] - mine.heading[first[j]])
             shift = corners.at[k] - turn(mine.at[first[j]], angle)
             there = turn(mine.at, angle) + shift
             away = np.hypot(*(corners.at[:, None] - there).transpose(2, 0, 1)).min(0)

@@ -1,8 +1,8 @@
-"""Joints whose relative motion is bounded, and what follows for turns: difference constraints and shortest ways.
+"""Joints whose relative motion is bounded, and what follows for turns: difference constraints and shortest paths.
 
 Every joint keeps the turn of its second body against its first within an interval. So do other pairs of bodies that a local
-window has shown more about. Turns add up along ways between bodies: these are difference constraints, and what follows from
-them is found by shortest ways.
+window has shown more about. Turns add up along paths between bodies: these are difference constraints, and what follows from
+them is found by shortest paths.
 """
 
 from __future__ import annotations
@@ -111,30 +111,30 @@ def first_ranges(
     turns: TurnDifferences | None = None,
     deviation: float = 0.0,
 ) -> AngleRanges:
-    """Turns and shifts add up along ways to fixed bodies; the shortest way counts. Equations of joints hold up to `deviation` [mm]."""
+    """Turns and shifts add up along ways to fixed bodies; the shortest path counts. Equations of joints hold up to `deviation` [mm]."""
     turns = turn_differences(joints, regions) if turns is None else turns
-    up = shortest_ways(turns.a, turns.b, turns.high, -turns.low, fixed)
-    down = shortest_ways(turns.a, turns.b, -turns.low, turns.high, fixed)
+    up = shortest_paths(turns.a, turns.b, turns.high, -turns.low, fixed)
+    down = shortest_paths(turns.a, turns.b, -turns.low, turns.high, fixed)
     swing = 2 * np.sin(np.minimum(np.maximum(up, down), np.pi) / 2)
     far = np.array([regions[k].far for k in joints.kind]) + deviation
     with np.errstate(invalid="ignore"):
         step = far + np.hypot(*joints.arm_a.T) * swing[joints.a] + np.hypot(*joints.arm_b.T) * swing[joints.b]
-    shift = shortest_ways(joints.a, joints.b, step, step, fixed)
+    shift = shortest_paths(joints.a, joints.b, step, step, fixed)
     return AngleRanges(-down * RANGE_FACTOR, up * RANGE_FACTOR, shift * RANGE_FACTOR)
 
 
-def shortest_ways(a: Ints, b: Ints, forth: Floats, back: Floats, root: Bools) -> Floats:
-    """Shortest ways (n,) from the roots where edge k costs forth[k] from a to b and back[k] the other way."""
+def shortest_paths(a: Ints, b: Ints, forth: Floats, back: Floats, root: Bools) -> Floats:
+    """Shortest paths (n,) from the roots where edge k costs forth[k] from a to b and back[k] the other way."""
     source, target = np.concatenate([a, b]), np.concatenate([b, a])
     length = np.concatenate([forth, back])
-    way = np.where(root, 0.0, np.inf)
+    distance = np.where(root, 0.0, np.inf)
     for _ in range(len(root)):
-        shorter = way.copy()
-        np.minimum.at(shorter, target, way[source] + length)
-        if not (shorter < way - ROUNDING_MARGIN).any():
+        shorter = distance.copy()
+        np.minimum.at(shorter, target, distance[source] + length)
+        if not (shorter < distance - ROUNDING_MARGIN).any():
             break
-        way = shorter
-    return way
+        distance = shorter
+    return distance
 
 
 def _excess(larger: Floats, smaller: Floats) -> Floats:

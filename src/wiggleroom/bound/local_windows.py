@@ -1,6 +1,6 @@
 """Local windows: small sub-assemblies in which turns are bounded against one of their bodies, whatever the rest does.
 
-What joints of a few neighbours allow is less than what turns add up to along ways: rings of bodies have to close. So in every
+What joints of a few neighbours allow is less than what turns add up to along paths: rings of bodies have to close. So in every
 motion of the whole, one body of a window turns against another one within a range that a small program finds, in which that other
 one stands. Congruent windows share it, body by body: the range belongs to a pair of places in the window.
 """
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SPANS = (2, 4, 6)
-"""Windows hold all shortest ways between two bodies so many joints apart."""
+"""Windows hold all shortest paths between two bodies so many joints apart."""
 MAX_BODIES = 16
 """Larger windows cost more than they tell."""
 CONGRUENCE_TOLERANCE = 1e-4

@@ -199,7 +199,7 @@ def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
     near = joined_bodies(linkage.joints, bodies)
     chosen: list[int] = []
     left = set(near)
-    # from the outside inwards: ends of ways matter most
+    # from the outside inwards: ends of paths matter most
     far = np.hypot(*(linkage.place[bodies] - linkage.place[linkage.fixed].mean(0)).T)
     for b in bodies[np.argsort(-far, kind="stable")].tolist():
         if b not in left:

@@ -35,12 +35,12 @@ def serve(
     """
     import secrets
 
-    from wiggleroom.errors import InputError, see_extra
+    from wiggleroom.errors import InputError, require_extra
 
     first = None if file is None else first_request(file, asked)
     if file is None and asked != _NONE_ASKED:
         raise InputError("serve: --gap, --fix and the like are about a FILE; name it, or leave them out")
-    see_extra("page", "the page needs starlette, uvicorn and websockets", "starlette", "uvicorn", "websockets")
+    require_extra("page", "the page needs starlette, uvicorn and websockets", "starlette", "uvicorn", "websockets")
     from wiggleroom.app.server import USUAL_PORT, Page, listen, listen_anywhere
     from wiggleroom.app.server import serve as answer
 

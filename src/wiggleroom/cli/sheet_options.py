@@ -37,7 +37,7 @@ class SheetOptions:
         By how much outlines are drawn larger than they come out [mm], half the width of the cut. By default what the
         sheet itself says, else 0.
     hints
-        A TOML file with what is known of plates in space: thickness, thicknesses, burn, groups, join, plate.
+        A TOML file with what is known of plates in space: thickness, thicknesses, burn, groups, join, flush, plate, skip.
     """
 
     thickness: Many = ()

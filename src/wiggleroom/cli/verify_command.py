@@ -34,9 +34,9 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: QuestionOpti
         The assembly file or drawing that it is about. Without it, what is verified is about the outlines in the
         certificate.
     """
-    from wiggleroom.errors import InputError, see_extra
+    from wiggleroom.errors import InputError, require_extra
 
-    see_extra("verify", "verify needs python-flint", "flint")
+    require_extra("verify", "verify needs python-flint", "flint")
     from wiggleroom.cli.verify_drawing import drawn_by
     from wiggleroom.verify.certificate_structure import FORMAT
     from wiggleroom.verify.checker import Refused

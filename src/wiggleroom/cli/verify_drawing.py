@@ -92,13 +92,14 @@ def _terms(goals: Sequence[Goal], source: str, place: dict[str, tuple[float, flo
 
 def _bodies(assembly: Assembly) -> tuple[tuple[frozenset[str], list[Rings]], ...]:
     """Parts that move as one, and what they cover."""
-    from wiggleroom.assembly.statements import glue_groups
-
-    group = glue_groups(assembly.drawing)
-    members: dict[object, list[Part]] = {}
+    together = {name: frozenset((name,)) for name in assembly.names}  # apart from what the proof was made with
+    for names in assembly.drawing.glue:
+        joined = frozenset().union(*(together[name] for name in names))
+        together |= dict.fromkeys(joined, joined)
+    members: dict[frozenset[str], list[Part]] = {}
     for part in assembly.parts:
-        members.setdefault(group.get(part.name, part.name), []).append(part)
-    return tuple((frozenset(part.name for part in parts), _covered(parts)) for parts in members.values())
+        members.setdefault(together[part.name], []).append(part)
+    return tuple((names, _covered(parts)) for names, parts in members.items())
 
 
 def _covered(parts: list[Part]) -> list[Rings]:

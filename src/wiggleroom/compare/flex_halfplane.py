@@ -32,7 +32,7 @@ Ints = NDArray[np.int64]
 FIRST_TRUST_RADIUS = 2.0
 """Neighbours move against each other by at most this many clearances in the first steps."""
 EDGE_REACH = 3.0
-"""Corners see edges this many times further than that."""
+"""Corners are paired with edges up to this multiple of that distance."""
 MAX_PENETRATION = 0.1
 """A step that leaves a corner deeper in the other part than this share of the clearance is tried again, half as long."""
 TRUST_SHRINK, TRUST_GROWTH, MIN_TRUST_RADIUS = 0.5, 2.0, 1e-5

@@ -47,7 +47,7 @@ def flex_hull(
     best: End | None = None
     while True:
         program, solution = run.round(faces, begin)
-        points = [program.motion(u) for u in (*solution.way, solution.u)]
+        points = [program.motion(u) for u in (*solution.path, solution.u)]
         value = objective.value(points[-1])
         least = MIN_GAIN * len(begin) * max(abs(value), ready.clearance)
         gained = best is None or value > best.value + least

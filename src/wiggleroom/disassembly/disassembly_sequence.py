@@ -1,4 +1,4 @@
-"""Taking apart: who leaves, one set of parts after the other, each from where the one before left the others."""
+"""The disassembly sequence: which sets of parts leave, one after the other; each begins where the one before ended."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from wiggleroom.verdict import Certainty, Separability
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 HoldingCost = Callable[[Floats, NDArray[np.bool_], Ints], int]
-"""Of a state (n, 3) of all parts, those that are there, and those that are to leave."""
+"""How many parts must be held: of a state (n, 3) of all parts, of those that are there (n,), once some leave (k,)."""
 
 
 @dataclass(frozen=True, eq=False)

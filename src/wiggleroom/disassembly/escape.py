@@ -43,10 +43,10 @@ BOXES_FOR_NEAR_EXIT = 40_000
 MAX_TILTS = 4
 """From so many states besides the first, in which a body can be turned, largest turns are searched."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
-"""So much further inward outlines lie then, as shares of the clearance."""
+"""Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
 FRAME_SECONDS = 2.0
-"""Seconds that a distance may take which no part of a frame exceeds."""
+"""Time [s] for the bound on how far the parts of a frame can move."""
 EXIT_DISTANCE = 0.1
 """Parts that left end this share of the drawing's size beyond all others."""
 

@@ -37,9 +37,9 @@ Ints = NDArray[np.int64]
 TRIAL_GAP = 1e-4
 """Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
 MIN_BOUND_SECONDS = 1.0
-"""A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
+"""The bound on displacements may take as long as the verdict did, and at least this long [s]."""
 MIN_REFINED_SECONDS = 0.1
-"""The same where a distance is known already and a nearer one is looked for."""
+"""The same for a tighter bound, where one is known already."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,7 +39,7 @@ class LargestGap(Drawable):
     holds : float or None [mm]
         Largest gap that was seen to interlock; None where no gap does.
     parts_at : float or None [mm]
-        Smallest gap at which a way apart was found; None where the parts fall to pieces before they come apart.
+        Smallest gap at which a path apart was found; None where the parts fall to pieces before they come apart.
     interlocked, apart : Interlock, SpatialDisassembly or None
         The verified states on both sides.
     """
@@ -59,7 +59,7 @@ def largest_gap(
 ) -> LargestGap:
     """The gap of the whole assembly at which it comes apart, to 0.1 %.
 
-    Parts only get smaller as the gap grows, so a way apart stays a way apart, and bisection finds the border. Gaps of single joints and
+    Parts only get smaller as the gap grows, so a path apart stays a path apart, and bisection finds the border. Gaps of single joints and
     offsets of parts stay as they are. Where some gaps cannot be decided, both sides stay further apart.
 
     Parameters

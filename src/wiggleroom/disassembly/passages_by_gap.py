@@ -22,8 +22,8 @@ Sides = tuple[float, frozenset[Names]]
 class PassagesByGap:
     """Passages of one assembly that were looked at, from rest, with several gaps.
 
-    Parts only shrink as the gap grows. So what certainly does not leave at a gap does not leave at a smaller one, and a way out stays a way
-    out at a larger one. What the same boxes decided neither at a smaller nor at a larger gap is not looked at in between. Curves that were
+    Parts only shrink as the gap grows. So what certainly does not leave at a gap does not leave at a smaller one, and an escape path stays
+    one at a larger gap. What the same boxes decided neither at a smaller nor at a larger gap is not looked at in between. Curves that were
     cut into other edges are other outlines, of which nothing is known.
     """
 

@@ -88,7 +88,7 @@ class SlideSearch:
 
     Parameters
     ----------
-    path : SlideWay or None
+    path : SlidePath or None
     states : int
         Different states that were visited.
     whole : bool

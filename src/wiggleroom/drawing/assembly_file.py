@@ -54,13 +54,13 @@ def read_assembly(source: str | Path) -> Drawing:
     'a'
     """
     text = load(source, opening="{[", name="assembly")
-    with _without_collection():
-        return _Reader(text.name, entry_of(text, FileEntry)).drawing()
+    with _without_garbage_collection():
+        return _PlanarReader(text.name, entry_of(text, FileEntry)).drawing()
 
 
 @contextmanager
-def _without_collection() -> Iterator[None]:
-    """Millions of lists are made and none is garbage: to look for it among them takes longer than to read them."""
+def _without_garbage_collection() -> Iterator[None]:
+    """Without garbage collection: reading makes millions of lists, none is garbage, and looking through them takes longer than reading."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -70,7 +70,7 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-class _Given(NamedTuple):
+class _RawOutline(NamedTuple):
     """An outline as it was given, where it stands, which way it should run, and how much was found to be wrong before it."""
 
     ring: Points
@@ -80,12 +80,12 @@ class _Given(NamedTuple):
     findings: int
 
 
-class _Reader(EntryReader[FileEntry]):
+class _PlanarReader(EntryReader[FileEntry]):
     """Goes through one file and collects what is wrong with it."""
 
     def __init__(self, file: str, entry: FileEntry) -> None:
         super().__init__(file, entry)
-        self._rings: list[_Given] = []
+        self._rings: list[_RawOutline] = []
 
     def drawing(self) -> Drawing:
         """Return the drawing, or raise an InputError with every finding."""
@@ -198,7 +198,7 @@ class _Reader(EntryReader[FileEntry]):
         ring = np.array(corners, dtype=float).reshape(-1, 2)
         if self._mm != 1.0:
             ring *= self._mm
-        self._rings.append(_Given(ring, where, label, clockwise, len(self._findings)))
+        self._rings.append(_RawOutline(ring, where, label, clockwise, len(self._findings)))
         return ring
 
     def _with_clean_rings(self, parts: list[Part]) -> list[Part]:
@@ -221,7 +221,7 @@ class _Reader(EntryReader[FileEntry]):
                 regions[id(region)] = Region(outer, tuple(holes))
         return [replace(part, regions=tuple(regions[id(region)] for region in part.regions)) for part in parts]
 
-    def _cleaned(self, given: _Given) -> Points:
+    def _cleaned(self, given: _RawOutline) -> Points:
         """An outline cleaned, or a finding and something that stands for it."""
         where, label = given.where, given.label
         if given.ring.size and not np.abs(given.ring).max() <= LARGEST:

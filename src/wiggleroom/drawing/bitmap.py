@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, see_extra
+from wiggleroom.errors import InputError, require_extra
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -87,7 +87,7 @@ def _grey(picture: Picture) -> NDArray[np.float32]:
 
 def _library() -> Any:
     """Pillow, imported when it is needed."""
-    see_extra("image", "pictures need Pillow", "PIL")
+    require_extra("image", "pictures need Pillow", "PIL")
     from PIL import Image
 
     return Image

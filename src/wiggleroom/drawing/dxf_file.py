@@ -9,7 +9,7 @@ from typing import Any
 
 from wiggleroom.drawing.source import read_bytes
 from wiggleroom.drawing.units import UNITS, millimetres
-from wiggleroom.errors import InputError, see_extra
+from wiggleroom.errors import InputError, require_extra
 
 _BINARY = b"AutoCAD Binary DXF\r\n\x1a\x00"
 _DWG = b"AC10"
@@ -85,7 +85,7 @@ def import_ezdxf(done: str) -> Any:
     MissingExtraError
         If it is not installed.
     """
-    see_extra("dxf", f"DXF files are {done} with ezdxf, which is not installed", "ezdxf")
+    require_extra("dxf", f"DXF files are {done} with ezdxf, which is not installed", "ezdxf")
     import ezdxf
 
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)  # what matters is said in our own notes

@@ -8,10 +8,11 @@ from typing import Any
 
 from wiggleroom.drawing.dxf_file import import_ezdxf
 from wiggleroom.drawing.dxf_walk import HOLES, NAME
+from wiggleroom.drawing.glue_groups import glued_names
 from wiggleroom.drawing.layers import LABELS
 from wiggleroom.drawing.lettering import Label, labels_of, lettered
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.drawing.svg_writer import merged, placed_rings
+from wiggleroom.drawing.svg_writer import placed_rings
 
 _LAYERS = {"cut": 7, "fixed": 1, HOLES: 3, LABELS: 5}
 """Layers and their colours: black or white, red, green, blue."""
@@ -72,7 +73,7 @@ def _document(ezdxf: Any, drawing: Drawing, labels: Sequence[Label]) -> Any:
     for label in labels:
         for stroke in lettered(label):
             space.add_lwpolyline(stroke.tolist(), dxfattribs={"layer": LABELS})
-    for number, names in enumerate(merged(drawing.glue), 1):
+    for number, names in enumerate(glued_names(drawing.glue), 1):
         with document.groups.new(f"glue-{number}").edit_data() as members:
             members.extend(line for name in names for line in outers[name])
     return document

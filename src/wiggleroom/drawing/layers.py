@@ -140,12 +140,12 @@ def is_engraved(word: str) -> bool:
     return any(token.startswith(ENGRAVING_WORDS) for token in _tokens(word))
 
 
-def is_aside(word: str) -> bool:
+def is_auxiliary_layer(word: str) -> bool:
     """Whether a layer of this name holds what is not cut.
 
     Examples
     --------
-    >>> [is_aside(word) for word in ("Engraving", "Hilfslinien", "text-12", "文字", "textile", "cut", "Text cut")]
+    >>> [is_auxiliary_layer(word) for word in ("Engraving", "Hilfslinien", "text-12", "文字", "textile", "cut", "Text cut")]
     [True, True, True, True, False, False, False]
     """
     tokens = _tokens(word)
@@ -225,7 +225,7 @@ def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
         return f"{_BOXES[stroke.colour]} (colour {name_of(stroke.colour)} of boxes.py); --only {name_of(stroke.colour)} reads it"
     for group in stroke.groups:
         for mark in dict.fromkeys((group.name, *group.marks)):
-            if mark and is_aside(mark):
+            if mark and is_auxiliary_layer(mark):
                 return f'in "{mark}", by its name not cut; --only "{mark}" reads it'
     for mark in (stroke.label, stroke.name, *stroke.marks):
         if mark and is_engraved(mark):

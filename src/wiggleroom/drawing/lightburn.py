@@ -61,7 +61,7 @@ def lightburn_artwork(path: str | Path, unit: str | None = None, stop: Stop | No
     except InputError as error:
         message = f"{source.name}: {error}"
         raise InputError(message) from None
-    walk = _Walk(source.name, root, stop)
+    walk = _LightburnWalk(source.name, root, stop)
     # What was drawn on a machine whose origin is at the right or in the back is mirrored on the screen.
     mirror = [-1.0 if root.attributes.get(key, "").lower() == "true" else 1.0 for key in ("MirrorX", "MirrorY")]
     walk.shapes(root, Affine(scale * mirror[0], 0.0, 0.0, scale * mirror[1]), (), 0)
@@ -74,7 +74,7 @@ def lightburn_artwork(path: str | Path, unit: str | None = None, stop: Stop | No
     )
 
 
-class _Walk:
+class _LightburnWalk:
     """Shapes of a project, with what is wrong with them."""
 
     def __init__(self, file: str, root: Element, stop: Stop | None) -> None:

@@ -11,7 +11,7 @@ from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.parts import reading_of, sound
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.svg_page import page_map
-from wiggleroom.drawing.svg_walk import Walk
+from wiggleroom.drawing.svg_walk import SvgWalk
 from wiggleroom.drawing.xmltree import parse_xml
 from wiggleroom.errors import InputError, Stop
 
@@ -41,7 +41,7 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
         message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
         raise InputError(message)
     matrix, port, notes = page_map(root, unit, text.name)
-    walk = Walk(text.name, root, stop)
+    walk = SvgWalk(text.name, root, stop)
     walk.run(matrix, port)
     if walk.repeated:
         named = ", ".join(walk.repeated[:3]) + (", ..." if len(walk.repeated) > 3 else "")

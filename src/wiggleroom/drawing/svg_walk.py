@@ -47,7 +47,7 @@ class _SvgState:
 
 
 @dataclass
-class Walk:
+class SvgWalk:
     """Shapes, notes and findings of one drawing."""
 
     file: str

@@ -8,6 +8,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from wiggleroom.drawing.glue_groups import glued_names
 from wiggleroom.drawing.lettering import Label, labels_of, lettered
 from wiggleroom.drawing.model import Drawing, Part, Points, Region
 
@@ -48,7 +49,7 @@ def write_svg(drawing: Drawing | Sequence[Part], labels: Sequence[Label] | None 
     names = [
         _label(label, shift, height) for label in (labels_of(parts) if labels is None else labels) if label.text.strip()
     ]
-    groups = merged(drawing.glue if isinstance(drawing, Drawing) else ())
+    groups = glued_names(drawing.glue if isinstance(drawing, Drawing) else ())
     body: list[str] = []
     for name in list(lines):
         group = next((members for members in groups if name in members), [name])
@@ -102,13 +103,3 @@ def _number(value: float) -> str:
 def _stroke(width: float, height: float) -> str:
     """Thin on a page of any size."""
     return f"{min(0.1, max(width, height) / 500):.3g}"
-
-
-def merged(glue: Sequence[Sequence[str]]) -> list[list[str]]:
-    """Make one group of those that share a part."""
-    merged: list[list[str]] = []
-    for names in glue:
-        touching = [group for group in merged if set(group) & set(names)]
-        merged = [group for group in merged if group not in touching]
-        merged.append(list(dict.fromkeys(name for group in (*touching, names) for name in group)))
-    return merged

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.loops import Loops, chained, region_rings
-from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Part
 from wiggleroom.errors import InputError
 
@@ -241,7 +241,7 @@ def _as_drawn(assembly: Assembly) -> tuple[Part, ...]:
 
 def _bodies(assembly: Assembly, parts: tuple[Part, ...]) -> tuple[Ints, int]:
     """Body of every part, and the one that stands."""
-    group = glue_groups(assembly.drawing)
+    group = glue_groups(assembly.drawing.glue)
     stands = {group[p.name] for p in parts if p.fixed and p.name in group}
     key = [
         ("fixed", 0)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, place
+from wiggleroom.drawing.glue_groups import body_numbers
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -126,22 +127,9 @@ def bodies(assembly: Assembly) -> Bodies:
 
 def _groups(assembly: Assembly) -> list[tuple[int, ...]]:
     """Parts that move as one, in order of their first member."""
-    index = {name: k for k, name in enumerate(assembly.names)}
-    root = list(range(len(index)))
-
-    def find(k: int) -> int:
-        while root[k] != k:
-            root[k] = root[root[k]]
-            k = root[k]
-        return k
-
-    for names in assembly.drawing.glue:
-        for other in names[1:]:
-            a, b = sorted((find(index[names[0]]), find(index[other])))
-            root[b] = a
     groups: dict[int, list[int]] = {}
-    for k in range(len(root)):
-        groups.setdefault(find(k), []).append(k)
+    for part, body in enumerate(body_numbers(assembly.names, assembly.drawing.glue)):
+        groups.setdefault(body, []).append(part)
     return [tuple(g) for g in groups.values()]
 
 

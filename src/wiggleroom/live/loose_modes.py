@@ -91,14 +91,14 @@ def _directions(program: Program, body: int | None, count: int) -> list[Floats]:
         loads = np.zeros((n, 3))
         loads[3 * program.slot[body] + np.arange(3), np.arange(3)] = 1.0
         given = splu(stiff).solve(loads)
-        _, ways = np.linalg.eigh(loads.T @ given)
-        return list((given @ ways[:, ::-1]).T)
+        _, vectors = np.linalg.eigh(loads.T @ given)
+        return list((given @ vectors[:, ::-1]).T)
     few = min(2 * count + 2, n - 1)
     if few < 1 or n < 12:
-        _, ways = np.linalg.eigh(stiff.toarray())
-        return list(ways.T[: 2 * count + 2])
-    _, ways = eigsh(stiff, few, sigma=0.0, which="LM", v0=np.ones(n))
-    return list(ways.T[::-1]) if _[0] > _[-1] else list(ways.T)
+        _, vectors = np.linalg.eigh(stiff.toarray())
+        return list(vectors.T[: 2 * count + 2])
+    _, vectors = eigsh(stiff, few, sigma=0.0, which="LM", v0=np.ones(n))
+    return list(vectors.T[::-1]) if _[0] > _[-1] else list(vectors.T)
 
 
 def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None) -> tuple[Floats, bool]:
@@ -112,8 +112,8 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
     still = np.zeros((1, len(ready.bodies.fixed), 3))
     if search.best is None:
         return still, False
-    way = search.checked_path(search.best)
-    motions, safe = way.motions[: way.certain], OVERLAP_TOLERANCE * ready.size
+    checked = search.checked_path(search.best)
+    motions, safe = checked.motions[: checked.certain], OVERLAP_TOLERANCE * ready.size
     if search.unlimited:
         far = np.array([_furthest(ready.bodies, m).max() for m in motions]) > MAX_SHOWN_TRAVEL * ready.size
         motions = motions[: max(1, int(far.argmax()))] if far.any() else motions

@@ -43,7 +43,7 @@ FIRST_BARRIER = 3e-3
 MAX_LIVE_ROUNDS = 30
 """Rounds of one request at most, whatever its time."""
 PATH_SAMPLES = 8
-"""So many of a way's points show where it leads: the solver's steps wander."""
+"""So many of a path's points show where it leads: the solver's steps wander."""
 WANTED_ROOM, MIN_ROOM, SLACK_ROW_WEIGHT, MAX_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
 PICTURE_TOLERANCE = 1e-6
@@ -200,7 +200,7 @@ class WarmSearch:
         """The motion of an incumbent; None where something overlaps there or may have met on the path."""
         motion = found.motion
         if found.solution.status not in FINISHED:  # the last iterate may be on its way through a wall; these are not
-            motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
+            motion = found.program.motion(found.solution.path[-1] if found.solution.path else found.begin)
         if not free_of_overlap(self.ready, motion):
             return None
         return None if len(self._unchecked(self.search, found)[0]) else motion

@@ -45,6 +45,8 @@ class SheetSettings:
         Free room between two bodies in the file that is written.
     max_scored : int
         No other beam is begun after as many poses were scored for the sheet.
+    aligned_share : float in (0, 1)
+        Share of the poses of a search that the one of edges that end together may try.
     """
 
     efforts: tuple[Effort, ...] = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
@@ -54,6 +56,7 @@ class SheetSettings:
     sure_relief: float = 0.12
     body_distance: float = 20.0
     max_scored: int = 400_000
+    aligned_share: float = 0.3
 
 
 SETTINGS = SheetSettings()
@@ -161,9 +164,8 @@ def assemble_sheet(
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
     constraints = edge_constraints(sheet, plates, hints)
     bench = BeamState(_told_apart(plates, constraints.named), constraints)
-    tables = (
-        PairPoseTable(bench, whole=True, aligned=True), PairPoseTable(bench, whole=True), PairPoseTable(bench, whole=False),
-    )  # fmt: skip
+    whole = PairPoseTable(bench, whole=True)
+    tables = PairPoseTable(bench, whole=True, aligned_of=whole), whole, PairPoseTable(bench, whole=False)
     found, doubts = _bodies(bench, tables, hints, stop, progress)
     bodies, unplaced = with_fixed_plates(bench, [_outward(bench, refined(bench, body)) for body in found], constraints)
     notes = [*sheet.notes]
@@ -277,7 +279,9 @@ def _body(
     name = bench.plates[starts[0].rows[0]].name
     best: tuple[int, Placement] | None = None
     doubts: list[str] = []
-    aligned = closed_placements(bench, starts, left, tables[0], share=share, max_open_lines=0, stop=stop)
+    aligned = closed_placements(
+        bench, starts, left, tables[0], share=SETTINGS.aligned_share * share, max_open_lines=0, stop=stop
+    )
     for table in tables[1:]:
         # What has edges that end together is likelier, but it counts as sure only where nothing else fits.
         spare = {"max_open_lines": 0} if aligned.placements else {}

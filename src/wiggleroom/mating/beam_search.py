@@ -257,8 +257,8 @@ class BeamState:
     def trace(self, kind: int, turns: Floats, moves: Floats) -> Floats:
         """Numbers (k, 3) that tell poses of one kind of panel apart unless they cover the same places."""
         corners, weights = self.corners[self.first[kind]], self.corner_weights[self.first[kind]]
-        ways = np.einsum("wi,kij->kwj", self._waves, turns)[:, :, :2]
-        phase = ways @ corners.T + (moves @ self._waves.T)[:, :, None]
+        waves = np.einsum("wi,kij->kwj", self._waves, turns)[:, :, :2]
+        phase = waves @ corners.T + (moves @ self._waves.T)[:, :, None]
         return np.sin(phase + 0.1) @ weights
 
     def signature(self, state: Placement) -> Floats:

@@ -306,14 +306,17 @@ def _meeting_askew(fa, ta, fb, tb, turn, move, tolerance, pairs):
                 continue
             dx = turn[0, 0] * fb[j, 2] + turn[0, 1] * fb[j, 3]
             dy = turn[1, 0] * fb[j, 2] + turn[1, 1] * fb[j, 3]
-            way = dx * ex + dy * ey
-            if abs(way) < MIN_UPRIGHT_COSINE:
+            alignment = dx * ex + dy * ey
+            if abs(alignment) < MIN_UPRIGHT_COSINE:
                 continue
             px = turn[0, 0] * x + turn[0, 1] * y + move[0]
             py = turn[1, 0] * x + turn[1, 1] * y + move[1]
             best, nearest = -1, tolerance
             for i in range(len(fa)):
-                if abs(fa[i, 6] - length) > ASKEW_LENGTH_TOLERANCE * ta or (fa[i, 2] * ex + fa[i, 3] * ey) * way > 0:
+                if (
+                    abs(fa[i, 6] - length) > ASKEW_LENGTH_TOLERANCE * ta
+                    or (fa[i, 2] * ex + fa[i, 3] * ey) * alignment > 0
+                ):
                     continue
                 if abs(fa[i, 2] * ex + fa[i, 3] * ey) < MIN_UPRIGHT_COSINE:
                     continue

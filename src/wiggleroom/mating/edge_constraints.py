@@ -76,9 +76,11 @@ class FlushEdges:
 
     def held(self, turns: Sequence[Floats], moves: Sequence[Floats]) -> bool:
         """Whether the edges lie in one plane and look the same way, for poses of both panels."""
-        ways = [turn[:, :2] @ outward for turn, outward in zip(turns, self.outward, strict=True)]
+        directions = [turn[:, :2] @ outward for turn, outward in zip(turns, self.outward, strict=True)]
         places = [turn[:, :2] @ point + move for turn, point, move in zip(turns, self.points, moves, strict=True)]
-        return bool(ways[0] @ ways[1] > 0.99 and abs((places[0] - places[1]) @ ways[0]) < self.tolerance)
+        return bool(
+            directions[0] @ directions[1] > 0.99 and abs((places[0] - places[1]) @ directions[0]) < self.tolerance
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +252,7 @@ def edge_constraints(sheet: CuttingSheet, plates: Sequence[SheetPlate], hints: H
         frame, row = names.index(plate.frame), names.index(plate.panel)
         if frame == row:
             findings.append(f"plate: {plate.panel} stands in its own frame; name another panel as frame")
-        right, up = (np.array(way) / np.linalg.norm(way) for way in (plate.right, plate.up))
+        right, up = (np.array(axis) / np.linalg.norm(axis) for axis in (plate.right, plate.up))
         turn = np.column_stack([right, up, np.cross(right, up)])
         poses.append(GivenPose((frame, row), turn, np.array(plate.centre), FLUSH * plates[row].thickness))
     if findings:

@@ -248,8 +248,8 @@ def joint_angles(plates: Sequence[SheetPlate]) -> Floats:
     """
     found: Counter[float] = Counter()
     for plate in plates:
-        ways = [line.along for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
-        for a, b in combinations(ways, 2):
+        directions = [line.along for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
+        for a, b in combinations(directions, 2):
             sine, cosine = abs(a[0] * b[1] - a[1] * b[0]), abs(a @ b)
             angle = round(float(np.degrees(np.arctan2(sine, cosine))), 1)
             if FLANKS.least_angle < angle < 90.0 - FLANKS.square_angle:

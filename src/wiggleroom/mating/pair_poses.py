@@ -62,14 +62,14 @@ class PairPoseTable:
     bench : BeamState
     whole : bool
         Only poses in which rows of fingers meet from end to end: a joint is a row of one panel in a row of another.
-    aligned : bool
-        And of these only those in which the edges end together.
+    aligned_of : PairPoseTable, optional
+        A table of which only those poses count in which the edges end together.
     """
 
-    def __init__(self, bench: BeamState, *, whole: bool, aligned: bool = False) -> None:
+    def __init__(self, bench: BeamState, *, whole: bool, aligned_of: PairPoseTable | None = None) -> None:
         self.bench = bench
         self.whole = whole
-        self.aligned = aligned
+        self.aligned_of = aligned_of
         self.angles = joint_angles(bench.plates)
         self._known: dict[tuple[int, int], PairPoses] = {}
 
@@ -77,7 +77,11 @@ class PairPoseTable:
         """Poses of a panel like `b` in the frame of a panel like `a`; both are rows."""
         key = self.bench.plates[a].kind, self.bench.plates[b].kind
         if key not in self._known:
-            if key[::-1] in self._known:
+            if self.aligned_of is not None:
+                poses = self.aligned_of.between(a, b)
+                joined = bool(self.bench.constraints.between(a, b))
+                self._known[key] = poses if joined else _chosen(poses, poses.together == 2.0)
+            elif key[::-1] in self._known:
                 self._known[key] = _inverse(self._known[key[::-1]])
             else:
                 self._known[key] = self._worked_out(a, b, self.bench.constraints.between(a, b))
@@ -103,8 +107,6 @@ class PairPoseTable:
                 fine &= met[:, list(flank_rows(edge))].sum(axis=1) >= join.least
         if self.whole and not joins:
             fine &= _meets_whole_rows(bench.plates[a], met_a) & _meets_whole_rows(bench.plates[b], met_b)
-        if self.aligned and not joins:
-            fine &= together == 2.0
         turns, moves, together = turns[fine], moves[fine], together[fine]
         met_a, met_b, blocked_a, blocked_b = bench.masks(a, b, turns, moves)
         count, odd = met_a.sum(axis=1), blocked_a.sum(axis=1) + blocked_b.sum(axis=1)
@@ -127,6 +129,13 @@ class PairPoseTable:
             tuple(zip(bits(blocked_a[keep]), bits(blocked_b[keep]), strict=True)),
             together[keep],
         )
+
+
+def _chosen(poses: PairPoses, keep: NDArray[np.bool_]) -> PairPoses:
+    """Some of the poses."""
+    rows = np.flatnonzero(keep).tolist()
+    met, blocked = (tuple(pairs[k] for k in rows) for pairs in (poses.met, poses.blocked))
+    return PairPoses(poses.turns[keep], poses.moves[keep], met, blocked, poses.together[keep])
 
 
 def _inverse(poses: PairPoses) -> PairPoses:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import require_extra
 from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.contact import MAX_SQUARE_COSINE
 from wiggleroom.mating.flanks import SheetPlate, inset
@@ -80,7 +80,7 @@ def solid(plate: SheetPlate, thickness: float, turn: Floats, move: Floats, relie
     MissingExtraError
         If manifold3d is not installed.
     """
-    see_extra("solid", "putting plates together needs manifold3d", "manifold3d")
+    require_extra("solid", "putting plates together needs manifold3d", "manifold3d")
     import manifold3d
 
     outline = inset(plate.polygon, relief)

@@ -1,1 +1,1 @@
-"""Plans: paths of taking apart and putting together, made ready for hands and robots."""
+"""Plans for hands and robots: in which order, and along which paths, parts are taken apart and put together."""

@@ -1,4 +1,4 @@
-"""Steps made ready for robots: one motion after the other where possible, shortened, and as far from everything as they can be."""
+"""Paths of steps improved for robots: one part after the other where possible, with shortcuts, and with the largest clearance."""
 
 from __future__ import annotations
 

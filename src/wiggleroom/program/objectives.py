@@ -235,19 +235,19 @@ class Nearness:
     def gradient(self, motion: Floats) -> Floats:
         """Derivatives (n, 3)."""
         out = np.zeros_like(motion)
-        way = self.apart + self.other.moved(motion) - self.one.moved(motion)
+        difference = self.apart + self.other.moved(motion) - self.one.moved(motion)
         for points, sign in ((self.one, 2.0), (self.other, -2.0)):
-            slope = np.einsum("ki,kij->kj", way, points.slopes(motion))
+            slope = np.einsum("ki,kij->kj", difference, points.slopes(motion))
             np.add.at(out, points.body, sign * self.weight * slope)
         return out
 
     def hessian(self, motion: Floats) -> tuple[Ints, Floats, Floats]:
         """Bodies (2k,), blocks (2k, 3, 3), and those of the pairs (k, 3, 3)."""
-        way = self.apart + self.other.moved(motion) - self.one.moved(motion)
+        difference = self.apart + self.other.moved(motion) - self.one.moved(motion)
         slopes = [points.slopes(motion) for points in (self.one, self.other)]
         own = [-np.einsum("kij,kil->kjl", slope, slope) for slope in slopes]
-        own[0][:, 2, 2] -= (way * self.one.turned(motion)).sum(1)
-        own[1][:, 2, 2] += (way * self.other.turned(motion)).sum(1)
+        own[0][:, 2, 2] -= (difference * self.one.turned(motion)).sum(1)
+        own[1][:, 2, 2] += (difference * self.other.turned(motion)).sum(1)
         body = np.concatenate([self.one.body, self.other.body])
         coupled = np.einsum("kij,kil->kjl", *slopes)
         return body, 2 * self.weight * np.concatenate(own), 2 * self.weight * coupled

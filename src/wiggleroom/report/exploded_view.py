@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.statements import glue_groups
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.glue_groups import body_numbers
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
@@ -20,7 +19,6 @@ def exploded_offsets(assembly: SpatialAssembly) -> Floats:
     reference = assembly.reference
     corners = np.vstack([m.surface.vertices @ p.R.T + p.at for p, m in zip(assembly.parts, assembly.made, strict=True)])
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    glued = glue_groups(Drawing((), glue=assembly.drawing.glue))
-    body = np.array([glued.get(name, -1 - k) for k, name in enumerate(assembly.names)])
+    body = np.array(body_numbers(assembly.names, assembly.drawing.glue))
     centre = np.array([reference[body == b].mean(axis=0) for b in body])
     return centre - middle

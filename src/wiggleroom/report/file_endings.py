@@ -29,7 +29,7 @@ def ending(path: PurePath) -> str:
 def wrong_ending(path: PurePath, endings: Sequence[str]) -> str:
     """Say what is wrong with the ending of a name, or nothing.
 
-    >>> unlike(PurePath("a.gif"), STUDIES)
+    >>> wrong_ending(PurePath("a.gif"), STUDIES)
     'the name must end in .svg, .png or .html; films come from flex, check and plan'
     """
     found = ending(path)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import require_extra
 from wiggleroom.report import palette
 from wiggleroom.report.film_svg import PAUSES
 from wiggleroom.report.missing_glyphs import missing_glyphs
@@ -154,7 +154,7 @@ def need_film_library(kind: str) -> None:
     MissingExtraError
         If it is not.
     """
-    see_extra("film", f"a {kind} film needs the extra film; .film.svg and .html need nothing more", *_NEEDS[kind])
+    require_extra("film", f"a {kind} film needs the extra film; .film.svg and .html need nothing more", *_NEEDS[kind])
 
 
 _NEEDS = {".gif": ("PIL",), ".mp4": ("PIL", "av")}

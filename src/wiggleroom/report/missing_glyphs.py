@@ -1,4 +1,4 @@
-"""Letters that no font on this machine has, so that a PNG cannot show them."""
+"""Missing glyphs: letters that no font on this machine has, so that a PNG cannot show them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def missing_glyphs(texts: Iterable[str], *, own_font_only: bool = False) -> str:
 
     Examples
     --------
-    >>> missing_letters(["lid 2", "Größe"])
+    >>> missing_glyphs(["lid 2", "Größe"])
     ''
     """
     some = sorted({c for text in texts for c in text if not c.isascii() and _is_seen(c)})[:MAX_LETTERS]

@@ -138,7 +138,10 @@ def _lines_alone(found: Displayable) -> list[str]:
             moving = f": {few(found.moving)}" if found.moving else ""
             return [f"{found.verdict}, drawn tight{moving}"]
         case Blocking():
-            moves = [f"{few(names)} can begin to slide in {towards(way)}" for names, way in found.moves[:MAX_MOVES]]
+            moves = [
+                f"{few(names)} can begin to slide in {towards(direction)}"
+                for names, direction in found.moves[:MAX_MOVES]
+            ]
             return [f"{found.verdict}, drawn tight" + (f"; the key is {found.key}" if found.key else ""), *moves]
         case LiveResult():
             end = "its end" if found.settled else "not settled: ask again to go on"

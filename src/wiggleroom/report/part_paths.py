@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Container
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -11,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Part
+from wiggleroom.report import palette
 from wiggleroom.report.layout import View
 
 Floats = NDArray[np.float64]
@@ -63,6 +65,11 @@ class PartPaths:
             self.known[key] = PartPath(f"s{len(self.known) + 1}", polygon, path)
         return self.known[key]
 
+    @property
+    def definitions(self) -> str:
+        """All shapes, for `defs` of the picture."""
+        return "".join(f'<path id="{s.key}" d="{s.path}"/>' for s in self.known.values())
+
 
 def middle(part: Part) -> Floats:
     """Middle of the part's box in its own frame (2,) [mm]."""
@@ -74,6 +81,28 @@ def _ring(points: Floats) -> str:
     ring = shapely.simplify(shapely.LinearRing(points), SIMPLIFY_TOLERANCE)
     corners = shapely.get_coordinates(ring)[:-1]
     return ("M" + "%.2f,%.2f " * len(corners)) % tuple(corners.ravel().tolist()) + "z"
+
+
+def role(part: Part, pulled: Container[str | None]) -> str:
+    """Role of a part, which its colours in `palette.ROLE_COLOURS` are named by."""
+    return "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
+
+
+def line_width(room: float) -> float:
+    """Width [px] of outlines where the usual part is `room` pixels large."""
+    return min(max(0.02 * room, 0.3), 1.2)
+
+
+def colour_attributes(colours: tuple[str, str], line: float | None = None) -> str:
+    """Attributes of SVG for a fill and an outline, `line` pixels wide."""
+    width = "" if line is None else f' stroke-width="{line:.2f}"'
+    return f'fill="{colours[0]}" fill-opacity="0.85" stroke="{colours[1]}"{width}'
+
+
+def rest_outlines(uses: str, line: float) -> str:
+    """Thin outlines of parts at rest, a little thinner than `line` [px]."""
+    style = f'fill="none" stroke="{palette.REST}" stroke-width="{0.8 * line:.2f}" stroke-linejoin="round"'
+    return f"<g {style}>{uses}</g>"
 
 
 def spot(view: View, part: Part, pose: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -1,4 +1,4 @@
-"""Pictures of answers and of assemblies, as SVG text that is the same for the same answer."""
+"""Pictures of answers, as SVG text that is the same for the same answer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from wiggleroom.report.answer_words import facts, headline, number
 from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, obstacles
 from wiggleroom.report.layout import View
 from wiggleroom.report.names import names_group
-from wiggleroom.report.part_paths import PartPaths, spot, use
+from wiggleroom.report.part_paths import PartPaths, colour_attributes, line_width, rest_outlines, role, spot, use
 from wiggleroom.report.text import escape
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def picture(
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
         The picture says so.
-    tints : Tints, optional
+    tints : PartColours, optional
         Colours of the parts in place of the usual ones.
     title, said : str and sequence of str, optional
         Headline and facts in place of those of the answer.
@@ -75,40 +75,25 @@ def picture(
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
     said = [*(facts(answer) if said is None else said), *([f"motion x {number(factor)}"] if factor != 1 else [])]
-    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints, words)
-
-
-def _draw(
-    assembly: Assembly,
-    answer: Answer | None,
-    factor: float,
-    title: str,
-    said: list[str],
-    command: str,
-    tints: PartColours | None = None,
-    words: LegendWords = FLEX_WORDS,
-) -> str:
-    """Whole picture; without an answer the parts lie at rest."""
-    rest = assembly.rest
-    shown = rest if answer is None else rest + factor * answer.motion
+    assembly, rest = answer.assembly, answer.assembly.rest
+    shown = rest + factor * answer.motion
     both = np.vstack([layout.boxes(assembly, rest), layout.boxes(assembly, shown)])
     box = layout.extent(both)
     canvas = layout.view(box, 0.0).canvas
+    title = title or headline(answer)
     head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + palette.HEAD_SPACING)
     rooms = (both[len(rest) :, 2:] - both[len(rest) :, :2]).max(axis=1) * view.scale
     room = float(np.median(rooms))
-    goals = assembly.goals if answer is None else answer.goals
     rows = {name: k for k, name in enumerate(assembly.names)}
-    marked = [(g, rows[name]) for g in goals if (name := part_of(g)) in rows]
-    marks = [goal_mark(view, assembly, g, rest, shown, rooms[row]) for g, row in marked]
-    if answer is not None:
-        marks.insert(0, contact_mark(view, answer, rest, shown, room))
+    marked = [(g, rows[name]) for g in answer.goals if (name := part_of(g)) in rows]
+    marks = [contact_mark(view, answer, rest, shown, room)]
+    marks += [goal_mark(view, assembly, g, rest, shown, rooms[row]) for g, row in marked]
     pulled = {assembly.names[row] for _, row in marked}
-    body = drawn_parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
-    legend = _legend(assembly, answer, bool(pulled), tints, words)
-    foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
-    return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
+    body = drawn_parts(view, assembly, rest, shown, pulled, marks, room, tints)
+    legend = _legend(answer, bool(pulled), tints, words)
+    foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, answer.command)
+    return frame.document(view.canvas, height, title, said, answer.command, [*head, *body, *foot])
 
 
 def drawn_parts(
@@ -128,26 +113,20 @@ def drawn_parts(
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
-        kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.ROLE_COLOURS[kind]
+        fill, stroke = palette.ROLE_COLOURS[role(part, pulled)]
         colours = (fill if tints is None else tints.fill[part.name], stroke)
         drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
     tree = obstacles(marks) if marks else shapely.STRtree([])
-    line = min(max(0.02 * room, 0.3), 1.2)
-    defs = "".join(f'<path id="{s.key}" d="{s.path}"/>' for s in shapes.known.values())
-    found = [f"<defs>{defs}</defs>"]
+    line = line_width(room)
+    found = [f"<defs>{shapes.definitions}</defs>"]
     if still:
-        found.append(
-            f'<g fill="none" stroke="{palette.REST}" stroke-width="{0.8 * line:.2f}" stroke-linejoin="round">'
-            + "\n".join(still)
-            + "</g>"
-        )
+        found.append(rest_outlines("\n".join(still), line))
     if assembly.drawing.ignore:  # parts lie above each other: what stands lies at the bottom
         drawn = {palette.ROLE_COLOURS["fixed"]: drawn.pop(palette.ROLE_COLOURS["fixed"]), **drawn}
-    for (fill, stroke), uses in drawn.items():
+    for colours, uses in drawn.items():
         if uses:
-            style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
+            style = colour_attributes(colours, line)
             found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(uses) + "</g>")
     found += [mark.svg for mark in marks]
     found.append(names_group(places, pulled | {p.name for p in assembly.parts if p.fixed}, room, tree))
@@ -160,34 +139,23 @@ _ARROW = (
 )
 
 
-def _legend(
-    assembly: Assembly, answer: Answer | None, asked: bool, tints: PartColours | None, words: LegendWords
-) -> list[frame.LegendEntry]:
+_FORCE_ARROW = (
+    f'<path d="M3,6h7" stroke="{palette.FORCE}" stroke-width="1.6"/>'
+    f'<path d="M16,6l-7,-3v6z" fill="{palette.FORCE}"/><circle cx="3" cy="6" r="2.6" fill="{palette.INK}"/>'
+)
+
+
+def _legend(answer: Answer, asked: bool, tints: PartColours | None, words: LegendWords) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
     found = [] if tints is None else list(tints.legend)
     filled = tints is None
-    if any(p.fixed for p in assembly.parts):
+    if any(p.fixed for p in answer.assembly.parts):
         found.append((frame.swatch(palette.FIXED[0] if filled else palette.PAPER, palette.FIXED[1]), "fixed"))
     if asked:
-        found.append(
-            (
-                frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]),
-                words.pulled,
-            )
-        )
-        if answer is not None and any(isinstance(g, Pull) for g in answer.goals):
-            found.append(
-                (
-                    _ARROW,
-                    words.arrow,
-                )
-            )
-    if answer is not None:
-        found.append((frame.swatch("none", palette.REST), words.rest))
-        if any(c.force > 0 for c in answer.contacts):
-            dot = (
-                f'<path d="M3,6h7" stroke="{palette.FORCE}" stroke-width="1.6"/>'
-                f'<path d="M16,6l-7,-3v6z" fill="{palette.FORCE}"/><circle cx="3" cy="6" r="2.6" fill="{palette.INK}"/>'
-            )
-            found.append((dot, "contact and force"))
+        found.append((frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]), words.pulled))
+        if any(isinstance(g, Pull) for g in answer.goals):
+            found.append((_ARROW, words.arrow))
+    found.append((frame.swatch("none", palette.REST), words.rest))
+    if any(c.force > 0 for c in answer.contacts):
+        found.append((_FORCE_ARROW, "contact and force"))
     return found

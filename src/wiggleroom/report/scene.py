@@ -17,7 +17,17 @@ from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow,
 from wiggleroom.report.film_timing import TimedPath, checked_waypoints, ease_in_out
 from wiggleroom.report.layout import View
 from wiggleroom.report.names import common_font_size, name_position, text_at
-from wiggleroom.report.part_paths import PartPath, PartPaths, middle, spot, use
+from wiggleroom.report.part_paths import (
+    PartPath,
+    PartPaths,
+    colour_attributes,
+    line_width,
+    middle,
+    rest_outlines,
+    role,
+    spot,
+    use,
+)
 from wiggleroom.report.text import escape
 
 Floats = NDArray[np.float64]
@@ -228,12 +238,11 @@ def _tracks(
     of, places = [shapes.of(p) for p in assembly.parts], _places(view, assembly, poses)
     rooms = np.array([np.ptp(shapely.get_coordinates(s.polygon), axis=0).max() for s in of])
     room = float(np.median(rooms))
-    line = min(max(0.02 * room, 0.3), 1.2)
+    line = line_width(room)
     layers: dict[str, list[Track]] = {"neutral": [], "pulled": [], "fixed": []}
     for k, (part, shape) in enumerate(zip(assembly.parts, of, strict=True)):
-        kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.ROLE_COLOURS[kind]
-        style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}" fill-rule="evenodd"'
+        kind = role(part, pulled)
+        style = f'{colour_attributes(palette.ROLE_COLOURS[kind], line)} fill-rule="evenodd"'
         body = (
             f'<use xlink:href="#{shape.key}" {style} stroke-linejoin="round"><title>{escape(part.name)}</title></use>'
         )
@@ -248,11 +257,7 @@ def _tracks(
     names = _names(assembly, of, places, opacity, room, shapely.STRtree(taken))
     tracks = [*layers["neutral"], *layers["pulled"], *layers["fixed"], *names, *arrows]
     still = "".join(use(s, spot(view, p, tuple(r))) for s, p, r in zip(of, assembly.parts, rest.tolist(), strict=True))
-    ground = (
-        f'<g fill="none" stroke="{palette.REST}" stroke-width="{0.8 * line:.2f}" stroke-linejoin="round">{still}</g>'
-    )
-    defs = "".join(f'<path id="{s.key}" d="{s.path}"/>' for s in shapes.known.values())
-    return defs, tuple(tracks), ground
+    return shapes.definitions, tuple(tracks), rest_outlines(still, line)
 
 
 def _places(view: View, assembly: Assembly, poses: Floats) -> Floats:

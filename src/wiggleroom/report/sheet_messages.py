@@ -92,4 +92,5 @@ def _solids(found: AssembledSheet) -> Solids:
             shapes.append(SolidShape(packed(vertices, "<f4"), packed(triangles, "<u4")))
             x, y, z = move.tolist()
             reference.append((x, y, z))
-    return Solids(shapes=shapes, of=list(range(len(shapes))), reference=reference)
+    none = [(0.0, 0.0, 0.0)] * len(shapes)  # a sheet is shown put together
+    return Solids(shapes=shapes, of=list(range(len(shapes))), reference=reference, aside=none)

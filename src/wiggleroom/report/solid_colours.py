@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.statements import glue_groups
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.glue_groups import body_numbers
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.spatial_model import SpatialAssembly, Surface
 
@@ -19,14 +18,10 @@ COLOURS = ((79, 129, 189), (192, 124, 62), (110, 160, 90), (150, 110, 170), (200
 
 def part_colours(assembly: SpatialAssembly) -> list[Colour]:
     """Colours of the parts: grey what stands, one colour for what is glued together."""
-    glued = glue_groups(Drawing((), glue=assembly.drawing.glue))
-    still = {glued.get(p.name, p.name) for p in assembly.parts if p.fixed}
-    known: dict[int | str, Colour] = {}
-    found = []
-    for part in assembly.parts:
-        body = glued.get(part.name, part.name)
-        found.append(FIXED if body in still else known.setdefault(body, COLOURS[len(known) % len(COLOURS)]))
-    return found
+    body_of = body_numbers(assembly.names, assembly.drawing.glue)
+    still = {body for body, part in zip(body_of, assembly.parts, strict=True) if part.fixed}
+    known: dict[int, Colour] = {}
+    return [FIXED if body in still else known.setdefault(body, COLOURS[len(known) % len(COLOURS)]) for body in body_of]
 
 
 def moved_surfaces(assembly: SpatialAssembly, motion: Floats) -> list[Surface]:

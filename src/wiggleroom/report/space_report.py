@@ -18,7 +18,7 @@ from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.names import common_font_size, label
-from wiggleroom.report.part_paths import PartPaths, spot, use
+from wiggleroom.report.part_paths import PartPaths, colour_attributes, spot, use
 from wiggleroom.report.stacked_slices import rings, slices_box, stack
 from wiggleroom.report.text import escape
 from wiggleroom.schema.free_space_schema import AuditEntry, CellEntry, SliceEntry, SpaceResult
@@ -192,17 +192,16 @@ def _pair(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     mark = shapely.STRtree([shapely.Point(*pivot).buffer(14.0)])
     for part, shape, pose, colours in zip(parts, of, poses, (palette.FIXED, palette.PULLED), strict=True):
         where = spot(view, part, pose)
-        style = f'fill="{colours[0]}" fill-opacity="0.85" stroke="{colours[1]}" fill-rule="evenodd"'
+        style = f'{colour_attributes(colours)} fill-rule="evenodd"'
         found.append(f"<g {style}>{use(shape, where, escape(part.name))}</g>")
         names.append(label(short(part.name), shape, where, size, mark))
     x, y = pivot
-    defs = "".join(f'<path id="{s.key}" d="{s.path}"/>' for s in shapes.known.values())
     cross = (
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.5"/>'
         f'<path d="M{x - 9:.1f},{y:.1f}h18M{x:.1f},{y - 9:.1f}v18" stroke="{palette.MOTION}" stroke-width="1.5"/>'
     )
     said_names = f'<g fill="{palette.INK}" text-anchor="middle">{"".join(names)}</g>'
-    return f"<defs>{defs}</defs>{''.join(found)}{said_names}{cross}", float(tall)
+    return f"<defs>{shapes.definitions}</defs>{''.join(found)}{said_names}{cross}", float(tall)
 
 
 def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:

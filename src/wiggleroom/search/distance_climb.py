@@ -75,7 +75,7 @@ def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incu
         if other.status is SolverStatus.CONVERGED and _value(program, other) > _value(program, solution):
             begin, solution = aside, other
     search.seconds["solve"] += time.perf_counter() - began
-    if solution.status not in (SolverStatus.CONVERGED, SolverStatus.STOPPED) or not solution.way:
+    if solution.status not in (SolverStatus.CONVERGED, SolverStatus.STOPPED) or not solution.path:
         return start
     try:
         return _handed_over(search, start, program, solution)
@@ -128,7 +128,7 @@ def _program(search: LocalSearch, start: Start) -> DistanceProgram:
 def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, solution: Solution) -> Start:
     """The start of a search among cells, grown where the climb was still well inside all rows; its end stays inside them."""
     began = time.perf_counter()
-    points = [program.variables(start.inner), *solution.way]
+    points = [program.variables(start.inner), *solution.path]
     inner = next((k for k, point in enumerate(points) if point is solution.inner), 0)
     end = _last_free(search, [program.motion(point) for point in (*points, solution.u)])
     motion = program.motion((*points, solution.u)[end])

@@ -95,16 +95,16 @@ class Incumbent:
 
     def nearer(self, level: int) -> Floats:
         """A legal point (3F,) of the round's path nearer to its end than the inner one: level 1 half as near in steps, 2 a quarter."""
-        way, inner = self.solution.way, self.solution.inner
-        if not way or not level:
+        path, inner = self.solution.path, self.solution.inner
+        if not path or not level:
             return inner
-        start = next((k for k, u in enumerate(way) if u is inner), -1)  # else it stands before the path
-        steps = (len(way) - 1 - start) // 2**level
-        return way[len(way) - 1 - steps]
+        start = next((k for k, u in enumerate(path) if u is inner), -1)  # else it stands before the path
+        steps = (len(path) - 1 - start) // 2**level
+        return path[len(path) - 1 - steps]
 
     def segment(self, end: Floats) -> PathSegment:
         """The round's piece of the path, up to its point `end` or to its solution."""
-        points = [self.begin, *self.solution.way, self.solution.u]
+        points = [self.begin, *self.solution.path, self.solution.u]
         last = next(k for k, point in enumerate(points) if point is end or np.array_equal(point, end))
         return PathSegment(self.program, tuple(points[: last + 1]))
 

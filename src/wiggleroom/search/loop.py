@@ -46,9 +46,9 @@ LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 CARRYING_ASSEMBLY = 100
 """In larger assemblies rounds begin with multipliers."""
-AUDIT_EVERY = 2e-3
-"""Between two audits of a path that is still growing lie so many seconds of processor time for each body: each costs a fiftieth of that
-beyond the audit of its pieces, which is not repeated at the end."""
+AUDIT_SECONDS, AUDIT_SECONDS_PER_BODY = 8.0, 1e-3
+"""Between two audits of a path that is still growing lie at least so many seconds of processor time, and so many for each body: each
+costs about a fiftieth of that beyond the audit of its pieces, which is not repeated at the end."""
 FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
 
@@ -260,10 +260,10 @@ class LocalSearch:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
         if self.best is None:
             return 0.0, False
-        way = self.checked_path(self.best)
-        if way.sure:
+        checked = self.checked_path(self.best)
+        if checked.sure:
             return self.best.value, self.unlimited
-        return self.objective.value(way.motions[max(way.certain, 1) - 1]), False
+        return self.objective.value(checked.motions[max(checked.certain, 1) - 1]), False
 
     def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
@@ -275,11 +275,11 @@ class LocalSearch:
         """What a solver is given so that the path which it follows is audited now and then: where it is stopped, that much is certain."""
         if not self.carries_multipliers:
             return {}
-        points = [begin]
+        points, wait = [begin], max(AUDIT_SECONDS, AUDIT_SECONDS_PER_BODY * len(self.ready.bodies.fixed))
 
         def reached(u: Floats) -> None:
             points.append(u)
-            if time.process_time() - self.audited > AUDIT_EVERY * len(self.ready.bodies.fixed):
+            if time.process_time() - self.audited > wait:
                 path = (*segments, PathSegment(program, tuple(points)))
                 self.certain = certain_prefix(self.ready, path, self.stop, self.certain)
                 self.audited = time.process_time()

@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from wiggleroom.errors import Stop, WiggleroomError, see_extra
+from wiggleroom.errors import Stop, WiggleroomError, require_extra
 
 Work = Callable[[Any, Any], Any]
 """A function of a module: work(shared, task) -> result; everything can be pickled."""
@@ -202,7 +202,7 @@ def _on_cluster(
     tell: Callable[[int], None],
 ) -> None:
     """Hand all tasks to a Dask scheduler; it gives those of a lost worker to others."""
-    see_extra("cluster", "a cluster needs the extra", "distributed")
+    require_extra("cluster", "a cluster needs the extra", "distributed")
     import logging
     import warnings
 

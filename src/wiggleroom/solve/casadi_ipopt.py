@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop, see_extra
+from wiggleroom.errors import Stop, require_extra
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -70,7 +70,7 @@ class IterationMonitor(ABC):
 
 def import_casadi() -> Any:
     """CasADi, imported when it is needed."""
-    see_extra("ipopt", 'solver "ipopt" needs CasADi', "casadi")
+    require_extra("ipopt", 'solver "ipopt" needs CasADi', "casadi")
     import casadi
 
     return casadi

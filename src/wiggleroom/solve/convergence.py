@@ -34,7 +34,7 @@ class ConvergenceMonitor:
     mu: float = 0.0
     infeasibility_ratio: float = 0.0
     feasible: tuple[Floats, float, Floats | None] | None = None
-    way: list[Floats] = field(default_factory=list)
+    path: list[Floats] = field(default_factory=list)
     inner: tuple[Floats, float, Floats | None] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -43,8 +43,8 @@ class ConvergenceMonitor:
 
     def rewind_to_inner(self) -> None:
         """Forget the iterates past the inner point."""
-        last = next((k for k, u in enumerate(self.way) if u is self.inner[0]), -1)
-        del self.way[last + 1 :]
+        last = next((k for k, u in enumerate(self.path) if u is self.inner[0]), -1)
+        del self.path[last + 1 :]
 
     def follow(
         self, state: Iterate, advance: Callable[[Iterate, Floats, Floats, float], bool], most: int
@@ -85,7 +85,7 @@ class ConvergenceMonitor:
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
             self.feasible = state.u, self.mu, state.lam
-            self.way.append(state.u)
+            self.path.append(state.u)
             if k == 0 or gap > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner = state.u, self.mu, state.lam
                 if self.reached is not None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import require_extra
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -30,7 +30,7 @@ def need_highs() -> Any:
     MissingExtraError
         If it is not installed.
     """
-    see_extra("prove", "proving a bound needs highspy", "highspy")
+    require_extra("prove", "proving a bound needs highspy", "highspy")
     import highspy
 
     return highspy

@@ -119,7 +119,7 @@ def solve(
         settled = pulled_inside(settled, watch.feasible[0])
     inner = watch.feasible if status is SolverStatus.FAILED and watch.feasible else watch.inner
     return Solution(
-        settled.u, settled.lam * unit, status, watch.iterations, inner[0], inner[1], tuple(watch.way), watch.error,
+        settled.u, settled.lam * unit, status, watch.iterations, inner[0], inner[1], tuple(watch.path), watch.error,
         None if inner[2] is None else inner[2] * unit,
     )  # fmt: skip
 

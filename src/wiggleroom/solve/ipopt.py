@@ -92,7 +92,7 @@ def solve(
         end, end_lam = np.array(out["x"]).ravel(), np.maximum(-np.array(out["lam_g"]).ravel(), 0.0)
         status = SolverStatus.CONVERGED if stats["success"] else SolverStatus.FAILED
     left = _error(program, end, end_lam, unit)
-    return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.way), left)
+    return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.path), left)
 
 
 def described() -> str:
@@ -189,7 +189,7 @@ class _IpoptMonitor(IterationMonitor):
     lam: Floats = field(init=False)
     inner: Floats = field(init=False)
     inner_mu: float = INITIAL_BARRIER
-    way: list[Floats] = field(default_factory=list)
+    path: list[Floats] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Begin at the start."""
@@ -200,8 +200,8 @@ class _IpoptMonitor(IterationMonitor):
         self.u, self.lam = u, lam
         inside = h.min(initial=np.inf) > 0
         if inside:
-            self.way.append(u)
-            if len(self.way) == 1 or h @ lam > WARM_START_GAP * max(abs(value), 1.0):
+            self.path.append(u)
+            if len(self.path) == 1 or h @ lam > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner, self.inner_mu = u, float(h @ lam) / max(len(h), 1)
         return bool(inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon)
 

@@ -31,7 +31,7 @@ class Iterate:
     shift: float = MIN_SHIFT
     stride: float = 1.0
     growth: float = 0.0
-    way: list[Floats] = field(default_factory=list)
+    path: list[Floats] = field(default_factory=list)
 
     def residuals(self) -> tuple[Floats, Floats, float, float]:
         """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""

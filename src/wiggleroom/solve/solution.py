@@ -28,7 +28,7 @@ class Solution:
         A point well inside all rows on the way, from which the next program can start.
     inner_mu : float
         Mean complementarity there, as a share of the objective's largest derivative.
-    way : tuple of (3F,) float64
+    path : tuple of (3F,) float64
         Points inside all rows on the way from the start.
     error : float
         Largest of complementarity, violation and dual residual, in units of the objective.
@@ -42,6 +42,6 @@ class Solution:
     iterations: int
     inner: Floats
     inner_mu: float
-    way: tuple[Floats, ...] = ()
+    path: tuple[Floats, ...] = ()
     error: float = 0.0
     inner_lam: Floats | None = None

@@ -1,6 +1,6 @@
 """Does an assembly of boxes come apart by moves of whole steps: an exhaustive search on the lattice of its coordinates.
 
-Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every way by whole steps is a way of the parts as
+Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every path by whole steps is a path of the parts as
 made, which are smaller. Where the search ends without a way out, none exists by whole steps; turns, and what the gaps allow besides,
 are not seen.
 """
@@ -115,8 +115,8 @@ def moves(blocked, stands, offset, groups, leaves):
     reach = np.array([(blocked.shape[2] - 1) // 2, (blocked.shape[3] - 1) // 2, (blocked.shape[4] - 1) // 2])
     met, ahead = np.zeros((n, n), dtype=np.bool_), np.zeros((n, n), dtype=np.bool_)
     todo = np.empty(n, dtype=np.int64)
-    for way in range(6):
-        axis, sign = way // 2, 1 - 2 * (way % 2)
+    for direction in range(6):
+        axis, sign = direction // 2, 1 - 2 * (direction % 2)
         met[:], ahead[:] = False, False
         for i in range(n):
             for j in range(n):
@@ -159,9 +159,9 @@ def moves(blocked, stands, offset, groups, leaves):
                             todo[top] = j
                             top += 1
                 if kind == 0:
-                    groups[first, way] = group & good
+                    groups[first, direction] = group & good
                 else:
-                    leaves[first, way] = good and not group.all()
+                    leaves[first, direction] = good and not group.all()
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,12 +198,12 @@ def lattice_search(found: Lattice, stop: Stop | None) -> LatticeSearch:
         moves(found.blocked, found.stands, offset, groups, leaves)
         if leaves.any():
             key: bytes | None = offset.tobytes()
-            way: list[Ints] = []
+            path: list[Ints] = []
             while key is not None:
                 state, key = before[key]
-                way.append(state)
+                path.append(state)
             k = int(np.argwhere(leaves)[0][1])
-            return LatticeSearch(tuple(way[::-1]), k // 2, 1 - 2 * (k % 2))
+            return LatticeSearch(tuple(path[::-1]), k // 2, 1 - 2 * (k % 2))
         ahead = {}
         for first, k in np.argwhere(groups.any(axis=2)):
             moved = offset.copy()
@@ -217,7 +217,7 @@ def lattice_search(found: Lattice, stop: Stop | None) -> LatticeSearch:
 
 
 def lattice_motions(ready: SpatialPrepared, found: Lattice, search: LatticeSearch) -> Floats:
-    """Motions (k, n, 6) [mm, rad] of the parts along a way by whole steps; steps that go on in the same direction are one."""
+    """Motions (k, n, 6) [mm, rad] of the parts along a path by whole steps; steps that go on in the same direction are one."""
     offsets = np.array(search.offsets)
     step = np.diff(offsets, axis=0)
     turns = np.flatnonzero((step[1:] != step[:-1]).any(axis=(1, 2))) + 1

@@ -14,18 +14,15 @@ Floats = NDArray[np.float64]
 
 def free_pairs(assembly: SpatialAssembly) -> set[tuple[int, int]]:
     """Pairs of parts that may overlap: ignored, glued together, or both fixed."""
-    from wiggleroom.assembly.statements import glue_groups
-    from wiggleroom.drawing.model import Drawing
-
     index = {name: k for k, name in enumerate(assembly.names)}
     found = {(min(i, j), max(i, j)) for one, other in assembly.drawing.ignore if (i := index[one], j := index[other])}
-    group = glue_groups(Drawing((), glue=assembly.drawing.glue))
-    members: dict[int, list[int]] = {}
-    for name, g in group.items():
-        members.setdefault(g, []).append(index[name])
-    still = [k for k, p in enumerate(assembly.parts) if p.fixed]
-    for together in (*members.values(), still):
-        found |= {(min(i, j), max(i, j)) for i in together for j in together if i != j}
+    together = {k: frozenset((k,)) for k in index.values()}
+    for names in assembly.drawing.glue:
+        joined = frozenset().union(*(together[index[name]] for name in names))
+        together |= dict.fromkeys(joined, joined)
+    still = frozenset(k for k, p in enumerate(assembly.parts) if p.fixed)
+    for group in {*together.values(), still}:
+        found |= {(min(i, j), max(i, j)) for i in group for j in group if i != j}
     return found
 
 

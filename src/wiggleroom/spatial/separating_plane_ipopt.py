@@ -103,7 +103,7 @@ def _solution(
     program: SeparatingPlaneProgram, watch: _SeparatingPlaneMonitor, status: SolverStatus, unit: float
 ) -> SeparatingPlaneSolution:
     """The last point inside all rows, with the conditions there as our own program sees them."""
-    last = program.linearise(watch.way[-1], watch.value)
+    last = program.linearise(watch.path[-1], watch.value)
     slack = np.maximum(last.h, SETTINGS.least_slack)
     state = SeparatingPlaneIterate(last, slack, np.maximum(watch.lam, 1e-300), unit, 0.0, program.start.pose, 0.0)
     dual, dual_planes = state.residuals(0.0, state.displacement)
@@ -115,7 +115,7 @@ def _solution(
         system.set(state, dual, 0.0)
         curved = system.factorise(SETTINGS.least_curvature)
     return SeparatingPlaneSolution(
-        last.point, watch.lam * unit / program.length, last.value, status, watch.iteration, tuple(watch.way), error, curved
+        last.point, watch.lam * unit / program.length, last.value, status, watch.iteration, tuple(watch.path), error, curved
     )  # fmt: skip
 
 
@@ -246,19 +246,19 @@ def _rows(casadi: Any, of: _Coordinates, x: Any, T: list, R: list[list]) -> Any:
 
 @dataclass(eq=False, kw_only=True)
 class _SeparatingPlaneMonitor(IterationMonitor):
-    """What is kept of the iterates: the way inside all rows, and the last multipliers."""
+    """What is kept of the iterates: the path inside all rows, and the last multipliers."""
 
     coordinates: _Coordinates
     most_turn: float
     value: float = 0.0
     lam: Floats = field(init=False)
     before: Floats = field(init=False)
-    way: list[SeparatingPlanePoint] = field(init=False)
+    path: list[SeparatingPlanePoint] = field(init=False)
 
     def __post_init__(self) -> None:
         """Begin at rest."""
         program = self.coordinates.program
-        self.lam, self.way = np.zeros(program.rows), [program.start]
+        self.lam, self.path = np.zeros(program.rows), [program.start]
         self.before = self.coordinates.of(program.start)
 
     def keep(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:  # noqa: ARG002
@@ -272,8 +272,8 @@ class _SeparatingPlaneMonitor(IterationMonitor):
             if rows.min(initial=np.inf) <= 0:
                 point = parted(program, point, rows)
             if program.values(point).min(initial=np.inf) > 0:
-                self.way.append(point)
+                self.path.append(point)
                 self.value = program.objective.value(point.pose, self.value)
         self.before = u
-        moved = np.abs(self.way[-1].pose.T - program.bodies.at).max(initial=0.0)
+        moved = np.abs(self.path[-1].pose.T - program.bodies.at).max(initial=0.0)
         return bool(moved > self.horizon or abs(self.value) > self.most_turn)

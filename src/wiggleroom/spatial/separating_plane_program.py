@@ -274,7 +274,7 @@ def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: 
 def beside_rest(program: SeparatingPlaneProgram, seed: int = 0, share: float = 1e-2) -> SeparatingPlanePoint:
     """A point inside all rows, up to `share` clearances beside rest.
 
-    A symmetric assembly would stay on the ridge between two equal ways. The point is the same each time.
+    A symmetric assembly would stay on the ridge between two equal directions. The point is the same each time.
     """
     P, rest = program, program.start
     step = np.random.default_rng(seed).uniform(-1.0, 1.0, P.slot.shape) * P.scale * P.bodies.free

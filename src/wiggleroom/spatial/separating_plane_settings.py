@@ -72,7 +72,7 @@ class SeparatingPlaneSettings:
     early : float > 0
         Share of the objective from which on it counts.
     stuck : int > 0
-        After so many iterations at one mu the way is narrow, and mu grows.
+        After so many iterations at one mu the path is narrow, and mu grows.
     raised : float > 1
         Factor by which it does, and the anchor follows.
     highest : float > 0

@@ -26,15 +26,12 @@ from wiggleroom.spatial.separating_plane_program import (
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     beside_rest,
-    build_planes,
     parted,
 )
 from wiggleroom.spatial.separating_plane_settings import SETTINGS
-from wiggleroom.spatial.working_set import carried, rows_of, separations
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 CONSTANT = 1e-12
 """Where derivatives by what is free are below this share of all, the objective does not depend on it."""
@@ -52,7 +49,7 @@ class SeparatingPlaneSolution:
     value : float
     status : SolverStatus
     iterations : int
-    way : tuple of SeparatingPlanePoint
+    path : tuple of SeparatingPlanePoint
         Points inside all rows, from the start.
     error : float
         Largest of complementarity and imbalance, in units of the objective.
@@ -65,7 +62,7 @@ class SeparatingPlaneSolution:
     value: float
     status: SolverStatus
     iterations: int
-    way: tuple[SeparatingPlanePoint, ...]
+    path: tuple[SeparatingPlanePoint, ...]
     error: float
     curved_down: bool
 
@@ -96,7 +93,7 @@ class _BestIterate:
 
     error: float
     state: SeparatingPlaneIterate
-    way: int
+    path: int
 
 
 @dataclass(eq=False)
@@ -121,8 +118,6 @@ class SeparatingPlaneSolver:
         A body that moves further than this is taken to escape.
     most_turn : float
         An objective beyond this, where twists are maximised, is taken to turn without limit [rad].
-    watched : (k, 4) int64, optional
-        Pairs of pieces that join the program where a step would make them meet.
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
     """
@@ -135,11 +130,10 @@ class SeparatingPlaneSolver:
     seed: int = 0
     horizon: float = np.inf
     most_turn: float = np.inf
-    watched: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
     stop: Stop | None = None
     progress: Callable[[int, float], None] | None = None
     iterations: int = 0
-    way: list[SeparatingPlanePoint] = field(default_factory=list)
+    path: list[SeparatingPlanePoint] = field(default_factory=list)
 
     def solve(
         self, start: SeparatingPlanePoint | None = None, mu: float = SETTINGS.first_mu
@@ -164,17 +158,17 @@ class SeparatingPlaneSolver:
             P.start.pose,
             SETTINGS.anchored if self.inside else SETTINGS.loose,
         )
-        self.way = [P.start]
+        self.path = [P.start]
         status, error, state = self._follow(state)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
-        last = state.at if state.at.point is self.way[-1] else P.linearise(self.way[-1], state.at.value)
+        last = state.at if state.at.point is self.path[-1] else P.linearise(self.path[-1], state.at.value)
         return SeparatingPlaneSolution(
             last.point,
             state.lam * unit / P.length,
             last.value,
             status,
             self.iterations,
-            tuple(self.way),
+            tuple(self.path),
             error,
             curved,
         )
@@ -221,7 +215,7 @@ class SeparatingPlaneSolver:
             wrong = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
             legal = self._legal(state.at)
             if legal is not None:
-                self.way.append(legal)
+                self.path.append(legal)
             error = max(gap, infeasible, min(unheld, 1e3)) / size
             if k >= SETTINGS.least_iterations and wrong < SETTINGS.balanced and legal is not None:
                 enough = max(self.tolerance * size, 5 * rows * self._floor)
@@ -239,7 +233,7 @@ class SeparatingPlaneSolver:
                     self.iterations += 1
                     continue
                 if error < best.error:
-                    best = _BestIterate(error, state, len(self.way))
+                    best = _BestIterate(error, state, len(self.path))
             if self.stop is not None and self.stop.is_set():
                 return SolverStatus.STOPPED, error, state
             moved = np.abs(state.at.point.pose.T - self.program.bodies.at).max(initial=0.0)
@@ -261,36 +255,11 @@ class SeparatingPlaneSolver:
             if following is None:
                 break
             self.iterations += 1
-            if self._meets(following):
-                state = self._enlarged(state, following)
-                best, least, since = _BestIterate(np.inf, state, 0), np.inf, 0
-                continue
             state, before = following, value
         if best.error < SETTINGS.acceptable:
-            del self.way[best.way :]
+            del self.path[best.path :]
             return SolverStatus.CONVERGED, best.error, best.state
         return SolverStatus.FAILED, error, state
-
-    def _meets(self, state: SeparatingPlaneIterate) -> bool:
-        """True where pieces outside the program overlap."""
-        pose = state.at.point.pose
-        return bool(separations(self.program.bodies, pose, self.watched).min(initial=np.inf) <= 0)
-
-    def _enlarged(self, state: SeparatingPlaneIterate, ahead: SeparatingPlaneIterate) -> SeparatingPlaneIterate:
-        """The iterate in the program with all watched pairs that are near each other at the one ahead, or overlap there."""
-        P = self.program
-        joins = separations(P.bodies, ahead.at.point.pose, self.watched) < P.length
-        pieces = np.vstack([P.pieces, self.watched[joins]])
-        self.watched = self.watched[~joins]
-        self.program = build_planes(P.bodies, P.objective, pieces, length=P.length, rest=P.start.pose)
-        planes, rows = rows_of(P, self.program)
-        self.way = [carried(point, planes, self.program) for point in self.way]
-        self._start_system()
-        at = self.program.linearise(carried(state.at.point, planes, self.program), state.at.value)
-        s = np.maximum(at.h, SETTINGS.first_slack)
-        lam = state.complementarity / s
-        s[rows], lam[rows] = state.s, state.lam
-        return replace(state, at=at, s=s, lam=lam)
 
     def _start_system(self) -> None:
         """Make the retraction and the factorisation of the program ready."""

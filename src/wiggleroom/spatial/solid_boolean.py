@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import require_extra
 from wiggleroom.spatial.spatial_model import Surface
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,7 @@ def require_solid_library() -> None:
     MissingExtraError
         If they are not.
     """
-    see_extra("solid", "assemblies in space need trimesh and manifold3d", "trimesh", "manifold3d")
+    require_extra("solid", "assemblies in space need trimesh and manifold3d", "trimesh", "manifold3d")
 
 
 def solid_of(surface: Surface) -> Any:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wiggleroom.assembly.statements import unknown
+from wiggleroom.drawing.glue_groups import glued_names
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.made_solids import made_solid
@@ -90,7 +91,7 @@ def goal_findings(drawing: SpatialDrawing, goals: Sequence[SpatialGoal]) -> list
     """What is wrong with goals: unknown parts, parts that stand, numbers that make no sense."""
     names = {p.name: None for p in drawing.parts}
     still = {p.name for p in drawing.parts if p.fixed}
-    for group in drawing.glue:
+    for group in glued_names(drawing.glue):
         if still & set(group):
             still |= set(group)
     found = []

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.statements import glue_groups
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.glue_groups import body_numbers
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
@@ -57,10 +56,8 @@ def grouped(assembly: SpatialAssembly) -> Grouping:
         If locks of glued parts contradict each other.
     """
     parts, reference = assembly.parts, assembly.reference
-    group = glue_groups(Drawing((), glue=assembly.drawing.glue))
-    label: dict[object, int] = {}
-    body_of = np.array([label.setdefault(group.get(p.name, p.name), len(label)) for p in parts], dtype=np.int64)
-    count = len(label)
+    body_of = np.array(body_numbers(assembly.names, assembly.drawing.glue), dtype=np.int64)
+    count = int(body_of.max()) + 1
     volume = np.array([m.volume for m in assembly.made])
     total = np.bincount(body_of, volume, minlength=count)
     at = np.column_stack([np.bincount(body_of, volume * reference[:, k], minlength=count) / total for k in range(3)])

@@ -27,9 +27,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_DIRECTIONS = 13
-"""Straight ways are tried along so many axes, both ways: those of most faces."""
+"""Straight paths are tried along so many axes, both ways: those of most faces."""
 MOST_PLACES, MOST_PULLED = 200, 3
-"""Places, each reached by a checked way, from which straight ways are tried, and from which largest motions are searched."""
+"""Places, each reached by a checked path, from which straight paths are tried, and from which largest motions are searched."""
 UNDECIDED = 1e-2
 """A largest motion whose error is above this was not decided, and nothing is said about what lies beyond it."""
 NEW_PLACE = 3.0
@@ -61,7 +61,7 @@ class SpatialDisassembly(Drawable):
     assembly : SpatialAssembly
     verdict : Separability
     certainty : Certainty
-        A way apart is proven, as every step was checked. Interlocked rests on a search.
+        A path apart is proven, as every step was checked. Interlocked rests on a search.
     escapes : tuple of SpatialEscape
         In the order in which they leave.
     remains : tuple of names
@@ -100,14 +100,14 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
     asked, cut = 0, False
     while True:
         stage = _Stage(prepare_spatial(left), stop)
-        found = stage.way_out()
+        found = stage.escape_path()
         asked += stage.questions
         if found is None:
             cut = stage.cut_short() or (stage.cut and not stage.exhaustive)
             break
-        who, way = found
-        path = np.repeat(far[None], len(way), axis=0)
-        path[:, alive] = way
+        who, own = found
+        path = np.repeat(far[None], len(own), axis=0)
+        path[:, alive] = own
         escapes.append(SpatialEscape(tuple(names[alive[k]] for k in who), path))
         far = np.zeros_like(far)
         for e in escapes:
@@ -137,8 +137,8 @@ class _Stage:
     exhaustive: bool = False
     """True where parts made of boxes were searched exhaustively by whole steps: then pulls that were not decided do not count."""
 
-    def way_out(self) -> tuple[list[int], Floats] | None:
-        """Parts that leave, and the way of all (k, n, 6); None where none was found."""
+    def escape_path(self) -> tuple[list[int], Floats] | None:
+        """Parts that leave, and the path of all (k, n, 6); None where none was found."""
         rest = np.zeros((len(self.ready.assembly.parts), 6))
         places: list[Floats] = [rest[None]]
         axes = self._axes()
@@ -147,33 +147,33 @@ class _Stage:
             return out
         asked = 0
         while asked < len(places):
-            # straight ways are cheap: all of them from all places first
-            for way in places[asked:]:
-                out = self._straight(way, axes)
+            # straight paths are cheap: all of them from all places first
+            for path in places[asked:]:
+                out = self._straight(path, axes)
                 if out is not None:
                     return out
-                self._slide(way, axes, places)
+                self._slide(path, axes, places)
                 asked += 1
                 if self.cut_short():
                     return None
         known = len(places)
-        for way in places[:MOST_PULLED]:
-            out = self._pulled(way, axes, places)
+        for path in places[:MOST_PULLED]:
+            out = self._pulled(path, axes, places)
             if out is not None or self.cut_short():
                 return out
         self.cut |= known > MOST_PULLED or len(places) > known
         return None
 
-    def _straight(self, way: Floats, axes: Floats) -> tuple[list[int], Floats] | None:
-        """Parts that leave straight from the end of a way; None also where it was asked to stop."""
+    def _straight(self, path: Floats, axes: Floats) -> tuple[list[int], Floats] | None:
+        """Parts that leave straight from the end of a path; None also where it was asked to stop."""
         for axis in axes:
             for direction in (axis, -axis):
                 if self.cut_short():
                     return None
-                departure = StraightDeparture(self.ready, way[-1], direction)
+                departure = StraightDeparture(self.ready, path[-1], direction)
                 group = departure.first()
                 if group:
-                    return group, np.concatenate([way, departure.end(group)[None]])
+                    return group, np.concatenate([path, departure.end(group)[None]])
         return None
 
     def _by_steps(self) -> tuple[list[int], Floats] | None:
@@ -186,14 +186,14 @@ class _Stage:
             # gaps that add up to a step let parts through where whole steps do not
             self.exhaustive = found.complete and self.ready.assembly.widest_gap * len(grid.stands) < grid.step
             return None
-        way = lattice_motions(self.ready, grid, found)
-        if any(self.ready.checker.overlaps(one, other) for one, other in itertools.pairwise(way)):
+        path = lattice_motions(self.ready, grid, found)
+        if any(self.ready.checker.overlaps(one, other) for one, other in itertools.pairwise(path)):
             return None
         direction = np.zeros((1, 3))
         direction[0, found.axis] = 1.0
-        return self._straight(way, direction)
+        return self._straight(path, direction)
 
-    def _slide(self, way: Floats, axes: Floats, places: list[Floats]) -> None:
+    def _slide(self, path: Floats, axes: Floats, places: list[Floats]) -> None:
         """Places that a body alone reaches by going straight until little more than its clearance is left."""
         ready, body_of = self.ready, self.ready.grouping.body_of
         moves = ready.grouping.bodies.free[:, :3]
@@ -204,11 +204,11 @@ class _Stage:
                     return
                 if not moves[b][np.abs(direction) > 1e-12].all():
                     continue
-                far = self._room(way[-1], mine, direction)
+                far = self._room(path[-1], mine, direction)
                 if NEW_PLACE * ready.clearance < far < ready.size:
-                    end = way[-1].copy()
+                    end = path[-1].copy()
                     end[mine, :3] += (far - ready.clearance) * direction
-                    self._add_place(np.concatenate([way, end[None]]), places)
+                    self._add_place(np.concatenate([path, end[None]]), places)
 
     def _room(self, motion: Floats, mine: Ints, direction: Floats) -> float:
         """How far some parts can go straight [mm], to a tenth of the clearance; the size where that is further."""
@@ -255,11 +255,11 @@ class _Stage:
         found = [normals[k] for k in order[:MOST_DIRECTIONS]]
         return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
 
-    def _pulled(self, way: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
-        """Pull every body in every direction from the end of a way: a way out, or else new places are added."""
+    def _pulled(self, path: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
+        """Pull every body in every direction from the end of a path: a way out, or else new places are added."""
         ready = self.ready
         bodies = ready.grouping.bodies
-        begin = ready.grouping.pose_of(way[-1])
+        begin = ready.grouping.pose_of(path[-1])
         for b in np.flatnonzero(bodies.moves):
             for axis in axes[:3]:
                 for direction in (axis, -axis):
@@ -271,7 +271,7 @@ class _Stage:
                     if not len(done.program.a):
                         continue
                     self.cut |= not done.good and done.found.error > UNDECIDED
-                    whole = np.concatenate([way, done.way[1:]])
+                    whole = np.concatenate([path, done.path[1:]])
                     gone = list(done.leaving)
                     if not gone and done.good and done.found.status is SolverStatus.ESCAPING:
                         gone = leaving_parts(ready, whole[-1], goal)
@@ -280,12 +280,12 @@ class _Stage:
                     self._add_place(whole, places)
         return None
 
-    def _add_place(self, way: Floats, places: list[Floats]) -> None:
-        """Take the end of a way in among the places where nothing near it is known."""
-        apart = min(np.abs(way[-1, :, :3] - p[-1, :, :3]).max() for p in places)
+    def _add_place(self, path: Floats, places: list[Floats]) -> None:
+        """Take the end of a path in among the places where nothing near it is known."""
+        apart = min(np.abs(path[-1, :, :3] - p[-1, :, :3]).max() for p in places)
         if apart > NEW_PLACE * self.ready.clearance:
             if len(places) < MOST_PLACES:
-                places.append(way)
+                places.append(path)
             else:
                 self.cut = True
 

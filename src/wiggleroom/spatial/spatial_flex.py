@@ -62,8 +62,8 @@ def flex_spatial(
     search = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
     done = search.run()
     solved = time.perf_counter()
-    found, way, whole = done.found, done.way, done.whole
-    motion = way[-1]
+    found, path, whole = done.found, done.path, done.whole
+    motion = path[-1]
     deepest = deepest_overlap(its, motion)
     pose = ready.grouping.pose_of(motion)
     last = found.point.pose
@@ -75,7 +75,7 @@ def flex_spatial(
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
     value = None if verdict is Verdict.UNBOUNDED else search.value(done)
     return SpatialAnswer(
-        assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=way, contacts=contacts,
+        assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
         path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=search.rounds, iterations=search.iterations, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
@@ -101,7 +101,7 @@ def _verdict(
         return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), ()
     if found.status is SolverStatus.ESCAPING and done.whole and at_end:
         turning = _spinning(ready, objective, found)
-        leaving = leaving_parts(ready, done.way[-1], objective)
+        leaving = leaving_parts(ready, done.path[-1], objective)
         if turning:
             return Verdict.UNBOUNDED, (), turning
         if leaving:

@@ -296,7 +296,7 @@ class _Drag:
             program, inside=True, most=ITERATIONS, tolerance=TOLERANCE, horizon=np.inf, stop=self.until
         )
         found = solver.solve()
-        path, whole = refined(ready, program, found.way or [program.start])
+        path, whole = refined(ready, program, found.path or [program.start])
         if ready.checker.overlaps(motion, path[0]):
             return motion, None
         ended = whole and found.status is SolverStatus.CONVERGED

@@ -1,4 +1,4 @@
-"""Rounds of the program in space: missed pairs, two modes of the solver, and the checked way."""
+"""Rounds of the program in space: missed pairs, two modes of the solver, and the checked path."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
 """Where iterates stay inside all rows: so many starts beside rest are tried, with so many iterations each."""
 MOST_ROWS_OF_STARTS = 20_000
 """Larger programs are started once."""
-NOTHING = np.zeros((0, 4), dtype=np.int64)
+MISSED = 1.0
+"""Where pairs of pieces outside the program meet, all that come nearer than this multiple of the clearance join it."""
 DEPARTED = 0.25
 """An unfinished motion further than this share of the size may be one that never ends: then straight departures are looked for."""
 
@@ -44,23 +45,23 @@ class SearchEnd:
     ----------
     program : SeparatingPlaneProgram
     found : SeparatingPlaneSolution
-    way : (k, n, 6) float64 [mm, rad]
+    path : (k, n, 6) float64 [mm, rad]
         Motions of the parts from rest.
     whole : bool
-        True where the way is free as far as the solution.
+        True where the path is free as far as the solution.
     leaving : tuple of int
-        Parts that go on straight for ever at the end of the way, which then ends beyond the solution.
+        Parts that go on straight for ever at the end of the path, which then ends beyond the solution.
     """
 
     program: SeparatingPlaneProgram
     found: SeparatingPlaneSolution
-    way: Floats
+    path: Floats
     whole: bool
     leaving: tuple[int, ...] = ()
 
     @property
     def good(self) -> bool:
-        """True where the end is an answer and the way there is free."""
+        """True where the end is an answer and the path there is free."""
         return bool(self.leaving) or (
             self.whole and self.found.status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
         )
@@ -68,7 +69,7 @@ class SearchEnd:
 
 @dataclass(eq=False)
 class SpatialSearch:
-    """Rounds of the program for one question; the best motion whose way is checked wins."""
+    """Rounds of the program for one question; the best motion whose path is checked wins."""
 
     ready: SpatialPrepared
     objective: SumOfTerms
@@ -79,6 +80,7 @@ class SpatialSearch:
     iterations: int = 0
     rounds: int = 0
     pieces: Ints = field(init=False)
+    met: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
 
     def run(self) -> SearchEnd:
         """Search with slacks that run ahead, then with damped rows, then inside all rows from several starts, until an end is good."""
@@ -100,14 +102,14 @@ class SpatialSearch:
         return best
 
     def value(self, done: SearchEnd) -> float:
-        """Objective at the end of the way that is certain."""
+        """Objective at the end of the path that is certain."""
         value = 0.0
-        for motion in done.way:
+        for motion in done.path:
             value = self.objective.value(self.ready.grouping.pose_of(motion), value)
         return value
 
     def _attempt(self, seed: int | None, damped: bool = False) -> SearchEnd:
-        """Solve, and check the way; pairs of pieces outside the program that meet on it join, and it is solved again from rest.
+        """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again from rest.
 
         With a `seed` iterates stay inside all rows, from that start; without one slacks run ahead. `damped`: rows are
         damped, and pairs of pieces that do not face each other join only where they meet.
@@ -121,10 +123,11 @@ class SpatialSearch:
                 done = self._departed(self._checked(program, found))
                 if done.good:
                     return done
-            missed = self._missed(found)
+            missed = self._missed(program, found)
             if not len(missed) or self._asked_to_stop():
                 break
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
+            self.met = np.unique(np.vstack([self.met, missed]), axis=0)
         return self._checked(program, found)
 
     def _solved(
@@ -132,7 +135,7 @@ class SpatialSearch:
     ) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
         """The program, and its solution from beside rest, twists up to a limit [rad]."""
         ready, horizon = self.ready, HORIZON * self.ready.size
-        pieces, watched = self._working_set() if damped else (self.pieces, NOTHING)
+        pieces = self._working_set() if damped else self.pieces
         program = build_planes(ready.grouping.bodies, self.objective, pieces, length=ready.clearance, rest=self.begin)
         if self.solver == "ipopt":
             from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
@@ -148,22 +151,21 @@ class SpatialSearch:
             seed=seed or 0,
             horizon=horizon,
             most_turn=limit,
-            watched=watched,
             stop=self.stop,
             progress=self.tell,
         )
         found = solver.solve()
         return solver.program, found
 
-    def _working_set(self) -> tuple[Ints, Ints]:
-        """Pairs of pieces that face each other at the begin, and the others, which are watched."""
+    def _working_set(self) -> Ints:
+        """Pairs of pieces that face each other at the begin, and those that met on the way in an earlier round."""
         bodies, pose = self.ready.grouping.bodies, self.begin or self.ready.grouping.bodies.rest
         near = facing(bodies, pose, self.pieces, self.ready.clearance, REACH * self.ready.clearance)
-        return self.pieces[near], self.pieces[~near]
+        return np.unique(np.vstack([self.pieces[near], self.met]), axis=0)
 
     def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
-        """The end with its way, as far as that is free."""
-        return SearchEnd(program, found, *refined(self.ready, program, found.way or [program.start]))
+        """The end with its path, as far as that is free."""
+        return SearchEnd(program, found, *refined(self.ready, program, found.path or [program.start]))
 
     def _departed(self, done: SearchEnd) -> SearchEnd:
         """The same end where what is pulled can go on straight for ever from it, else unchanged."""
@@ -171,30 +173,34 @@ class SpatialSearch:
         total = np.sum([t.direction for t in pulls], axis=0) if pulls else np.zeros(3)
         if len(pulls) < len(self.objective.terms) or not total.any():
             return done
-        if np.abs(done.way[-1, :, :3]).max() < DEPARTED * self.ready.size:
+        if np.abs(done.path[-1, :, :3]).max() < DEPARTED * self.ready.size:
             return done
-        departure = StraightDeparture(self.ready, done.way[-1], total / np.linalg.norm(total))
+        departure = StraightDeparture(self.ready, done.path[-1], total / np.linalg.norm(total))
         leaving = departure.parts_with(sorted({t.body for t in pulls}))
         if not leaving:
             return done
-        return replace(done, way=np.concatenate([done.way, departure.end(leaving)[None]]), leaving=tuple(leaving))
+        return replace(done, path=np.concatenate([done.path, departure.end(leaving)[None]]), leaving=tuple(leaving))
 
     def _asked_to_stop(self) -> bool:
         return self.stop is not None and self.stop.is_set()
 
-    def _missed(self, found: SeparatingPlaneSolution) -> Ints:
-        """Pairs of pieces outside the program that come nearer than a clearance at some way-point."""
+    def _missed(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Ints:
+        """Pairs of pieces outside the program that come near at some way-point, if any of them meet; the end is looked at first."""
         bodies = self.ready.grouping.bodies
-        known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in self.pieces.tolist()}
-        new: dict[object, list[int]] = {}
-        met = False
-        for point in found.way[:: max(1, len(found.way) // 40)] + found.way[-1:]:
-            for who in near_pieces(bodies, point.pose, self.ready.clearance / 2).tolist():
-                key = tuple(sorted(((who[0], who[1]), (who[2], who[3]))))
-                if key in known or key in new:
-                    continue
-                apart = best_axis(bodies, point.pose, who, np.empty(3))[0]
-                if apart < self.ready.clearance / 2:
-                    new[key] = who
-                    met |= apart <= 0
-        return np.array(list(new.values()), dtype=np.int64).reshape(-1, 4) if met else np.zeros((0, 4), dtype=np.int64)
+        known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in program.pieces.tolist()}
+        some = found.path[:: max(1, len(found.path) // 40)]
+        for points in (found.path[-1:], some):
+            new: dict[object, list[int]] = {}
+            met = False
+            for point in points:
+                for who in near_pieces(bodies, point.pose, MISSED * self.ready.clearance).tolist():
+                    key = tuple(sorted(((who[0], who[1]), (who[2], who[3]))))
+                    if key in known or key in new:
+                        continue
+                    apart = best_axis(bodies, point.pose, who, np.empty(3))[0]
+                    if apart < MISSED * self.ready.clearance:
+                        new[key] = who
+                        met |= apart <= 0
+            if met:
+                return np.array(list(new.values()), dtype=np.int64).reshape(-1, 4)
+        return np.zeros((0, 4), dtype=np.int64)

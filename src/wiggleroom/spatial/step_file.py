@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, see_extra
+from wiggleroom.errors import InputError, require_extra
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -29,7 +29,7 @@ def step_bodies(path: Path) -> dict[str, tuple[Floats, Ints, float]]:
     InputError
         If the file cannot be read, or has no solid in it.
     """
-    see_extra("step", f"{path.name}: STEP files need the library Open CASCADE", "OCP")
+    require_extra("step", f"{path.name}: STEP files need the library Open CASCADE", "OCP")
     found: dict[str, tuple[Floats, Ints, float]] = {}
     for name, solid in _solids(path):
         label = name or "body"

@@ -1,7 +1,7 @@
-"""The working set of planes: pairs of pieces that do not face each other stay out of the program until they are about to meet.
+"""The working set of planes: pairs of pieces that do not face each other stay out of the program until they meet.
 
 A plane between pieces that lie beside each other, corner at corner, has room to turn by much of a radian, and its rows are then far
-from linear in one step: such planes make every step short. They join where the pieces come near.
+from linear in one step: such planes make every step short. They join, and it is solved again from rest, where the pieces meet on the way.
 
 Source: working sets, Gill, Murray and Wright 1981, section 5.2.
 """
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
-from wiggleroom.spatial.separating_plane_program import SeparatingPlanePoint, SeparatingPlaneProgram, best_axis
+from wiggleroom.spatial.separating_plane_program import best_axis
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -20,12 +20,6 @@ Bools = NDArray[np.bool_]
 
 BAND = 0.1
 """Corners within this share of the clearance are at the same level."""
-
-
-def separations(bodies: RigidBodies, pose: SpatialPose, pieces: Ints) -> Floats:
-    """Separations (k,) [mm] of pairs of pieces (k, 4) at a pose; negative where they overlap."""
-    axis = np.empty(3)
-    return np.array([best_axis(bodies, pose, who, axis)[0] for who in pieces.tolist()])
 
 
 def facing(bodies: RigidBodies, pose: SpatialPose, pieces: Ints, clearance: float, reach: float) -> Bools:
@@ -46,22 +40,3 @@ def _faces(bodies: RigidBodies, pose: SpatialPose, who: list[int], clearance: fl
     across = np.linalg.svd(n[None])[2][1:]
     near = [shapely.MultiPoint(c @ across.T).convex_hull for c in (own[p > p.max() - band], other[v < v.min() + band])]
     return bool(near[0].distance(near[1]) < clearance)
-
-
-def rows_of(program: SeparatingPlaneProgram, larger: SeparatingPlaneProgram) -> tuple[Ints, Ints]:
-    """Where planes and rows of a program are in a larger one."""
-    place = {tuple(who): k for k, who in enumerate(larger.pieces.tolist())}
-    planes = np.array([place[tuple(who)] for who in program.pieces.tolist()], dtype=np.int64)
-    count = np.diff(program.row)
-    rows = np.repeat(larger.row[planes] - program.row[:-1], count) + np.arange(program.rows)
-    return planes, rows
-
-
-def carried(point: SeparatingPlanePoint, planes: Ints, larger: SeparatingPlaneProgram) -> SeparatingPlanePoint:
-    """The point of a larger program with the same planes, and between other pieces those that part them best."""
-    n, d = larger.start.n.copy(), larger.start.d.copy()
-    n[planes], d[planes] = point.n, point.d
-    for k in np.setdiff1d(np.arange(larger.planes), planes).tolist():
-        apart, other = best_axis(larger.bodies, point.pose, larger.pieces[k].tolist(), n[k])
-        d[k] = float((other @ n[k]).min()) - apart / 2 - n[k] @ larger.c[k]
-    return SeparatingPlanePoint(point.pose, n, d)

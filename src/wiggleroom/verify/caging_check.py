@@ -1,4 +1,4 @@
-"""Step 1: caging surfaces. No way from rest leaves a caging surface, because everywhere on it a chord of A crosses a chord of B.
+"""Step 1: caging surfaces. No path from rest leaves a caging surface, because everywhere on it a chord of A crosses a chord of B.
 
 A caging surface is a stack of closed loops of translations (x, y), each at one turn. Two neighbouring loops are joined by tracks, straight
 lines from a corner of one to a corner of the other. At every turn in between, tracks that follow each other bound a side of a loop. If
@@ -72,22 +72,22 @@ def _check_seam(
     for k, corners in enumerate((start, end)):
         need(gone[k] == (0 if len(corners) == 1 else len(corners)), "a seam does not go once round")
     width = high - low
-    ways: dict[tuple[int, int, int, int], int] = {}  # a track is the end of one piece and the start of the next
+    signs: dict[tuple[int, int, int, int], int] = {}  # a track is the end of one piece and the start of the next
     for piece, (k, m) in zip(itertools.pairwise(tracks), chords, strict=True):
         p, q = a[_place(k, a)], b[_place(m, b)]
         for i, j in piece:
-            if (k, m, i, j) not in ways:
+            if (k, m, i, j) not in signs:
                 at_low, at_high = [turned(v, low) for v in q], [turned(v, high) for v in q]
-                ways[k, m, i, j] = _check_track(p, q, at_low, at_high, start[i], end[j], width)
-        need(len({ways[k, m, i, j] for i, j in piece}) == 1, "two chords that are named do not cross everywhere")
+                signs[k, m, i, j] = _check_track(p, q, at_low, at_high, start[i], end[j], width)
+        need(len({signs[k, m, i, j] for i, j in piece}) == 1, "two chords that are named do not cross everywhere")
 
 
 def _check_track(
     a: tuple[Point, Point], b: tuple[Point, Point], low: list, high: list, start: Point, end: Point, width: arb
 ) -> int:
-    """Which way two chords cross all along a track: 1 or -1."""
+    """Sense in which two chords cross all along a track: 1 or -1."""
     first, second = _crossing(a, low, start), _crossing(a, high, end)
-    way = 1 if first[0] > 0 else -1
+    sign = 1 if first[0] > 0 else -1
     move = less(end, start)
     long_a, long_b = size(less(a[1], a[0])), size(less(b[1], b[0]))
     slide = abs(dot(less(low[1], low[0]), move)) + width * size(move) * long_b
@@ -98,8 +98,8 @@ def _check_track(
             far = size(a[k - 2]) + size(start).max(size(end))
             bend = long_b * far * width * width + 2 * slide * width
         for value in (first[k], second[k]):
-            need(bool(way * value > bend / 8), "two chords that are named do not cross everywhere")
-    return way
+            need(bool(sign * value > bend / 8), "two chords that are named do not cross everywhere")
+    return sign
 
 
 def _crossing(a: tuple[Point, Point], b: list[Point], shift: Point) -> list[arb]:

@@ -31,8 +31,8 @@ def chords(material: shapely.Geometry, inset: float, beyond: float) -> Floats:
     _, first = np.unique(which, return_index=True)
     pieces = pieces[first]
     ends = np.stack([shapely.get_coordinates(shapely.get_point(pieces, k)) for k in (0, -1)], 1)
-    way = ends[:, 1] - ends[:, 0]
-    long = np.hypot(*way.T)
-    ends, way, long = ends[long > inset], way[long > inset], long[long > inset]
-    back = END_MARGIN * inset * way / long[:, None]
+    edge = ends[:, 1] - ends[:, 0]
+    long = np.hypot(*edge.T)
+    ends, edge, long = ends[long > inset], edge[long > inset], long[long > inset]
+    back = END_MARGIN * inset * edge / long[:, None]
     return np.stack([ends[:, 0] + back, ends[:, 1] - back], 1)

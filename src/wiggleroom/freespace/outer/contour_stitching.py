@@ -78,8 +78,8 @@ class Depths:
         """Normals (E, 4, 2) and levels (E, 4) [mm]: the chords cross where normal . tau + level > 0, all four."""
         go, on = self.a[:, 1] - self.a[:, 0], self.b[:, 1] - self.b[:, 0]
         size, length = np.hypot(*go.T), np.hypot(*on.T)
-        way = self.way
-        p, q = (way / size)[:, None] * go, (way / length)[:, None] * on
+        orientation = self.orientation
+        p, q = (orientation / size)[:, None] * go, (orientation / length)[:, None] * on
         left, right = np.column_stack([-p[:, 1], p[:, 0]]), np.column_stack([-q[:, 1], q[:, 0]])
         normal = np.stack([-left, left, -right, right], 1)
         level = np.stack(
@@ -94,7 +94,7 @@ class Depths:
         return normal, level
 
     @property
-    def way(self) -> Floats:
+    def orientation(self) -> Floats:
         """1 where B's chord passes A's to the left, -1 to the right (E,)."""
         return np.where(_cross(self.a[:, 1] - self.a[:, 0], self.b[:, 1] - self.b[:, 0]) >= 0, 1.0, -1.0)
 
@@ -201,7 +201,7 @@ def stitched(crossings: Crossings, one: Loop, two: Loop) -> Seam | None:
     both = np.vstack([one.at, two.at])
     low, high = both.min(0), both.max(0)
     here, there = crossings.both(one.angle, two.angle, low, high)
-    same = here.way == there.way
+    same = here.orientation == there.orientation
     here, there = here.only(same), there.only(same)
     if not len(here.i):
         return None
@@ -264,7 +264,7 @@ def _walk(holds: Bools, one: Loop, two: Loop) -> list[tuple[int, int]] | None:
 
 @njit(cache=True)
 def _cheapest(packed: NDArray[np.uint8], good: Bools, away: Floats, j0: int) -> Ints:
-    """How each track was reached on the shortest way: by a step on the first loop (0), the second (1) or both (2); -1 where it was not."""
+    """How each track was reached on the shortest path: by a step on the first loop (0), the second (1) or both (2); -1 where it was not."""
     m, n, size = packed.shape
     cost = np.full((m + 1, n + 1), np.inf)
     came = np.full((m + 1, n + 1), -1)

@@ -2,7 +2,7 @@
 
 Take a window of motions round rest. If a point of B, wherever the window carries it, can get behind an edge of A only into
 A's material, then the wall of that point and edge holds at every free motion of the window; the same with A and B exchanged.
-If all these walls together keep clear of the window's rim, then a way from rest never comes to the rim, and the walls hold for
+If all these walls together keep clear of the window's rim, then a path from rest never comes to the rim, and the walls hold for
 all that can be reached. Smaller windows within make walls straighter, and more of them hold.
 """
 
@@ -161,7 +161,7 @@ def _at_rim(found: LocalOuterRegion, low: Floats, high: Floats) -> NDArray[np.bo
 
 
 def _connected(found: LocalOuterRegion | None) -> LocalOuterRegion | None:
-    """Only the polyhedra to which a way from rest through others leads: each touches the next one, and so do the boxes round them."""
+    """Only the polyhedra to which a path from rest through others leads: each touches the next one, and so do the boxes round them."""
     if found is None or not len(found.corner):
         return None
     boxes = _around(found)
@@ -255,7 +255,7 @@ def _left(sides: NearSides, boxes: _Boxes) -> LocalOuterRegion | None:
 
 
 def _sector(normal: Floats) -> Ints:
-    """Which way normals look."""
+    """Sector of directions that normals point into."""
     return np.round((np.arctan2(normal[:, 1], normal[:, 0]) / (2 * np.pi) + 0.5) * NORMAL_SECTORS).astype(np.int64)
 
 

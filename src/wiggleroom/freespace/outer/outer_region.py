@@ -1,6 +1,6 @@
 """Outer regions: everything that B can reach against A, as prisms (an interval of turns, a convex polygon) and as facets of their hull.
 
-A way from rest stays inside. In every interval the boundary of an outer slice is forbidden at all its turns, so a way leaves a piece only
+A path from rest stays inside. In every interval the boundary of an outer slice is forbidden at all its turns, so a path leaves a piece only
 through the end of the interval, into a piece of the next one that meets it; all those are taken in, forwards and back, until nothing is
 new. Beyond the last intervals nothing is left over: no turn leads through them.
 """

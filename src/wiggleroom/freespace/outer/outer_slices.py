@@ -170,17 +170,17 @@ def _contacts(
 
 def _clipped(lines: Floats, window: float) -> Floats:
     """Lines cut off just outside the window, where their ends no longer matter; those that miss it are left out."""
-    start, way = lines[:, 0], lines[:, 1] - lines[:, 0]
-    safe = np.where(way == 0, 1.0, way)
+    start, edge = lines[:, 0], lines[:, 1] - lines[:, 0]
+    safe = np.where(edge == 0, 1.0, edge)
     one, two = (-window - start) / safe, (window - start) / safe
-    flat = (way == 0) & (np.abs(start) <= window)
+    flat = (edge == 0) & (np.abs(start) <= window)
     one, two = np.where(flat, -np.inf, np.minimum(one, two)), np.where(flat, np.inf, np.maximum(one, two))
     enter, leave = np.maximum(one.max(1), 0.0), np.minimum(two.min(1), 1.0)
     keep = enter < leave
-    lines, start, way = lines[keep], start[keep], way[keep]
+    lines, start, edge = lines[keep], start[keep], edge[keep]
     enter, leave = enter[keep, None], leave[keep, None]
     return np.stack(
-        [np.where(enter > 0, start + enter * way, start), np.where(leave < 1, start + leave * way, lines[:, 1])], 1
+        [np.where(enter > 0, start + enter * edge, start), np.where(leave < 1, start + leave * edge, lines[:, 1])], 1
     )
 
 

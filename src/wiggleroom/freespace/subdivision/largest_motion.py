@@ -25,7 +25,7 @@ Ints = NDArray[np.int64]
 MAX_DEPTH = 30
 """Boxes are halved at most this often."""
 GOALS_PER_PASS = 256
-"""Paths looked at in every lap."""
+"""Paths that are looked at in one pass."""
 STOP_CHECK_BOXES = 2000
 """After so many boxes, whether to stop is asked again."""
 MAX_TURN_OF_PIECE = 0.05
