@@ -57,6 +57,9 @@ class Settings:
     min_restoring_step, lifted_slack : float in (0, 1), float > 0 [program.length]
         At the end of large programs, where steps that restore feasibility are shorter than the first, violated rows alone are
         lifted; slacks below the second weigh no more there.
+    min_growth, moving_centring : float in (0, 1)
+        After a step that raised the objective by more than the first share, complementarity is centred at no less than the second share
+        of what it was: in very large programs the barrier else vanishes long before the bodies arrive, and they jam.
     corrected_gap : float in (0, 1)
         Centrality correctors lengthen the steps of large programs from this share of the objective on: before, they lead into worse basins.
     """
@@ -82,6 +85,8 @@ class Settings:
     max_centring: float = 10.0
     min_restoring_step: float = 0.7
     lifted_slack: float = 1e-9
+    min_growth: float = 0.02
+    moving_centring: float = 0.0
     corrected_gap: float = 0.0
 
 
@@ -91,6 +96,13 @@ LARGE_PROGRAM = 300
 LARGE_SETTINGS = replace(SETTINGS, max_centring=1.0, dual_error_allowance=SETTINGS.dual_error_floor, corrected_gap=0.3)
 
 
+VERY_LARGE_PROGRAM = 100_000
+"""Programs of more variables need more iterations to move their bodies than the barrier parameter takes to fall."""
+VERY_LARGE_SETTINGS = replace(LARGE_SETTINGS, moving_centring=0.7)
+
+
 def settings_for(variables: int) -> Settings:
     """Parameters for a program of so many variables."""
+    if variables > VERY_LARGE_PROGRAM:
+        return VERY_LARGE_SETTINGS
     return LARGE_SETTINGS if variables > LARGE_PROGRAM else SETTINGS

@@ -19,7 +19,7 @@ MIN_SHIFT = 1e-11
 
 @dataclass(eq=False)
 class Iterate:
-    """Iterate of the method; `s` are slacks of the rows."""
+    """Iterate of the method; `s` are slacks of the rows, `growth` is the share by which the last step raised the objective."""
 
     u: Floats
     s: Floats
@@ -30,6 +30,7 @@ class Iterate:
     proximal_share: float
     shift: float = MIN_SHIFT
     stride: float = 1.0
+    growth: float = 0.0
     path: list[Floats] = field(default_factory=list)
 
     def residuals(self) -> tuple[Floats, Floats, float, float]:

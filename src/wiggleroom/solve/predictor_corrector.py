@@ -80,6 +80,8 @@ def predictor_corrector_step(
         centring = (after / mu) ** 3 if mu > 0 else 0.0
         if infeasibility_ratio > 0.3:  # feasibility must not fall behind complementarity
             centring = max(centring, min(settings.max_centring, infeasibility_ratio))
+        if state.growth > settings.min_growth:
+            centring = max(centring, settings.moving_centring)
         mean = max(centring * mu, least)
         corrector_goal(s, predictor.s, lam, predictor.lam, mean, SETTINGS.max_correction * mu, goal)
         del predictor  # in assemblies of a million parts these arrays count
@@ -96,7 +98,7 @@ def predictor_corrector_step(
 
 def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
     """Take the step; halve it while the infeasibility grows beyond half the complementarity."""
-    lam = state.lam + step.dual * step.lam
+    lam, value = state.lam + step.dual * step.lam, state.at.value
     share = step.primal
     before = dot(state.lam, np.abs(state.s - state.at.h))
     # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so try longer ones
@@ -118,3 +120,4 @@ def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
         share /= 2
     state.move, state.shift = step.u, step.shift
     state.u, state.s, state.lam, state.at = u, s, lam, at
+    state.growth = (at.value - value) / max(abs(at.value), state.unit)
