@@ -135,7 +135,7 @@ class SpatialSearch:
             if not len(missed) or self._asked_to_stop():
                 break
             if found.status is SolverStatus.CONVERGED and rest_of_way:
-                done = self._checked(program, replace(found, way=tuple(rest_of_way)))
+                done = self._checked(program, replace(found, path=tuple(rest_of_way)))
                 if done.good:
                     return done
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
