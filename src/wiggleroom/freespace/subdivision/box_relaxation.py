@@ -65,18 +65,22 @@ def signed_line_distance(edge, e, x, y):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def free_side_is_convex(edge, some, count, tiny):
-    """True where each of some edges lies in front of the lines of all others."""
+    """True where each of some edges lies in front of the lines of all others.
+
+    Edges on one line that face opposite ways enclose a spike of no width: what is free lies on both sides of it.
+    """
     for i in range(count):
         for j in range(count):
+            if i == j:
+                continue
             e, f = some[i], some[j]
-            if (
-                i != j
-                and min(
-                    signed_line_distance(edge, e, edge[f, 0], edge[f, 1]),
-                    signed_line_distance(edge, e, edge[f, 2], edge[f, 3]),
-                )
-                < -tiny
-            ):
+            one = signed_line_distance(edge, e, edge[f, 0], edge[f, 1])
+            other = signed_line_distance(edge, e, edge[f, 2], edge[f, 3])
+            if min(one, other) < -tiny:
+                return False
+            along = (edge[e, 2] - edge[e, 0]) * (edge[f, 2] - edge[f, 0])
+            along += (edge[e, 3] - edge[e, 1]) * (edge[f, 3] - edge[f, 1])
+            if max(one, other) <= tiny and along < 0.0:
                 return False
     return True
 
