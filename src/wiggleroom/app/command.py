@@ -45,7 +45,7 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
     gap = drawing.gap if design.gap is None else design.gap
     found = [] if file.unit is None else ["--unit", file.unit]
     how = file.flattening
-    if file.flatten is not None and (how is None or file.flatten != chord_error(gap, how.coarsest, how.finest)):
+    if file.flatten is not None and (how is None or file.flatten != chord_error(gap, how.at_no_gap, how.finest)):
         found += ["--flatten", repr(file.flatten)]
     found += ["--gap", f"{gap:.12g}"]
     for part in design.fixed:

@@ -13,7 +13,6 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.escape import EscapeEffort
 from wiggleroom.disassembly.interlock import Interlock, interlock
 from wiggleroom.displayable import Drawable
-from wiggleroom.drawing.flatten import finer_below
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress, silent
 
@@ -25,8 +24,6 @@ MIN_GAP_SHARE = 1e-4
 """The search for a gap that holds ends below this share of the drawing's size."""
 FIRST_GAP_SHARE = 1e-2
 """Where the drawing gives no gap, the search begins at this share of its size."""
-FLATTENING_MARGIN = 0.1
-"""Share of the gap within which the border may depend on how finely curves are cut: they stray by a fiftieth of it at most."""
 NOT_HELD = {"comes apart", "gone"}
 
 
@@ -95,9 +92,7 @@ def largest_gap(
         return interlock(made, effort, every=False, stop=stop, tell=progress or silent)
 
     drawing = assembly.drawing
-    return largest_gap_over(
-        assembly, lambda gap: assemble(drawing, gap=gap), look, stop, lambda gap: finer_below(drawing, gap)
-    )
+    return largest_gap_over(assembly, lambda gap: assemble(drawing, gap=gap), look, stop)
 
 
 def largest_gap_over(
@@ -105,11 +100,8 @@ def largest_gap_over(
     make: Callable[[float], Any],
     look: Callable[[Any], Any],
     stop: Stop | None,
-    finer: Callable[[float], float | None] = lambda _: None,
 ) -> LargestGap:
     """The same of any assembly: `make` gives it with another gap, `look` whether that comes apart.
-
-    `finer` tells of a gap the largest one below it at which the outlines are others, because curves are cut more finely.
 
     Raises
     ------
@@ -142,7 +134,6 @@ def largest_gap_over(
 
     with suppress(StoppedError):
         _bracket(assembly, at, known)
-        _see_finer(at, known, finer)
     parts_at = min(known("comes apart"), default=None)
     holds = max((g for g in known("interlocked") if parts_at is None or g < parts_at), default=None)
     return LargestGap(
@@ -164,18 +155,6 @@ def _bracket(assembly: Any, at: Callable[[float], str], known: Callable[[str], l
         low = max(known("interlocked"))
         above = [g for bad in (*NOT_HELD, "unknown") for g in known(bad) if g > low]
         _narrow(at, low, min(above), {*NOT_HELD, "unknown"})
-
-
-def _see_finer(
-    at: Callable[[float], str], known: Callable[[str], list[float]], finer: Callable[[float], float | None]
-) -> None:
-    """Where finer edges begin a little below the border, see that no gap with these comes apart already."""
-    held = known("interlocked")
-    below = finer(max(held)) if held else None
-    if below is not None and below > (1 - FLATTENING_MARGIN) * max(held) and at(below) in NOT_HELD:
-        low = (1 - FLATTENING_MARGIN) * below
-        if at(low) == "interlocked":
-            _narrow(at, low, below, NOT_HELD)
 
 
 def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str]) -> None:

@@ -14,28 +14,19 @@ from wiggleroom.drawing.pathdata import Arc, Cubic, Subpath
 
 GAP_SHARE = 1 / 50
 """No curve is further from its chords than this share of the gap."""
-COARSEST_SHARE = 2.5e-4
-"""Nor further than this share of the median part size, however large the gap: so gaps above an eightieth of it share their edges."""
 NO_GAP_SHARE = 1e-4
-"""The same where there is no gap: clearance may be drawn, and nobody knows how little."""
+"""Nor, where there is no gap, than this share of the median part size: clearance may be drawn, and nobody knows how little."""
 
 
-def chord_error(gap: float, coarsest: float, finest: float) -> float:
-    """Chord error of curves [mm] at a gap [mm]: the coarsest one, halved until it is no more than a share of the gap.
-
-    As it takes few values, gaps near each other, and all large ones, are about the very same edges.
+def chord_error(gap: float, at_no_gap: float, finest: float) -> float:
+    """Chord error of curves [mm] at a gap [mm]: a fiftieth of it, and no less than the finest one.
 
     Examples
     --------
-    >>> [chord_error(gap, 0.025, 1e-9) for gap in (3.0, 1.25, 1.0, 0.2, 0.0)]
-    [0.025, 0.025, 0.0125, 0.003125, 0.01]
+    >>> [chord_error(gap, 0.01, 1e-9) for gap in (1.0, 0.2, 0.0)]
+    [0.02, 0.004, 0.01]
     """
-    if not gap > 0:
-        return max(coarsest * NO_GAP_SHARE / COARSEST_SHARE, finest)
-    error = coarsest
-    while error > GAP_SHARE * gap * (1 + 1e-12) and error > finest:
-        error /= 2
-    return max(error, finest)
+    return max(GAP_SHARE * gap if gap > 0 else at_no_gap, finest)
 
 
 def flattened_for(drawing: Drawing, gap: float) -> Drawing:
@@ -45,7 +36,7 @@ def flattened_for(drawing: Drawing, gap: float) -> Drawing:
     longer as they were read, stay as they are.
     """
     how = drawing.flattening
-    if how is None or (error := chord_error(gap, how.coarsest, how.finest)) == how.error:
+    if how is None or (error := chord_error(gap, how.at_no_gap, how.finest)) == how.error:
         return drawing
     before = {part.name: part for part in how.parts}
     if any(part.regions is not before[part.name].regions for part in drawing.parts):
@@ -63,14 +54,6 @@ def _put(part: Part, before: Part, after: Part) -> Part:
     (x, y, angle), (x0, y0, _), (x1, y1, _) = part.at, before.at, after.at
     shift = complex(x1 - x0, y1 - y0) * complex(math.cos(angle), math.sin(angle))
     return replace(part, regions=after.regions, at=(x + shift.real, y + shift.imag, angle))
-
-
-def finer_below(drawing: Drawing, gap: float) -> float | None:
-    """The largest gap [mm] below this one at which curves are cut more finely; None where they have only one flattening."""
-    how = drawing.flattening
-    if how is None:
-        return None
-    return chord_error(gap, how.coarsest, how.finest) / GAP_SHARE * (1 - 1e-9)
 
 
 @dataclass

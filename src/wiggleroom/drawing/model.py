@@ -190,8 +190,8 @@ class Flattening:
     ----------
     error : float [mm]
         Chord error of the edges as they are.
-    coarsest, finest : float [mm]
-        Chord errors beyond which no gap goes.
+    at_no_gap, finest : float [mm]
+        Chord error where there is no gap, and the least of all.
     parts : tuple of Part
         As they were read.
     again : callable
@@ -199,7 +199,7 @@ class Flattening:
     """
 
     error: float
-    coarsest: float
+    at_no_gap: float
     finest: float
     parts: tuple[Part, ...]
     again: Callable[[float], tuple[Part, ...]]

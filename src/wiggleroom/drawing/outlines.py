@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.elements import Artwork
-from wiggleroom.drawing.flatten import COARSEST_SHARE, Curved, chord_error
+from wiggleroom.drawing.flatten import NO_GAP_SHARE, Curved, chord_error
 from wiggleroom.drawing.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
 from wiggleroom.drawing.model import Points
@@ -48,7 +48,7 @@ def traced(
     """
     paths = [(path, row) for row, stroke in enumerate(artwork.strokes) for path in stroke.paths]
     closed = [_is_closed(path) for path, _ in paths]
-    tolerance, coarsest, size = _chord_error(artwork, paths, closed, flatten, gap)
+    tolerance, at_no_gap, size = _chord_error(artwork, paths, closed, flatten, gap)
     lengths = [longer_side(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
     real = [length for length in lengths if length > 1e-6 * size]
     within = join if join is not None else min([JOIN_DISTANCE, *(JOIN_SHARE * length for length in real)])
@@ -56,7 +56,7 @@ def traced(
     for path, _ in paths:
         go_on(stop)
         curved.add(path)
-    found = Traced(artwork.file, tolerance, within, coarsest if curved.bent else None, FINEST * size)
+    found = Traced(artwork.file, tolerance, within, at_no_gap if curved.bent else None, FINEST * size)
     corners = curved.corners(tolerance)
     rings: dict[int, list[Points]] = {}
     lines: list[OpenLine] = []
@@ -93,7 +93,7 @@ def _chord_error(
     flatten: float | None,
     gap: float | None,
 ) -> tuple[float, float | None, float]:
-    """Chord error, the coarsest of any gap (None where it was given) and the longer side of the drawing [mm].
+    """Chord error, that without a gap (None where it was given) and the longer side of the drawing [mm].
 
     Refused is one of nothing, or of a size that cannot be worked with.
     """
@@ -120,8 +120,8 @@ def _chord_error(
     for (_, row), points in zip(chosen, curved.corners(1e-3 * size), strict=True):
         by_row.setdefault(row, []).append(points)
     median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()]))
-    coarsest = max(median * COARSEST_SHARE, FINEST * size)
-    return chord_error(gap or 0.0, coarsest, FINEST * size), coarsest, size
+    at_no_gap = max(median * NO_GAP_SHARE, FINEST * size)
+    return chord_error(gap or 0.0, at_no_gap, FINEST * size), at_no_gap, size
 
 
 def _without_copies(found: Traced) -> None:

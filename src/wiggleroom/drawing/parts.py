@@ -142,9 +142,9 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
         source=artwork.file,
         notes=tuple(dict.fromkeys(found.notes)),
         flattening=None
-        if found.coarsest is None
+        if found.at_no_gap is None
         else Flattening(
-            found.tolerance, found.coarsest, found.finest, parts, partial(_parts, artwork, replace(options, stop=None))
+            found.tolerance, found.at_no_gap, found.finest, parts, partial(_parts, artwork, replace(options, stop=None))
         ),
     )
     layers = tuple(strokes[row].layer for row in first)

@@ -65,8 +65,8 @@ class Traced:
         Chord error of curves.
     join : float [mm]
         Ends nearer than this were joined.
-    coarsest : float or None [mm]
-        Chord error at large gaps; None where there are no curves, or their chord error was given.
+    at_no_gap : float or None [mm]
+        Chord error without a gap; None where there are no curves, or their chord error was given.
     finest : float [mm]
         Least chord error that the size of the drawing allows.
     notes, findings : list of str
@@ -78,7 +78,7 @@ class Traced:
     file: str
     tolerance: float
     join: float
-    coarsest: float | None = None
+    at_no_gap: float | None = None
     finest: float = 0.0
     outlines: list[Outline] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
