@@ -13,7 +13,6 @@ from wiggleroom.bound.branch_and_bound import MANY_BODIES
 from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, turn_differences
 from wiggleroom.bound.joint_multipliers import goal_weights
 from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
-from wiggleroom.bound.local_windows import SPANS
 from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
 from wiggleroom.bound.window_bounds import bounded_windows
@@ -26,10 +25,6 @@ NEAR = 0.03
 """A quick bound that lies no further above the motion found than this share is near enough."""
 MANY_NEAR = 0.1
 """The same where there are many bodies."""
-WORK_OF_MANY = 2500.0
-"""It may always cost so much where bodies are many: without programs their bound says too little."""
-MIN_PLACEMENTS = 4
-"""Where the work is not infinite only windows are looked at that stand so often."""
 HOPS = 2
 """Turns are tightened of bodies so many joints apart."""
 MIN_GAIN = 0.1
@@ -47,7 +42,7 @@ def tightened(
 ) -> float:
     """Value that no motion exceeds, near `found`, the value of a motion; infinite where the work does not allow a program at all.
 
-    Where bodies are many, local windows come first, and it may cost more: a few seconds.
+    Where the work is infinite and bodies are many, local windows come first, and neighbourhoods are tightened.
     """
     held = them.fixed | np.isfinite(first_ranges(them.fixed, joints, regions).far)
     joints = joints.some(held[joints.a] & held[joints.b])
@@ -60,12 +55,10 @@ def tightened(
         min((region.material.clearance for region in regions), default=1.0),
     )
     cuts = RegionCuts([*regions])
-    many = int(np.count_nonzero(held)) > MANY_BODIES
+    many = bool(np.isinf(work)) and int(np.count_nonzero(held)) > MANY_BODIES
     if many:
         cuts.unlike = COARSE_NORMALS
-        work = max(work, WORK_OF_MANY)
-        spans, least = (SPANS, 1) if np.isinf(work) else (SPANS[:2], MIN_PLACEMENTS)
-        for known, _ in bounded_windows(linkage, cuts, over, spans, least):
+        for known, _ in bounded_windows(linkage, cuts, over):
             linkage = known
     ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
     weights = goal_weights(goal, len(held))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -43,12 +43,11 @@ class WindowProof:
 
 
 def bounded_windows(
-    linkage: Linkage, regions: RegionCuts, over: Callable[[], bool], spans: Sequence[int] = SPANS, least: int = 1
+    linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]
 ) -> Iterator[tuple[Linkage, WindowProof]]:
-    """The linkage with what one window after the other says of turns, and why that is so; of windows that stand `least` times or more."""
-    for span in spans:
-        every = windows(linkage.place, linkage.joints, linkage.unit, span)
-        found = [one for one in every if len(one.placements) >= least]
+    """The linkage with what one window after the other says of turns, and why that is so."""
+    for span in SPANS:
+        found = windows(linkage.place, linkage.joints, linkage.unit, span)
         # those of one span know of shorter spans only, so that several are worked on at once
         known = linkage
         with ThreadPoolExecutor(WORKERS) as pool:
