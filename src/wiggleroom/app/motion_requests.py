@@ -44,7 +44,7 @@ MAX_QUICK_ANSWERS = 10
 """So many quick answers are looked for before the full one."""
 NEIGHBOURHOODS = (64, 512, None)
 """So many parts may give way to a dragged one at first, then more where others hold it, then all."""
-MAX_WHOLE_BODIES = 800
+MAX_WHOLE_BODIES = 300
 """In smaller assemblies all may give way from the first: that takes no longer, and there is nothing to be found afterwards."""
 MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
 """So often a drag is gone on with, and so often in vain."""
