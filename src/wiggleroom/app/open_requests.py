@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING
@@ -76,16 +78,12 @@ def opened(request: OpenRequest) -> File:
         name = plain_name(f"{request.name}.json")
         return opened(replace(request, name=name, path=saved_name(name), data=sample_file(request.name), sample=False))
     name = plain_name(request.name)
-    with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
-        path = Path(folder) / name
-        try:
-            if path.suffix.lower() in READERS:
-                path.write_bytes(request.data)
-            if b"wiggleroom/2" in request.data and _is_in_space(path):
-                return _in_space(path, request)
-            drawing = _read(path, request)
-        except InputError as problem:
-            raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
+    with temporary_file(name) as path:
+        if path.suffix.lower() in READERS:
+            path.write_bytes(request.data)
+        if b"wiggleroom/2" in request.data and _is_in_space(path):
+            return _in_space(path, request)
+        drawing = _read(path, request)
     how = drawing.flattening
     flatten = request.flatten if how is None else how.error
     if path.suffix.lower() == ".json":
@@ -94,6 +92,16 @@ def opened(request: OpenRequest) -> File:
     return File(
         name, request.path or name, same, request.unit, flatten, how, data=request.data, options=_options(request)
     )
+
+
+@contextmanager
+def temporary_file(name: str) -> Iterator[Path]:
+    """A place for a file of this name, in a folder that is gone afterwards and that no finding names."""
+    with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
+        try:
+            yield Path(folder) / name
+        except InputError as problem:
+            raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
 
 
 def first_open(

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import shlex
-import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wiggleroom.app.open_requests import saved_name
+from wiggleroom.app.open_requests import saved_name, temporary_file
 from wiggleroom.app.reporter import Reporter, on_the_page
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.errors import InputError
@@ -58,14 +56,9 @@ def _assembled(file: File, request: SheetRequest, out: Reporter) -> tuple[Assemb
 
 def _sheet(file: File) -> CuttingSheet:
     """The open drawing read as a sheet, in a folder that is gone afterwards."""
-    options = file.options
-    with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
-        path = Path(folder) / file.name
+    with temporary_file(file.name) as path:
         path.write_bytes(file.data)
-        try:
-            return read_sheet(path, unit=file.unit, options=options)
-        except InputError as problem:
-            raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
+        return read_sheet(path, unit=file.unit, options=file.options)
 
 
 def _hints(said: SheetHints, thickness: float, burn: float | None) -> Hints:

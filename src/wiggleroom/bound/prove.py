@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -111,16 +111,20 @@ def prove(
         )
     proof = ProofNode() if certify else None
     cut = witness + CUTOFF_SHARE * aim
-    bounding = BranchAndBound(ground, joints, regions, goal, cut, clock, lambda most, doing: tell(doing, most), proof)
+
+    def bounding_of(joints: JointConstraints, regions: Sequence[OuterRegion | CagingSurface]) -> BranchAndBound:
+        return BranchAndBound(
+            ground, joints, [*regions], goal, cut, clock, lambda most, doing: tell(doing, most), proof
+        )
+
+    bounding = bounding_of(joints, regions)
     outer = [region for region in regions if isinstance(region, OuterRegion)]
     few = not certify and held.sum() <= MANY_BODIES
     if few and bounding.relaxed(ranges) > witness + LOOSE_SHARE * abs(witness):
         tell("pairs that others keep together", math.nan)
         some = Deadline(clock.left / 2, clock) if clock.left > 0 else clock
         joints, outer, ranges = confined_pairs(ground, joints, outer, ranges, some.is_set)
-        bounding = BranchAndBound(
-            ground, joints, [*outer], goal, cut, clock, lambda most, doing: tell(doing, most), proof
-        )
+        bounding = bounding_of(joints, outer)
     ranges = narrowed(bounding.first(), ranges.low, ranges.high)
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):

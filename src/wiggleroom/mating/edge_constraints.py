@@ -172,21 +172,14 @@ class EdgeConstraints:
                     return False  # the edge is taken by another panel
                 elif a in rows and b not in rows and met.get(a, (0, 0))[0] & ea:
                     return False
-        for pair in self.flush:
+        ties: tuple[FlushEdges | GivenPose, ...] = (*self.flush, *self.poses)
+        for pair in ties:
             if other in pair.panels:
                 there = pair.panels[1 - pair.panels.index(other)]
                 if there in rows:
                     k = list(rows).index(there)
                     poses = {there: (turns[k], moves[k]), other: (turn, move)}
                     if not pair.held(*zip(*(poses[row] for row in pair.panels), strict=True)):
-                        return False
-        for pose in self.poses:
-            if other in pose.panels:
-                there = pose.panels[1 - pose.panels.index(other)]
-                if there in rows:
-                    k = list(rows).index(there)
-                    poses = {there: (turns[k], moves[k]), other: (turn, move)}
-                    if not pose.held(*zip(*(poses[row] for row in pose.panels), strict=True)):
                         return False
         return True
 
