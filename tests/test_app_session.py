@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
+import json
 import os
 import signal
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +18,7 @@ import pytest
 import wiggleroom as wr
 from tests.app_client import Served, Visit
 from wiggleroom.app import session
+from wiggleroom.app.worker_protocol import Done, Outgoing, StartOrder
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.assembly_writer import write_assembly
 
@@ -237,3 +241,79 @@ def memory(pid: int) -> float:
     """What a process holds [MB]."""
     pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+class Solver:
+    """A process whose words the test chooses."""
+
+    def __init__(self) -> None:
+        self.orders: asyncio.Queue[StartOrder] = asyncio.Queue()
+        self.words: asyncio.Queue[Outgoing | Done] = asyncio.Queue()
+        self.stopped: list[int] = []
+
+    async def take(self) -> Solver:
+        return self
+
+    async def drop(self, _: Solver) -> None:
+        return None
+
+    async def send(self, order: StartOrder) -> None:
+        await self.orders.put(order)
+
+    async def receive(self) -> Outgoing | Done:
+        return await self.words.get()
+
+    def stop(self, ticket: int) -> None:
+        self.stopped.append(ticket)
+
+    def kill(self) -> None:
+        return None
+
+
+@pytest.mark.parametrize(
+    ("told", "opens", "orders"),
+    [
+        (True, False, ["check", "shape"]),
+        (False, False, ["check", "shape", "check"]),
+        (False, True, ["check", "open"]),
+    ],
+)
+def test_what_was_answered_before_it_could_be_stopped_is_not_answered_again(
+    monkeypatch: pytest.MonkeyPatch, told: bool, opens: bool, orders: list[str]
+) -> None:
+    monkeypatch.setattr(session, "IDLE_SECONDS", 0.05)
+    solver, sent, seen = Solver(), [], []
+
+    async def send(_: list[bytes], said: bytes) -> None:
+        sent.append(said)
+
+    async def answer(order: StartOrder) -> None:
+        await solver.words.put(Outgoing(order.ticket, order.request))
+        await solver.words.put(Done(order.ticket))
+
+    async def play() -> None:
+        one = session.Session(solver, send)  # type: ignore[arg-type]
+        work = asyncio.create_task(one.run())
+        await one.submit(b'{"kind": "check", "id": 1, "design": {}}')
+        first = await solver.orders.get()
+        seen.append(first.request)
+        await one.submit(
+            b'{"kind": "shape", "id": 3, "design": {}}'
+        )  # it is to stop for this, and may have been done just then
+        assert solver.stopped == [first.ticket]
+        if opens:
+            await one.submit(b'{"kind": "open", "id": 2, "name": "a.svg", "data": ""}')
+        if told:
+            await answer(first)
+        else:
+            await solver.words.put(Done(first.ticket, good=False))
+        with suppress(TimeoutError):
+            while True:
+                order = await asyncio.wait_for(solver.orders.get(), 0.5)
+                seen.append(order.request)
+                await answer(order)
+        work.cancel()
+
+    asyncio.run(play())
+    assert [json.loads(text)["kind"] for text in seen] == orders
+    assert [json.loads(text)["kind"] for text in sent] == orders[not told :]

@@ -120,12 +120,12 @@ class Session:
         running = self._running
         if job.kind == "open":  # what was asked is about another drawing
             self._pending.clear()
-            self._halt(running)
+            self._drop(running)
         elif job.of == "flex":
             for kind in ("settle", LAST):  # these were about the design before
                 self._pending.pop(kind, None)
                 if running is not None and running.kind == kind:
-                    self._halt(running)
+                    self._drop(running)
         self._pending[job.kind] = job
         if running is not None and not running.stopped:
             if running.kind == job.kind:
@@ -139,8 +139,7 @@ class Session:
         for one in (kind, "settle") if kind == "flex" else (kind,):
             self._pending.pop(one, None)
             if self._running is not None and self._running.kind == one:
-                self._running.again = False
-                self._halt(self._running)
+                self._drop(self._running)
 
     def _supersede(self, job: Job) -> None:
         """Stop what a newer request of its kind replaces; a moving hand sees its answer if that comes soon."""
@@ -149,6 +148,12 @@ class Session:
         if job.kind in ("drag", "flex") and not job.replied and left > 0:
             loop.call_later(left, lambda: self._halt(job) if self._running is job else None)
         else:
+            self._halt(job)
+
+    def _drop(self, job: Job | None) -> None:
+        """Stop it for good."""
+        if job is not None:
+            job.again = False
             self._halt(job)
 
     def _halt(self, job: Job | None) -> None:
@@ -192,7 +197,7 @@ class Session:
             if job.kind != "open":
                 await self._load()
             if job.stopped:
-                self._after(job, Done(0))
+                self._after(job, Done(0, good=False))
             else:
                 await self._work(job)
         except LostError:
@@ -223,7 +228,7 @@ class Session:
                     continue
                 if isinstance(said, Done):
                     return self._after(job, said)
-                if not job.stopped:
+                if not job.stopped or job.again:  # it may have been about to say its last word
                     job.replied = True
                     await self._send(said.frames, said.text)
         finally:
@@ -237,8 +242,9 @@ class Session:
         elif job.kind == "open" and job.stopped:
             self._loaded = False  # it may have got far enough to have taken the place of the drawing
         if job.stopped and job.again:
-            job.tries = 0
-            self._pending.setdefault(job.kind, job)
+            if not done.good:
+                job.tries = 0
+                self._pending.setdefault(job.kind, job)
         elif done.more and not job.stopped and "flex" not in self._pending:
             self._pending["settle"] = Job("settle", job.number, job.text, job.born)
 
