@@ -34,7 +34,7 @@ from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import Verdict
 
 MAX_REFINEMENTS, MIN_REFINEMENT = 4, 1e-4
-"""So often simplified outlines are refined where they touch, as long as that gains this share."""
+"""Simplified outlines are refined at contacts at most this many times, and while that gains this share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class MotionQuery:
     goals : tuple of Goal
     solver : str
     search : int, optional
-        So many starts beside the one from rest; by default as many as a fixed amount of work allows.
+        Number of starts beside the one from rest; by default as many as a fixed amount of work allows.
     start : Answer, optional
         An earlier answer of the same prepared assembly.
     periods : bool

@@ -109,7 +109,7 @@ def flex(
     start : Answer, optional
         An earlier answer of the same prepared assembly, with walls; the search starts near its motion.
     search : int, optional
-        So many starts beside the one from rest: with another objective first, then the true one; 0 for none. By default as many as a
+        Number of starts beside the one from rest: with another objective first, then the true one; 0 for none. By default as many as a
         fixed amount of work allows, until it is unlikely that there is a higher hill; none for more than 50 free bodies (from 100
         to 1,000 the first climb is made nine times instead), for models that approximate, and from an earlier answer.
     prove : float, optional

@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_BOUND_RATIO = 2.0
-"""A bound of more than so many times the motion found says too little to be stated."""
+"""A bound of more than this many times the motion found says too little to be stated."""
 ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
 CONGRUENCE_WORK = 3.0

@@ -26,7 +26,7 @@ NEAR = 0.03
 MANY_NEAR = 0.1
 """The same where there are many bodies."""
 HOPS = 2
-"""Turns are tightened of bodies so many joints apart."""
+"""Turns of bodies this many joints apart are tightened."""
 MIN_GAIN = 0.1
 """It ends where the bound's distance from the motion found falls by less than this share."""
 

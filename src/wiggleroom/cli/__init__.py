@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 ANSWERED, BAD_INPUT, NO_VERDICT = 0, 2, 3
 COLLECTION_THRESHOLD = 200_000
-"""So many new objects before garbage is looked for: a command makes many that stay, and hardly any garbage."""
+"""Number of new objects before garbage is collected: a command makes many that stay, and hardly any garbage."""
 
 
 def main() -> int:

@@ -41,7 +41,7 @@ BOXES_FOR_ONE_BODY = 150_000
 BOXES_FOR_NEAR_EXIT = 40_000
 """Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
 MAX_TILTS = 4
-"""From so many states besides the first, in which a body can be turned, largest turns are searched."""
+"""Largest turns are searched from at most this many states besides the first, in which a body can be turned."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
 MAX_NEAR_EXITS = 8

@@ -17,9 +17,9 @@ Floats = NDArray[np.float64]
 MIN_CORNERS = 200
 """Outlines of fewer corners stay as they are."""
 MAX_CORNERS, MIN_EDGE = 400, 1.5
-"""Up to so many corners, outlines whose edges are longer than this share of the clearance, in the median, stay as they are too."""
+"""Outlines of at most this many corners whose median edge is longer than this share of the clearance stay as they are too."""
 NEAR, NEAR_DEPTH = 2.0, 0.1
-"""A contact may wander by so many clearances, or along an arc until it lies this share of a clearance deeper."""
+"""A contact may move by this many clearances, or along an arc until it lies this share of a clearance deeper."""
 
 
 def is_fine(assembly: Assembly, clearance: float) -> bool:

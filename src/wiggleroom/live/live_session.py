@@ -156,7 +156,7 @@ class Live:
         goals : optional
             These goals; by default what the drawing asks for.
         within : int, optional
-            So many bodies may move, those that the part pushes first; all others stand where they are. The motion is one
+            Number of bodies that may move, those that the part pushes first; all others stand where they are. The motion is one
             of the whole assembly, but not settled where others that stand hold the part; then the next drag begins where
             this one did. By default all may move.
         seconds : float
@@ -275,7 +275,7 @@ class Live:
         part : str, optional
             Freedoms that move this part most; by default of the whole assembly.
         count : int
-            At most so many.
+            Most freedoms that are returned.
         seconds : float
             After that time those that were found are returned.
         stop : optional

@@ -43,15 +43,15 @@ FIRST_BARRIER = 3e-3
 MAX_LIVE_ROUNDS = 30
 """Rounds of one request at most, whatever its time."""
 PATH_SAMPLES = 8
-"""So many of a path's points show where it leads: the solver's steps wander."""
+"""Number of the path's points that show where it leads: the solver's steps are not straight."""
 WANTED_ROOM, MIN_ROOM, SLACK_ROW_WEIGHT, MAX_PUSHES = 2e-3, 1e-6, 1e-6, 8
-"""Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
+"""Room that a push aims at, and is content with [clearances]; weight of rows that need none; most pushes that are tried."""
 PICTURE_TOLERANCE = 1e-6
 """Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
 FINISHED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
 """Ends of a solve after which its last iterate is in all walls."""
 MIN_LIVE_ITERATIONS = 8
-"""A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
+"""Least iterations of a round, whatever the time: without them a large assembly would make no progress."""
 
 
 @dataclass(frozen=True, eq=False)

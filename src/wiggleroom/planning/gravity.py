@@ -31,7 +31,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 STEPS = 24
-"""So many steps parts sink; what comes to rest before the second half of them has settled."""
+"""Number of steps in which parts sink. What comes to rest before the second half of them has settled."""
 TRUST = 0.5
 """In a step corners go no further than about this multiple of the clearance."""
 MARGIN = 0.1
@@ -41,7 +41,7 @@ MIN_DESCENT = 0.02
 SETTLED = 0.05
 """A part that sinks by less than this multiple of the clearance in the second half of the steps is at rest."""
 STATES_PER_PIECE = 3
-"""Each straight piece of a step is looked at so often."""
+"""Number of states at which each straight piece of a step is looked at."""
 
 
 @dataclass(eq=False)

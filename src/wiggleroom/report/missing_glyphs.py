@@ -11,7 +11,7 @@ from wiggleroom.report.text import escape
 UNASSIGNED = "\u0378"
 """No font has this one: what stands for it stands for every letter that is missing."""
 MAX_LETTERS = 200
-"""So many different letters are looked for."""
+"""At most this many different letters are looked for."""
 
 
 def missing_glyphs(texts: Iterable[str], *, own_font_only: bool = False) -> str:

@@ -24,11 +24,11 @@ MAX_BODIES = 50
 WORK_BUDGET = 4000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 FEW_BODIES, WORK_BUDGET_OF_FEW = 12, 10_000.0
-"""Up to so many free bodies the climbs meet a fair share of all hills, and more of them pay."""
+"""Most free bodies for the larger budget of work: with so few, the climbs meet a fair share of all local optima."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
 MAX_KNOWN_PAIRS = 200
-"""Up to so many pairs that are apart at rest are known from the start."""
+"""At most this many pairs that are apart at rest are in the program from the start."""
 MIN_IMPROVEMENT = 1e-4
 """An end better by this share is followed to its own end."""
 SINGLE_BODY_SHARE = 0.5
@@ -204,7 +204,7 @@ class _GlobalSearch:
 
 
 def _work(rounds: int, iterations: int, rows: int) -> float:
-    """Work of some rounds and iterations with so many rows, in iterations of a small program."""
+    """Work of some rounds and iterations with `rows` rows, in iterations of a small program."""
     return rounds * (ROUND_WORK + GROWTH_WORK * rows) + iterations * (1 + ROW_WORK * rows)
 
 

@@ -47,7 +47,7 @@ LARGE_ASSEMBLY = 1000
 CARRYING_ASSEMBLY = 100
 """In larger assemblies rounds begin with multipliers."""
 AUDIT_SECONDS, AUDIT_SECONDS_PER_BODY = 8.0, 1e-3
-"""Between two audits of a path that is still growing lie at least so many seconds of processor time, and so many for each body: each
+"""Between two audits of a path that is still growing lies at least this processor time [s], and this much more for each body: each
 costs about a fiftieth of that beyond the audit of its pieces, which is not repeated at the end."""
 FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""

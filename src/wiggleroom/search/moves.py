@@ -31,7 +31,7 @@ from wiggleroom.verdict import SolverStatus
 Ints = NDArray[np.int64]
 
 MAX_BRANCHES = 8, 100
-"""Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
+"""Corner contacts that are tried one by one, at most; and bodies of the largest assembly in which they are."""
 MAX_NEARER_SEEDS = 2
 """Most regrowths from a seed nearer the optimum."""
 

@@ -35,13 +35,13 @@ SYMMETRY_TOLERANCE = 1e-10
 MAX_FREE_BODIES = 50
 """In larger assemblies no period is looked for."""
 MAX_TURNS = 4.2
-"""Where a first turn leads to no congruent state, so many are looked at."""
+"""The search goes on up to this many turns where the first one leads to no congruent state."""
 MAX_STATES = 6
-"""So many congruent states are steered to at most, the nearest to the path first."""
+"""At most this many congruent states are steered to, the nearest to the path first."""
 STEPS_BETWEEN = 8
 """Places between two points of the path at which congruent states are looked for."""
 FIRST_STATES = 6
-"""So many points of the path are tried as the beginning of a period, rest first."""
+"""At most this many points of the path are tried as the beginning of a period, rest first."""
 FURTHER = 3.0
 """The turns of a path that ends early are looked at up to this multiple of them."""
 MAX_STEERING = 25.0

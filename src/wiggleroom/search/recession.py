@@ -15,11 +15,11 @@ Floats = NDArray[np.float64]
 DIRECTIONS = 32
 """Directions evenly round that are tried, besides that of the motion and that of the objective."""
 FAR = 1e4
-"""So many drawing sizes along a direction stand for infinity."""
+"""This many drawing sizes along a direction stand for infinity."""
 NEAR = 1e-6
 """What comes nearer to a circle than this share of its radius is taken along by what turns in it."""
 MIN_SLOPE = 1e-3
-"""What grows over so many drawing sizes, and as much again over twice as many, grows without end."""
+"""An objective is unbounded where it grows by this share of its slope times the distance, and by nearly as much again over twice that."""
 
 
 def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -> Floats | None:

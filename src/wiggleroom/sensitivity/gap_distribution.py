@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 DISTRIBUTIONS = ("normal", "uniform", "truncated")
 TRUNCATION = 2.0
-"""A truncated normal distribution ends at so many standard deviations of the one that is cut."""
+"""A truncated normal distribution ends at this many standard deviations of the one that is cut."""
 
 
 @dataclass(frozen=True)

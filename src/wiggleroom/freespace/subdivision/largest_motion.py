@@ -27,7 +27,7 @@ MAX_DEPTH = 30
 GOALS_PER_PASS = 256
 """Paths that are looked at in one pass."""
 STOP_CHECK_BOXES = 2000
-"""After so many boxes, whether to stop is asked again."""
+"""After this many boxes it is asked again whether to stop."""
 MAX_TURN_OF_PIECE = 0.05
 """Turns of the pieces of a path [rad] that are straight about another point instead."""
 CHORD = np.pi / 16
