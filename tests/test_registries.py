@@ -82,3 +82,18 @@ def test_every_file_that_the_architecture_names_is_there():
     folders = ("", "src/wiggleroom", "src/wiggleroom/cli", "src/wiggleroom/spatial", "web/src", "web/src/panels")
     named = re.findall(r"`((?:\w+/)*\w+\.(?:py|tsx?))`", page)
     assert [name for name in named if not any((TOP / folder / name).exists() for folder in folders)] == []
+
+
+def test_every_name_that_the_architecture_gives_with_a_file_is_in_that_file():
+    page = (TOP / "docs/architecture.md").read_text().split("## Where to find")[1].split("\n## ")[0]
+    rows = [line for line in page.splitlines() if line.startswith("| ")]
+    lost = []
+    for quoted in (re.findall(r"`([^`]+)`", row) for row in rows):
+        source = ""
+        for one in quoted:
+            if one.endswith(".py"):
+                path = TOP / "src/wiggleroom" / one
+                source = path.read_text() if path.exists() else ""
+            elif re.fullmatch(r"[A-Za-z_]\w*(\.\w+)*", one) and source:
+                lost += [f"{one}: {name}" for name in one.split(".") if not re.search(rf"\b{name}\b", source)]
+    assert lost == []
