@@ -1,4 +1,4 @@
-"""How far it can move, with walls: a climb from rest, then the search beyond the nearest hill."""
+"""How far it can move, with walls: a climb from rest to a local optimum, then the global search."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def _climbed(ready: Prepared, query: MotionQuery) -> Answer:
 
 
 def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...]) -> Answer:
-    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do.
+    """The answer after the global search; a body alone is searched completely, where that is left to do.
 
     `before` are values at which other climbs ended.
     """

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_live import SpatialLive
 
 QUICK_SECONDS = 0.1
-"""A quick answer takes about so long [s]."""
+"""Time that a quick answer takes, about [s]."""
 MAX_QUICK_BODIES = 100
 """Of larger assemblies a quick answer from rest would say nothing yet; they have one where an answer at another gap is near."""
 MAX_QUICK_ANSWERS = 10

@@ -19,7 +19,7 @@ Bools = NDArray[np.bool_]
 MAX_AXES = 6
 """Bodies slide both ways along at most this many directions of edges, the longest edges first."""
 MIN_AXIS_SHARE = 0.05
-"""Edges along an axis are together at least so long, as a share of those along the first."""
+"""Least total length of the edges along an axis, as a share of those along the first."""
 MARGIN = 0.02
 """A slide leaves at least this share of the clearance beside what slides."""
 UNIT_TOLERANCE = 0.1

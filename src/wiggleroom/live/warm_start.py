@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LIVE_TOLERANCE, DRAG_TOLERANCE = 1e-3, 2e-4
-"""Share of the objective that a live answer may leave on the table, and a drag, where motion sideways to the target gains little."""
+"""Share of the objective that a live answer may lose, and a drag, where motion sideways to the target gains little."""
 SKETCH_TOLERANCE = 0.03
 """Tolerance of the first rounds: they only show which cells are left."""
 VISIBLE_DISTANCE = 5e-3
@@ -93,7 +93,7 @@ def state_at_rest(ready: Prepared) -> State:
 
 @dataclass(eq=False)
 class TimeBudget:
-    """Stops at a time, or when somebody else says so; asked every iteration."""
+    """Stops at a time, or on another request to stop; asked every iteration."""
 
     seconds: float
     stop: Stop | None = None
@@ -111,7 +111,7 @@ class TimeBudget:
 
 @dataclass(eq=False)
 class WarmSearch:
-    """A search from a state, for questions asked while somebody looks.
+    """A search from a state, for live questions.
 
     Parameters
     ----------

@@ -195,7 +195,7 @@ def _rows(
     for t in np.linspace(0.0, 1.0, count):
         pose = begin + t * (end - begin)
         shares = [(piece - 1, 1.0 - t), (piece, t)]  # way-point 0 stays
-        for b, c, point, normal, apart in near_corners(problem, pose, reach):
+        for b, c, point, normal, apart in corners_near_edges(problem, pose, reach):
             value, where = [], []
             for body, sign in ((b, 1.0), (c, -1.0)):
                 if body not in mine:
@@ -217,7 +217,9 @@ def _rows(
     return found
 
 
-def near_corners(problem: ClearanceProblem, pose: Floats, reach: float) -> list[tuple[int, int, Floats, Floats, float]]:
+def corners_near_edges(
+    problem: ClearanceProblem, pose: Floats, reach: float
+) -> list[tuple[int, int, Floats, Floats, float]]:
     """Corners of one body near edges of another: both bodies, the point, the unit vector away from the edge, and the distance."""
     bodies, moving, n = problem.bodies, problem.moving, len(pose)
     never = set(problem.ignored.tolist())

@@ -22,7 +22,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, near_corners
+from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, corners_near_edges
 from wiggleroom.planning.steps import Step
 from wiggleroom.search.prepare import Survey
 
@@ -182,7 +182,7 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
     count = 3 * len(free)
     value, row, column, limit = list[float](), list[int](), list[int](), list[float]()
     pose = bodies.rest + motion
-    for b, c, point, normal, apart in near_corners(problem, pose, 4 * trust):
+    for b, c, point, normal, apart in corners_near_edges(problem, pose, 4 * trust):
         for body, sign in ((b, -1.0), (c, 1.0)):
             if body in mine:
                 k, arm = mine[body], point - pose[body, :2]

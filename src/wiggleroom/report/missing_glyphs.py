@@ -37,7 +37,7 @@ def missing_glyphs(texts: Iterable[str], *, own_font_only: bool = False) -> str:
 
 
 def _is_seen(letter: str) -> bool:
-    """True for what leaves ink of its own: no spaces, marks or signs of format."""
+    """True for letters that leave ink: no spaces, combining marks or format characters."""
     return unicodedata.category(letter)[0] in "LNPS"
 
 

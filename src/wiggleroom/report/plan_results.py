@@ -14,7 +14,7 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
-from wiggleroom.report.search_extent import extent, search_entry
+from wiggleroom.report.search_extent import extent_text, search_entry
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.plan_schema import (
     PlanAssemblyEntry,
@@ -35,9 +35,9 @@ _COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magent
 _MOST_STEPS = 40
 """Steps that the page for the terminal lists."""
 MOST_PIECES = 3
-"""Paths of more straight pieces are not said in words."""
+"""Paths of more straight pieces than this are not described piece by piece."""
 SLIGHT_TURN = 0.05
-"""Turns up to this are not either [deg]."""
+"""Turns up to this are not described [deg]."""
 PLAN_QUANTILES = (0.01, 0.05, 0.5)
 
 
@@ -232,7 +232,7 @@ def _how(step: Step) -> str:
 
 def searched_sentence(found: Plan) -> str:
     """How far the search went."""
-    said = extent(found)
+    said = extent_text(found)
     if found.verdict is not Separability.COMES_APART and found.certainty is not Certainty.PROVEN and not found.whole:
         said += ", cut short"
     return said

@@ -35,7 +35,7 @@ Floats = NDArray[np.float64]
 MAX_WHOLE_SHARE = 1.0
 """A motion no further than this, as a share of the drawing's size, is shown as a whole."""
 FRAME_SHARE = 0.55
-"""Of one that goes further the frame shows so much on each side of the parts at rest; the rest fades."""
+"""Of one that goes further the frame shows this share on each side of the parts at rest; the rest fades."""
 DURATION = (2.0, 4.5)
 """Shortest and longest film [s]."""
 MAX_PLACES = 150_000
@@ -153,7 +153,7 @@ def scene(
         Factor by which the motion is enlarged; by default as in pictures, but a motion that is large is not made small:
         what leaves the frame fades.
     least_seconds : float
-        It lasts at least so long.
+        Least time that it lasts.
     """
     points = checked_waypoints(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
@@ -189,7 +189,7 @@ def scene(
 
 def _home(assembly: Assembly) -> Floats:
     """Box (4,) round the parts at rest [mm]."""
-    return layout.extent(layout.boxes(assembly, assembly.rest))
+    return layout.bounding_box(layout.boxes(assembly, assembly.rest))
 
 
 def _opacity(assembly: Assembly, poses: Floats, pan: float) -> Floats:
@@ -223,7 +223,7 @@ def _box(assembly: Assembly, poses: Floats, pan: float) -> Floats:
     """Box (4,) [mm] of all that is seen, not too far from where the parts lay."""
     home = _home(assembly)
     looks = poses[np.linspace(0, len(poses) - 1, min(len(poses), max(3, 4000 // len(assembly.parts)))).astype(int)]
-    whole = layout.extent(np.vstack([home[None], *[layout.boxes(assembly, p) for p in looks]]))
+    whole = layout.bounding_box(np.vstack([home[None], *[layout.boxes(assembly, p) for p in looks]]))
     return np.concatenate([np.maximum(whole[:2], home[:2] - pan), np.minimum(whole[2:], home[2:] + pan)])
 
 

@@ -14,7 +14,7 @@ from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.report.leaving_picture import inside
-from wiggleroom.report.search_extent import extent, search_entry
+from wiggleroom.report.search_extent import extent_text, search_entry
 from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.search.answer import Answer, witnessed
@@ -93,7 +93,7 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     if border is not None:
         lines.append(Text(border_sentence(border), style="bold"))
     spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
-    searched = f", {extent(found)}" if found.questions or found.states > 1 else ""
+    searched = f", {extent_text(found)}" if found.questions or found.states > 1 else ""
     lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
     return Group(*lines)
 
@@ -118,7 +118,7 @@ def why(found: Interlock) -> str:
             ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
         )
     if found.verdict is Separability.UNKNOWN:
-        return f"the search was cut short, or found no end that is certain: {extent(found)}"
+        return f"the search was cut short, or found no end that is certain: {extent_text(found)}"
     if found.at_most is not None:
         return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
     if found.certainty is Certainty.PROVEN:
@@ -165,7 +165,7 @@ def check_sure(found: Interlock) -> list[tuple[str, str]]:
     return [
         ("verdict", f"{found.verdict}: {why(found)}"),
         ("certainty", found.certainty),
-        ("took", f"{found.seconds:.2f} seconds, {extent(found)}"),
+        ("took", f"{found.seconds:.2f} seconds, {extent_text(found)}"),
     ]
 
 

@@ -1,4 +1,4 @@
-"""The search beyond the nearest hill: climbs with other objectives first, from states visited before, then with the true one."""
+"""Global search: climbs with other objectives first, from states visited before, then with the true one."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ MIN_IMPROVEMENT = 1e-4
 SINGLE_BODY_SHARE = 0.5
 """Share of the random objectives that are about one body."""
 HILLS_LEFT = 0.2
-"""The search ends where fewer hills than this, by an estimate, were not met yet."""
+"""The search ends where fewer local optima than this, by an estimate, were not met yet."""
 VALUE_TOLERANCE = 1e-3
 """Ends that differ by less than this share count as equal."""
 
 
 @dataclass(frozen=True)
 class SearchEffort:
-    """What the search beyond the nearest hill came to.
+    """What the global search came to.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def search_on(
     Parameters
     ----------
     first : LocalSearch
-        Ended on the hill that rest leads to.
+        Ended at the local optimum that rest leads to.
     starts : int, optional
         Further climbs; by default as many as a fixed amount of work allows, none in large assemblies.
     ends : sequence of float, optional
@@ -130,7 +130,7 @@ class _GlobalSearch:
 
     @property
     def _saturated(self) -> bool:
-        """True where the number of hills, as estimated from how often each was met, is that of those that were met.
+        """True where the number of local optima, as estimated from how often each was met, is that of those that were met.
 
         Source: Boender and Rinnooy Kan, "Bayesian stopping rules for multistart global optimization methods" (1987).
         """

@@ -33,7 +33,7 @@ ROUGH_TOLERANCE, FINE_TOLERANCE = 1e-2, 1e-6
 MAX_ROUNDS = 200
 """Rounds of one climb at most."""
 TOLERANCE_PER_BODY, MAX_TOLERANCE = 1e-8, 5e-5
-"""Share of the objective that each body may leave on the table, where that is more than the tolerance, and all together at most."""
+"""Share of the objective that may be lost for each body, where that is more than the tolerance, and for all together at most."""
 MIN_GAIN = 2e-7
 """A gain below this share of the objective for each body is none."""
 ESCAPE_DISTANCE = 4.0
@@ -85,7 +85,7 @@ class Policy:
     stale : callable
         Pairs whose cells are grown anew, from a search and an incumbent.
     unchecked : callable, optional
-        Pairs that may meet on the path to an incumbent, as two arrays (k,); by default nobody looks.
+        Pairs that may meet on the path to an incumbent, as two arrays (k,); by default none are looked for.
     fine : callable
         Tolerance of the last rounds.
     rough : float

@@ -181,13 +181,13 @@ def _fine(search: LocalSearch) -> float:
 
 
 WITHOUT_BRANCHES = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_fine)
-"""The best motion in reach of the cells; other sides of corner contacts are not tried, and nobody looks at the path."""
+"""The best motion in reach of the cells; other sides of corner contacts are not tried, and the path is not audited."""
 THOROUGH = replace(
     WITHOUT_BRANCHES, moves=(*WITHOUT_BRANCHES.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked
 )
 """What an answer needs."""
 CLIMB = replace(WITHOUT_BRANCHES, moves=(regrow_stale, tighten), unchecked=_unchecked, fine=lambda _: 1e-4)
-"""A climb that only shows how high a hill is."""
+"""A climb that only shows how good a local optimum is."""
 RANDOM_CLIMB = replace(
     WITHOUT_BRANCHES, moves=(regrow_stale,), unchecked=_unchecked, fine=lambda _: ROUGH_TOLERANCE, most_rounds=8
 )

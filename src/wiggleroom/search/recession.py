@@ -1,4 +1,4 @@
-"""Motions without end: bodies go straight, or turn as one, take along what is in their way, and nothing that stands is among it."""
+"""Directions of recession: bodies go straight, or turn as one, without end, push along what is in front, and no fixed body is among it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MIN_SLOPE = 1e-3
 
 
 def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -> Floats | None:
-    """A direction (2,) in which some bodies leave for ever from a motion (n, 3), so that the objective grows; None where none was found.
+    """A direction (2,) in which some bodies leave without end from a motion (n, 3), and the objective grows; None where none was found.
 
     Source: a direction of recession of the free motions (Rockafellar, "Convex Analysis", section 8), of bodies that only translate. What
     the convex hull of a body would run into is taken along.
