@@ -137,7 +137,7 @@ def next_stage(
         Bodies that are to leave, rather than others; none where all are to.
     stop, tell
         As for `flex`.
-    burden : callable, optional
+    holding_cost : callable, optional
         How much trouble it makes that some bodies leave; the least comes first.
     """
     bodies, n = ground.bodies, len(ground.bodies.fixed)

@@ -43,7 +43,7 @@ class EscapeSearch:
     ----------
     path : (k, n, 3) float64 [mm, mm, rad] or None
         Checked motions of all bodies to where `exit` begins.
-    exit : Exit or None
+    exit : TranslationEscape or None
     whole : bool
         True where every question that was planned was asked, from all places that it went on from.
     more_places : bool
@@ -79,7 +79,7 @@ def search_for_escape(
         Body that stands.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
-    nearly : list of Exit
+    nearly : list of TranslationEscape
         Sets of bodies that are pulled as one first.
     stop, tell
         As for `flex`.

@@ -64,7 +64,7 @@ class Bodies:
 
     Parameters
     ----------
-    shapes : Shapes
+    shapes : BodyShapes
     shape : (n,) int64
         Shape of each body.
     rest : (n, 3) float64 [mm, mm, rad]

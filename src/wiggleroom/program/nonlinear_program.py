@@ -40,7 +40,7 @@ class Program:
     ----------
     bodies : Bodies
     objective : Objective
-    cells : Cells or Faces
+    cells : Cells or Halfspaces
         One region per pair; `cells.row` holds the first row of each pair.
     kind, normal, per_turn, off, corner : (R,), (R, 2), (R,), (R,), (R, 2)
         Geometry of the rows, see `wiggleroom.program.contact_functions`.
@@ -282,7 +282,7 @@ def build(
     Parameters
     ----------
     bodies : Bodies
-    cells : Cells or Faces
+    cells : Cells or Halfspaces
         One region per pair that can meet.
     objective : Objective
     length : float [mm]
