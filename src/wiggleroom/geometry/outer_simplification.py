@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Part, Region
+from wiggleroom.geometry.bodies import signed_area
 
 Floats = NDArray[np.float64]
 
@@ -76,13 +77,8 @@ def _outline(ring: Floats, clearance: float, tolerance: float, spots: Floats, fi
         allowed[away < reach] = finer
     out = _simplified(ring, allowed)
     old, new = shapely.Polygon(ring), shapely.Polygon(out)
-    more = shapely.difference(old, new) if _area(ring) > 0 else shapely.difference(new, old)
+    more = shapely.difference(old, new) if signed_area(ring) > 0 else shapely.difference(new, old)
     return out if new.is_valid and more.area < 1e-9 * old.area else ring
-
-
-def _area(ring: Floats) -> float:
-    x, y = ring.T
-    return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2
 
 
 def _simplified(ring: Floats, allowed: Floats) -> Floats:

@@ -91,11 +91,11 @@ class ClearanceProblem:
         return np.array([self.least(path[k : k + 2]) for k in range(len(path) - 1)])
 
 
-def largest_clearance_path(problem: ClearanceProblem, path: Floats, most: int = MAX_PROGRAMS) -> Floats:
+def largest_clearance_path(problem: ClearanceProblem, path: Floats) -> Floats:
     """The path (k, n, 3) [mm, mm, rad] of the bodies, its way-points but the first moved to where the clearance is largest."""
     trust = problem.clearance
     best = problem.pieces(path)
-    for _ in range(most):
+    for _ in range(MAX_PROGRAMS):
         change = _change(problem, path, float(best.min()), trust)
         if change is None:
             break

@@ -15,6 +15,7 @@ from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, Smallest
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.report.search_extent import extent_text, search_entry
+from wiggleroom.report.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.plan_schema import (
     PlanAssemblyEntry,
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_STEPS = 40
 """Steps that the page for the terminal lists."""
 MOST_PIECES = 3
@@ -158,7 +158,7 @@ def plan_table(found: Plan, told: PlanTolerances | None = None) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    lines = [Text.assemble((plan_title(found), f"bold {_COLOURS[found.verdict]}"))]
+    lines = [Text.assemble((plan_title(found), f"bold {SEPARABILITY_COLOURS[found.verdict]}"))]
     lines += [Text(f"{k + 1:3}. {step_sentence(step)}") for k, step in enumerate(found.steps[:_MOST_STEPS])]
     if len(found.steps) > _MOST_STEPS:
         lines.append(Text(f"     ... and {len(found.steps) - _MOST_STEPS} more steps; --json has all"))

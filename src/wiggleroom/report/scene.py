@@ -1,4 +1,4 @@
-"""What a film shows: a still ground, and tracks that move over it; the look is that of the pictures."""
+"""What a film shows: a still background, and tracks that move over it; the look is that of the pictures."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Scene:
     Parameters
     ----------
     width, height : float [px]
-    ground, defs : str
+    background, defs : str
         SVG that stays.
     stage : (x, y, width, height) [px]
         Where things move; nothing is drawn outside it.
@@ -94,7 +94,7 @@ class Scene:
 
     width: float
     height: float
-    ground: str
+    background: str
     defs: str
     stage: tuple[float, float, float, float]
     tracks: tuple[Track, ...]
@@ -110,7 +110,7 @@ class Scene:
 
     @property
     def head(self) -> str:
-        """Opening tag of an SVG document with its metadata, paper and ground."""
+        """Opening tag of an SVG document with its metadata, paper and background."""
         size = f'width="{self.width:.0f}" height="{self.height:.0f}" viewBox="0 0 {self.width:.0f} {self.height:.0f}"'
         made = f"<metadata>{escape(self.command)}</metadata>" if self.command else ""
         x, y, wide, high = self.stage
@@ -119,7 +119,7 @@ class Scene:
             '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
             f'{size} font-family="{palette.FONT}" role="img"><title>{escape(self.title)}</title>'
             f"<desc>{escape(self.words)}</desc>{made}<defs>{clip}{self.defs}</defs>"
-            f'<rect width="{self.width:.0f}" height="{self.height:.0f}" fill="{palette.PAPER}"/>{self.ground}'
+            f'<rect width="{self.width:.0f}" height="{self.height:.0f}" fill="{palette.PAPER}"/>{self.background}'
         )
 
     def drawn(self, k: int) -> str:
