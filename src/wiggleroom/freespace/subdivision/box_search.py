@@ -15,7 +15,7 @@ from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION
 FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 """How the search ended: with a free path to a goal, with the proof that there is none, without room or time, or to go on."""
 SPLIT_VISITS = 100
-"""Splitting a box takes about as long as visiting this many."""
+"""Splitting a box takes about as long as going over so many."""
 
 
 @njit(**OPTIONS)
