@@ -152,7 +152,7 @@ def _gather(assembly: Assembly, group: tuple[int, ...]) -> tuple[list[Floats], l
 def _canonical(rings: list[Floats]) -> tuple[list[Floats], Floats]:
     """Rings in a frame that depends on the shape alone, and that frame (x, y, angle) in the old one."""
     x0 = rings[0][0]
-    area = np.array([signed_area(r - x0) for r in rings])
+    area = np.array([_area(r - x0) for r in rings])
     middle = x0 + sum(_moment(r - x0) for r in rings) / area.sum()
     centred = [r - middle for r in rings]
     lead = centred[int(area.argmax())]
@@ -232,7 +232,7 @@ def _stack(known: list[tuple[list[Floats], list[int]]]) -> BodyShapes:
     )  # fmt: skip
 
 
-def signed_area(ring: Floats) -> float:
+def _area(ring: Floats) -> float:
     """Area of a ring (n, 2), positive where it turns counter-clockwise."""
     x, y = ring.T
     return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2

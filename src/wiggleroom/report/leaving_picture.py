@@ -108,6 +108,7 @@ def _simplified(track: Floats, tolerance: float) -> Floats:
 
 
 _LEGS, _HEAD = 3, 11.0
+"""Straight pieces of an arrow at most, and length of its head [px]."""
 _SLIGHT = 0.15
 """Bends that lead a part aside by less than this share of its size are not drawn."""
 _LONGER = 0.6

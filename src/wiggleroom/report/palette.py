@@ -27,8 +27,10 @@ FONT = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
 TITLE_SIZE = 24.0
 TEXT_SIZE = 14.0
 SMALL_SIZE = 11.0
+"""Sizes of the text [px]."""
 
 MARGIN = 40.0
+"""Round everything [px]."""
 HEAD_SPACING = 30.0
 """Between the text and the drawing [px]."""
 WIDEST, TALLEST = 1120.0, 1000.0

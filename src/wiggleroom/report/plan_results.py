@@ -39,6 +39,7 @@ MOST_PIECES = 3
 SLIGHT_TURN = 0.05
 """Turns up to this are not described [deg]."""
 PLAN_QUANTILES = (0.01, 0.05, 0.5)
+"""Quantiles of the least clearance that are told when gaps vary."""
 
 
 @dataclass(frozen=True)

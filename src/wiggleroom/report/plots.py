@@ -18,6 +18,7 @@ Mark = tuple[float, str]
 """A value on the x axis and what is written beside its line."""
 
 _BAR, _BETWEEN = 20.0, 8.0
+"""Height of a bar, and space between two [px]."""
 MAX_BARS = 25
 """Bars that are drawn."""
 NAME_WIDTH = 220.0

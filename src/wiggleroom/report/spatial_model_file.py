@@ -18,6 +18,7 @@ from wiggleroom.spatial.spatial_model import SpatialAssembly
 Floats = NDArray[np.float64]
 
 METRES = 1e-3
+"""Metres in a millimetre: glTF counts metres."""
 UPRIGHT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """In glTF y is up."""
 SECONDS, FRAMES = 4.0, 65
