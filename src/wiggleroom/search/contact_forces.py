@@ -99,28 +99,24 @@ def _touching(program: Program, pair: int, pose: Floats) -> tuple[Ints, Ints, In
     bodies, cells = program.bodies, program.cells
     shapes, q, angle = bodies.shapes, pose[:2], float(pose[2])
     rows = [np.arange(*shapes.first[[s, s + 1]]) for s in bodies.shape[[cells.a[pair], cells.b[pair]]]]
-    tangent = np.column_stack([-shapes.normal[:, 1], shapes.normal[:, 0]])
+    tangents = np.column_stack([-shapes.normal[:, 1], shapes.normal[:, 0]])
     found = []
     for kind, edges, corners in ((kernel.A_EDGE, rows[0], rows[1]), (kernel.B_EDGE, rows[1], rows[0])):
-        spot = shapes.corner[corners]
-        seen = (
-            turn(spot, np.full(len(spot), angle)) + q
-            if kind == kernel.A_EDGE
-            else turn(spot - q, np.full(len(spot), -angle))
-        )
+        own = shapes.corner[corners]
+        seen = turn(own, angle) + q if kind == kernel.A_EDGE else turn(own - q, -angle)
         off = seen[:, None] - shapes.corner[edges]
         ahead = (off * shapes.normal[edges]).sum(2)
-        place = (off * tangent[edges]).sum(2) / shapes.length[edges]
-        near = (np.abs(ahead) <= TOUCHING_DISTANCE * program.length) & (np.abs(place - 0.5) <= 0.5 + EDGE_END_TOLERANCE)
+        along = (off * tangents[edges]).sum(2) / shapes.length[edges]
+        near = (np.abs(ahead) <= TOUCHING_DISTANCE * program.length) & (np.abs(along - 0.5) <= 0.5 + EDGE_END_TOLERANCE)
         v, e = np.nonzero(near)
         if kind == kernel.A_EDGE:
-            arm, normal, sign = seen[v] - q, shapes.normal[edges[e]], 1.0
+            arm, normal = seen[v] - q, shapes.normal[edges[e]]
         else:
-            arm, normal, sign = spot[v] - q, turn(shapes.normal[edges[e]], np.full(len(e), angle)), -1.0
-        d = sign * np.column_stack([normal, normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]])
-        found.append((np.full(len(v), kind), edges[e], corners[v], place[v, e], d))
-    kind, edge, corner, place, d = (np.concatenate(column) for column in zip(*found, strict=True))
-    return kind, edge, corner, place, d
+            arm, normal = own[v] - q, -turn(shapes.normal[edges[e]], angle)
+        d = np.column_stack([normal, normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]])
+        found.append((np.full(len(v), kind), edges[e], corners[v], along[v, e], d))
+    kinds, edge, corner, place, d = (np.concatenate(column) for column in zip(*found, strict=True))
+    return kinds, edge, corner, place, d
 
 
 def contacts(
