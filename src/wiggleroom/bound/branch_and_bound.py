@@ -42,7 +42,7 @@ Ints = NDArray[np.int64]
 FINEST_BLUR = 0.004
 """Intervals of turns are made narrower until they blur by this share of the clearance."""
 ACTIVE_MULTIPLIER = 1e-3
-"""A facet holds the program up where its multiplier is at least this share of the largest."""
+"""A facet is active where its multiplier is at least this share of the largest."""
 MIN_REDUCTION = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to narrower intervals or to a split."""
 MAX_PROOF_DEPTH = 200

@@ -31,7 +31,7 @@ STRIP_WIDTHS = (20.0, 80.0, 320.0)
 CORNER_REACH = 0.2
 """Corners that lie within this share of the width of the other body tell joints from each other."""
 CONGRUENCE_TOLERANCE = 2e-10
-"""Bodies hold a strip, and pairs of one class lie alike, but for this share of their size, a fiftieth of what regions are too large by."""
+"""Bodies agree with their strip, and pairs of one class with each other, to this share of their size: a fiftieth of the regions' margin."""
 MAX_SIZE_RATIO = 4.0
 """Pairs share a joint where none of them is larger than the one that it was worked out for by more than this factor, as those of a
 class differ by a share of their own size."""

@@ -32,7 +32,7 @@ Bools = NDArray[np.bool_]
 CHAINS = 2
 """Number of chains of programs that are solved at once."""
 RANGE_MARGIN = 1e-4
-"""Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
+"""Ranges stay wider by this share, so that facets, which can be refined, are active and not the ranges themselves."""
 
 
 @dataclass(frozen=True, eq=False)

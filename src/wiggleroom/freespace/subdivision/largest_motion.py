@@ -33,7 +33,7 @@ MAX_TURN_OF_PIECE = 0.05
 CHORD = np.pi / 16
 """Angle of the chords [rad] by which a body goes round another outside the window."""
 MAX_TURN = 2.2 * np.pi
-"""Turns are followed so far [rad] both ways where turning itself is asked for."""
+"""Turns are followed up to this [rad] both ways where a turn itself is asked for."""
 
 
 @dataclass(eq=False)
