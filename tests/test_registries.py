@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from tests.test_imports import ORDER
 from wiggleroom import schema
-from wiggleroom.app.dispatcher import ANSWERS
+from wiggleroom.app.dispatcher import ANSWERS, OF_DRAWINGS
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.cli import coupon_command, flex_command, make_command
 from wiggleroom.cli.words import DRAWINGS
@@ -71,6 +71,15 @@ def test_every_message_is_part_of_the_protocol(module, base, every):
 def test_every_request_is_answered():
     kinds = {kind.__struct_config__.tag for kind in typing.get_args(requests.AnyRequest)}
     assert kinds - {"open", "flex", "cancel"} == set(ANSWERS)
+
+
+def test_the_page_of_the_protocol_names_every_request_and_what_is_of_drawings_alone():
+    page = (TOP / "docs/page-protocol.md").read_text().split("## Requests and replies")[1].split("\n## ")[0]
+    table = {
+        name for row in page.splitlines() if row.startswith("| `") for name in re.findall(r"`(\w+)`", row.split("|")[1])
+    }
+    assert table == {kind.__struct_config__.tag for kind in typing.get_args(requests.AnyRequest)}
+    assert set(re.findall(r"`(\w+)`", page.split(" are of drawings")[0].splitlines()[-1])) == set(OF_DRAWINGS)
 
 
 def test_the_picture_of_the_architecture_shows_every_package():
