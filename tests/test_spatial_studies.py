@@ -166,3 +166,20 @@ def test_a_tower_of_pegs_is_ranked_where_rows_belong_to_glued_bodies() -> None:
     assert worth["low"] == worth["one"] == 0
     assert worth["high"] > 0
     assert worth["two"] > 0
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        wr.plan,
+        wr.prepare,
+        wr.tight_verdict,
+        wr.blocking,
+        wr.worst_case,
+        wr.Live,
+        lambda assembly: wr.free_space(assembly, "lid", "box"),
+    ],
+)
+def test_what_is_for_the_plane_alone_says_so(ask) -> None:
+    with pytest.raises(wr.InputError, match=r"parts in the plane; this is a SpatialAssembly"):
+        ask(wr.read("examples/40_box_with_a_lid/box.json"))

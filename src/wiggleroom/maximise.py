@@ -12,7 +12,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, approximate
@@ -75,6 +75,7 @@ def prepare(
     InputError
         If nothing can move, or there is no such model.
     """
+    require_planar(assembly, "prepare")
     wanted = model_named(model)
     if isinstance(wanted, Walls):
         return PreparedModel(**vars(prepare_outlines(assembly, stop=stop)))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import Drawing, Goal, Part
+from wiggleroom.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,13 @@ class Assembly(Displayable):
         """Longer side of the box round all parts at rest [mm]."""
         points = np.vstack([place(r.outer, p.at) for p in self.parts for r in p.regions])
         return float(np.ptp(points, axis=0).max())
+
+
+def require_planar(assembly: object, question: str) -> None:
+    """Raise InputError where a question that is for parts in the plane is asked of something else, as of an assembly in space."""
+    if not isinstance(assembly, Assembly):
+        message = f"{question}: is for an Assembly of parts in the plane; this is a {type(assembly).__name__}"
+        raise InputError(message)
 
 
 def rings_at(part: Part) -> list[NDArray[np.float64]]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.point_contacts import ANGLE_TOLERANCE, PointContacts, point_contacts
 from wiggleroom.geometry.blocking import unblocked
@@ -81,6 +81,7 @@ def blocking(assembly: Assembly, within: float | None = None) -> Blocking:
     >>> blocking(wr.patterns.chain(2, "finger")).moves
     ((('b2',), (1.0, 0.0)),)
     """
+    require_planar(assembly, "blocking")
     contacts = point_contacts(assembly, within)
     directions = _deciding(contacts)
     graphs = [blocking_graph(contacts, d) for d in directions]

@@ -20,7 +20,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import eigsh, splu
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.point_contacts import PointContacts, point_contacts
 from wiggleroom.form_closure.self_stress import SelfStress, holds
@@ -97,6 +97,7 @@ def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdi
     >>> wr.tight_verdict(wr.patterns.chain(2, "finger")).moving
     ('b2',)
     """
+    require_planar(assembly, "tight_verdict")
     contacts = point_contacts(assembly, within)
     label, locks = _joined(contacts)
     if label.max() == 0:

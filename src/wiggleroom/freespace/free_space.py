@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
@@ -213,6 +213,7 @@ def free_space(
 
     Source: Mind the Gap, section 4.1; exact walls instead of the hull of three slices.
     """
+    require_planar(assembly, "free_space")
     wanted = model_named(model)
     them, rows, material, usual = _pair(assembly, a, b, reach)
     if isinstance(wanted, Walls):

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
@@ -67,6 +67,8 @@ class Live:
     """
 
     def __init__(self, drawing: Drawing | Assembly) -> None:
+        if not isinstance(drawing, Drawing):
+            require_planar(drawing, "Live")
         self._designs = PreparedDesigns(drawing.drawing if isinstance(drawing, Assembly) else drawing)
         self._now: GapDesign | None = None
         self._state: State | None = None

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.disassembly_sequence import disassemble
 from wiggleroom.disassembly.interlock import with_ground
@@ -137,6 +137,7 @@ def plan(
     >>> found.order, found.level
     ((('b3',), ('b2',)), (1, 1))
     """
+    require_planar(assembly, "plan")
     began = time.perf_counter()
     limit = stop if seconds is None else Deadline(seconds, stop)
     standing = with_ground(assembly)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.deviations import deviated
 from wiggleroom.bound.prove import prove
@@ -156,6 +156,7 @@ def worst_case(
     >>> found.tightest.objective < found.nominal.objective < found.loosest.objective
     True
     """
+    require_planar(assembly, "worst_case")
     given = tuple(assembly.drawing.tolerances if tolerances is None else tolerances)
     _check_question(given, limit)
     drawing = assembly.drawing
