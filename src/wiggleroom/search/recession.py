@@ -19,7 +19,8 @@ FAR = 1e4
 NEAR = 1e-6
 """What comes nearer to a circle than this share of its radius is taken along by what turns in it."""
 MIN_SLOPE = 1e-3
-"""An objective is unbounded where it grows by this share of its slope times the distance, and by nearly as much again over twice that."""
+"""An objective is unbounded where it grows by this share of its slope times the distance or the turn; on a line by nearly as much again over
+twice the distance."""
 
 
 def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -> Floats | None:
@@ -98,6 +99,6 @@ def turns_for_ever(ready: Prepared, objective: Objective, motion: Floats) -> boo
             continue
         once_more = motion.copy()
         once_more[who, 2] += 2 * np.pi * np.sign(slope[body])
-        if objective.value(once_more) > value + MIN_SLOPE:
+        if objective.value(once_more) - value > MIN_SLOPE * 2 * np.pi * abs(slope[body]):
             return True
     return False
