@@ -84,7 +84,7 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
     Parameters
     ----------
     ready : Prepared
-    begin : Links
+    begin : ClosedPairs
         What is tied to begin with; of that nothing more is asked.
     passages : PassagesByGap
         Those known from other gaps; what is found is added.

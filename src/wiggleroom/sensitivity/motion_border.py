@@ -209,7 +209,7 @@ class MotionBorder:
         return low, high
 
     def _confirmed(self, low: float, high: float | None) -> tuple[float, float | None]:
-        """Search beyond the nearest hill at the answer, which trials do not; where that finds a larger motion the border lies below."""
+        """Search globally at the answer, which trials do not; where that finds a larger motion the border lies below."""
         for _ in range(SETTINGS.max_confirmations):
             if self.deadline.is_set():
                 break
