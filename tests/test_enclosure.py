@@ -214,3 +214,14 @@ def test_a_disc_is_held_exactly_where_it_is_wider_than_its_mouth(seed):
     for share, held in ((1.001, True), (0.999, False)):
         body = affinity.scale(disc, share * half, share * half, origin=(0, 0))
         assert holds(claw, body) == held
+
+
+@pytest.mark.parametrize("place", [3.0, 3.8])
+def test_a_ring_does_not_leave_what_stands_in_it(place):
+    ring = shapely.box(-6, -6, 6, 6) - shapely.box(-5, -5, 5, 5)
+    cross = shapely.box(-4, -1, 4, 1) | shapely.box(-1, -4, 1, 4)
+    post = shapely.Point(place, 3).buffer(1, quad_segs=4)
+    found = wr.check(
+        assemble(Drawing((part_at("ring", ring), part_at("post", post, fixed=True), part_at("cross", cross))))
+    )
+    assert (found.verdict, found.certainty, found.states) == ("interlocked", "proven", 0)

@@ -196,3 +196,30 @@ def test_a_ranking_at_once_is_the_same_where_it_is_unique_and_never_surer() -> N
     np.testing.assert_allclose(quick.by_duals, whole.by_duals, atol=slack)
     assert (whole.looser <= quick.looser + slack).all()
     assert (whole.tighter >= quick.tighter - slack).all()
+
+
+def test_differences_where_an_outline_cannot_move():
+    """Flanges that are a hair thicker than the gap vanish when the gap grows: what the forces say stays."""
+
+    gap = 0.1
+    deep = gap * (1 + 1e-7)
+    base = [
+        (-4, 0),
+        (-1, 0),
+        (-1, -deep),
+        (-2, -deep),
+        (-2, -3),
+        (2, -3),
+        (2, -deep),
+        (1, -deep),
+        (1, 0),
+        (4, 0),
+        (4, -5),
+        (-4, -5),
+    ]
+    tee = [(-1, 1), (-1, -deep), (-2, -deep), (-2, -3), (2, -3), (2, -deep), (1, -deep), (1, 1)]
+    parts = polygon_part("base", base, fixed=True), polygon_part("tee", tee)
+    assembly = assemble(Drawing(parts, gap=gap, goals=(Pull("tee", (0.0, -1.0)),)))
+    differences, duals = wr.rank(assembly, by="differences"), wr.rank(assembly)
+    assert differences.looser == pytest.approx(duals.looser, rel=1e-3)
+    assert (differences.unique == duals.unique).all()

@@ -79,7 +79,7 @@ class Wall:
 
 
 def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, stop: Stop | None = None) -> Enclosed:
-    """Find the bodies that lie in closed holes of what stands, or of any other body.
+    """Find the bodies that lie in closed holes of what stands, or of any other body; so what moves about something that stands, too.
 
     Parameters
     ----------
@@ -107,7 +107,8 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, stop:
             far[b] = _longest(hole, middle) + 2 * _longest(body, middle)
         if hole is not None:
             pairs.append((int(stands[0]), b))
-    loose = [b for b in discs if np.isinf(far[b])]
+    discs |= {b: largest_disc(geometry[b]) for b in stands.tolist()}
+    loose = [b for b in discs if np.isinf(far[b]) or bodies.fixed[b]]
     points = shapely.points([discs[b].middle for b in loose]) if loose else np.zeros(0, dtype=object)
     inner, outer = shapely.STRtree(shapely.convex_hull(geometry[movers])).query(points, predicate="within")
     for k, a in zip(inner.tolist(), movers[outer].tolist(), strict=True):

@@ -110,10 +110,13 @@ def base(ready: Prepared, found: Incumbent) -> PerturbationBase:
 def objective_in_same_walls(base: PerturbationBase, inward: Floats) -> float:
     """Objective in the walls of an answer when the outline of each part moves inward by `inward` (parts,) [mm].
 
-    Meant for displacements far below the gap. nan where the walls do not do any more: no solution, or parts overlap.
+    Meant for displacements far below the gap. nan where the walls do not do any more: no solution, parts overlap, or an edge is lost.
     """
     old = base.program
-    bodies = offset_bodies(old.bodies, inward)
+    try:
+        bodies = offset_bodies(old.bodies, inward)
+    except InputError:
+        return np.nan
     program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
     solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
     motion = program.motion(solution.u)

@@ -230,8 +230,6 @@ def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, b
     looser, tighter = ranking.looser.copy(), ranking.tighter.copy()
     looser[parts], tighter[parts] = pair.T
     unique = ranking.unique.copy()
-    if by == "differences":
-        unique[:] = False
     low, high = pair.min(axis=1), pair.max(axis=1)
     # a difference over a finite step feels the curvature a little
     unique[parts] = high - low <= 0.01 * np.maximum(high, 1e-3 * looser.max(initial=0.0))

@@ -16,7 +16,13 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.box_search import CLOSED, FOUND, PAUSED, best_corner, search_boxes
 from wiggleroom.freespace.subdivision.disc_tree import solid
-from wiggleroom.freespace.subdivision.passage import WINDOW_OFFSET, middle_of_contact, shortcut, waypoints_through
+from wiggleroom.freespace.subdivision.passage import (
+    WINDOW_OFFSET,
+    middle_of_contact,
+    rim_point,
+    shortcut,
+    waypoints_through,
+)
 from wiggleroom.geometry.rigid_motions import about
 
 Floats = NDArray[np.float64]
@@ -128,8 +134,11 @@ class MotionBoxes:
             return how == CLOSED, None
         path = self._path[:length]
         points = waypoints_through(path, self._middle, self._level, self._origin, self._scale)
-        if self._at_rim(int(path[-1])):
-            return False, np.vstack([points, self._round(points[-1])])
+        reach = np.abs(self._middle[path[-1]]) + 0.5 ** self._level[path[-1]]
+        if reach[:2].max() >= 1.0:
+            return False, np.vstack([points, self._round(rim_point(self._middle[path[-1]], self._origin, self._scale))])
+        if not self._wrap and reach[2] >= 1.0:
+            return False, points
         half = 0.5 ** self._level[path[-1]] * self._scale
         x, y, turn = points[-1]
         _, turn = best_corner(self._asked, x, y, turn, *half)
@@ -154,7 +163,3 @@ class MotionBoxes:
         turn = (np.arctan2(self.pull[1], self.pull[0]) - begin + np.pi) % (2 * np.pi) - np.pi
         angle = begin + np.linspace(0, turn, 1 + int(np.ceil(abs(turn) / CHORD)))
         return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), last[2])])
-
-    def _at_rim(self, n: int) -> bool:
-        reach = np.abs(self._middle[n]) + 0.5 ** self._level[n]
-        return bool(reach[:2].max() >= 1.0 or (not self._wrap and reach[2] >= 1.0))

@@ -93,6 +93,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
             break
         if not turning:
             points = waypoints_through(path[:length], middle, level, origin, scale)
+            points = np.vstack([points, rim_point(middle[path[length - 1]], origin, scale)])
             return Passage(False, False, shortcut(points, pair), pivot)
     return Passage(False, False, None, pivot)
 
@@ -117,6 +118,14 @@ def waypoints_through(
     points = np.empty((2 * len(box) - 1, 3))
     points[::2], points[1::2] = box, (low + high) / 2
     return np.vstack([np.zeros(3), origin + points * scale[[0, 0, 1]]])
+
+
+def rim_point(box: Floats, origin: Floats, scale: Floats) -> Floats:
+    """The motion (3,) where a box meets the rim of the window; its middle, here in unit coordinates, may lie far inside."""
+    point = box.copy()
+    axis = int(np.abs(box[:2]).argmax())
+    point[axis] = np.sign(box[axis])
+    return np.asarray(origin + point * scale[[0, 0, 1]])
 
 
 def shortcut(points: Floats, pair: tuple) -> Floats:
