@@ -3,7 +3,7 @@
 # The environment .venv is made when it is needed and again only when pyproject.toml changes.
 
 BIN := .venv/bin
-BROWSER := tests/test_html.py tests/test_space_report.py tests/test_study_report.py tests/test_page.py tests/test_page_in_space.py \
+BROWSER := tests/test_answer_page.py tests/test_free_space_report.py tests/test_study_report.py tests/test_page.py tests/test_page_in_space.py \
 	tests/test_page_of_sheets.py
 FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \

@@ -31,7 +31,7 @@ from wiggleroom.report.text import escape
 from wiggleroom.report.text import width as width_of
 
 ACROSS, CELLS, BETWEEN, LEFT, TOP = 200.0, 160, 20.0, 130.0, 110.0
-FREE, LOST, UNSAFE = palette.PULLED[0], palette.BLAME[2], palette.FIXED[1]
+FREE, LOST, UNSAFE = palette.PULLED[0], palette.IMPORTANCE_COLOURS[2], palette.FIXED[1]
 SHARES = (0.0, 0.5, 0.9)
 """Turns, as shares of the largest that the hull about the joint knows."""
 

@@ -65,7 +65,7 @@ def test_rank_json_keeps_the_contract(run) -> None:
 def test_pictures_have_the_parts_in_colour(run, command: str) -> None:
     code, _, err = run(command, "chain.json", *COMMANDS[command], "--picture", "p.svg")
     assert (code, err) == (0, ["picture: p.svg"])
-    colour = {"rank": palette.BLAME[-1], "tighten": palette.CHOSEN}[command]
+    colour = {"rank": palette.IMPORTANCE_COLOURS[-1], "tighten": palette.CHOSEN}[command]
     assert f'fill="{colour}" fill-opacity' in Path("p.svg").read_text()
 
 

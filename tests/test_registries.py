@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from tests.test_imports import ORDER
 from wiggleroom import schema
-from wiggleroom.app.dispatcher import ANSWERS
+from wiggleroom.app.dispatcher import ANSWERS, OF_DRAWINGS
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.cli import coupon_command, flex_command, make_command
 from wiggleroom.cli.words import DRAWINGS
@@ -73,6 +73,15 @@ def test_every_request_is_answered():
     assert kinds - {"open", "flex", "cancel"} == set(ANSWERS)
 
 
+def test_the_page_of_the_protocol_names_every_request_and_what_is_of_drawings_alone():
+    page = (TOP / "docs/page-protocol.md").read_text().split("## Requests and replies")[1].split("\n## ")[0]
+    table = {
+        name for row in page.splitlines() if row.startswith("| `") for name in re.findall(r"`(\w+)`", row.split("|")[1])
+    }
+    assert table == {kind.__struct_config__.tag for kind in typing.get_args(requests.AnyRequest)}
+    assert set(re.findall(r"`(\w+)`", page.split(" are of drawings")[0].splitlines()[-1])) == set(OF_DRAWINGS)
+
+
 def test_the_picture_of_the_architecture_shows_every_package():
     assert {*EVERYWHERE, *(name for _, names in LANES for name in names)} == set(ORDER)
 
@@ -82,3 +91,18 @@ def test_every_file_that_the_architecture_names_is_there():
     folders = ("", "src/wiggleroom", "src/wiggleroom/cli", "src/wiggleroom/spatial", "web/src", "web/src/panels")
     named = re.findall(r"`((?:\w+/)*\w+\.(?:py|tsx?))`", page)
     assert [name for name in named if not any((TOP / folder / name).exists() for folder in folders)] == []
+
+
+def test_every_name_that_the_architecture_gives_with_a_file_is_in_that_file():
+    page = (TOP / "docs/architecture.md").read_text().split("## Where to find")[1].split("\n## ")[0]
+    rows = [line for line in page.splitlines() if line.startswith("| ")]
+    lost = []
+    for quoted in (re.findall(r"`([^`]+)`", row) for row in rows):
+        source = ""
+        for one in quoted:
+            if one.endswith(".py"):
+                path = TOP / "src/wiggleroom" / one
+                source = path.read_text() if path.exists() else ""
+            elif re.fullmatch(r"[A-Za-z_]\w*(\.\w+)*", one) and source:
+                lost += [f"{one}: {name}" for name in one.split(".") if not re.search(rf"\b{name}\b", source)]
+    assert lost == []

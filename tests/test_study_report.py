@@ -13,7 +13,7 @@ import pytest
 
 import wiggleroom as wr
 from tests.standalone import frames, rows, told
-from tests.test_html import tags
+from tests.test_answer_page import tags
 from tests.test_plots import all_of, axis
 from wiggleroom.report import pages, palette
 from wiggleroom.report.importance_picture import picture_of_ranking, picture_of_tightening, shade

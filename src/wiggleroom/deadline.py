@@ -61,7 +61,7 @@ class Deadline:
 
 
 GRACE_SECONDS = 1.0
-"""What was found is brought in for so long after a request to stop, in processor time of all threads."""
+"""Time after a request to stop in which what was found is still brought in, in processor time of all threads [s]."""
 
 
 @dataclass(eq=False)

@@ -1,4 +1,4 @@
-"""How far it can move, with walls: a climb from rest, then the search beyond the nearest hill."""
+"""How far it can move, with walls: a climb from rest to a local optimum, then the global search."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import Verdict
 
 MAX_REFINEMENTS, MIN_REFINEMENT = 4, 1e-4
-"""So often simplified outlines are refined where they touch, as long as that gains this share."""
+"""Simplified outlines are refined at contacts at most this many times, and while that gains this share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class MotionQuery:
     goals : tuple of Goal
     solver : str
     search : int, optional
-        So many starts beside the one from rest; by default as many as a fixed amount of work allows.
+        Number of starts beside the one from rest; by default as many as a fixed amount of work allows.
     start : Answer, optional
         An earlier answer of the same prepared assembly.
     periods : bool
@@ -180,7 +180,7 @@ def _climbed(ready: Prepared, query: MotionQuery) -> Answer:
 
 
 def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...]) -> Answer:
-    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do.
+    """The answer after the global search; a body alone is searched completely, where that is left to do.
 
     `before` are values at which other climbs ended.
     """

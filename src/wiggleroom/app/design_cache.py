@@ -17,7 +17,7 @@ from wiggleroom.schema.requests import Design, GoalEntry
 T = TypeVar("T")
 
 MAX_DESIGNS = 8
-"""So many designs' outlines are kept."""
+"""Number of designs whose outlines are kept."""
 
 
 class LruCache(Generic[T]):

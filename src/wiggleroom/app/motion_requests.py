@@ -37,17 +37,17 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_live import SpatialLive
 
 QUICK_SECONDS = 0.1
-"""A quick answer takes about so long [s]."""
+"""Time that a quick answer takes, about [s]."""
 MAX_QUICK_BODIES = 100
 """Of larger assemblies a quick answer from rest would say nothing yet; they have one where an answer at another gap is near."""
 MAX_QUICK_ANSWERS = 10
-"""So many quick answers are looked for before the full one."""
+"""At most this many quick answers are looked for before the full one."""
 NEIGHBOURHOODS = (64, 512, None)
-"""So many parts may give way to a dragged one at first, then more where others hold it, then all."""
+"""Number of parts that may give way to a dragged one: at first, then where others hold it, then all."""
 MAX_WHOLE_BODIES = 300
 """In smaller assemblies all may give way from the first: that takes no longer, and there is nothing to be found afterwards."""
 MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
-"""So often a drag is gone on with, and so often in vain."""
+"""A drag is continued at most this many times, and at most this many times without gain."""
 MIN_APPROACH = 1e-4
 """A drag that gets nearer by less than this share is stuck."""
 MIN_IMPROVEMENT = 1e-3

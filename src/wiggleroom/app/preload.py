@@ -1,4 +1,4 @@
-"""What a solver process does while nobody asks: load libraries and compiled kernels, in steps that work comes between or ends."""
+"""What an idle solver process does: load libraries and compiled kernels, in steps that work comes between or ends."""
 
 from __future__ import annotations
 

@@ -23,13 +23,13 @@ from wiggleroom.schema.requests import Design
 from wiggleroom.search.prepare import CONTACT_TOLERANCE
 
 MAX_FINDINGS = 60
-"""So many are told, the rest is counted."""
+"""At most this many findings are told; the rest is counted."""
 MAX_GAP_SHARE = 0.03
 """No gap above this share of the median part's size is proposed."""
 MAX_HALVINGS = 8
-"""So often a gap at which parts cannot be made is halved."""
+"""A gap at which parts cannot be made is halved at most this many times."""
 DEPTH_MARGIN = 1.25
-"""A gap that opens overlaps is so many times as large as the deepest."""
+"""A gap that is to open overlaps is this many times as large as the deepest of them."""
 GAP_SHARE = 1 / 2000
 """A gap that opens what touches, as a share of the drawing's size."""
 

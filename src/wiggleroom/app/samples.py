@@ -18,7 +18,7 @@ from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Outline, SampleEntry
 
 PICTURE_SIDE = 100.0
-"""Small pictures are so many units wide or high."""
+"""Width or height of small pictures [SVG units]."""
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from wiggleroom.schema.replies import ExtraLimits, Hello
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
 MESSAGES_PER_SECOND = 500
-"""A page may send so many messages a second on average; further ones wait. A moving hand sends up to 240."""
+"""Messages that a page may send in a second on average; further ones wait. A moving hand sends up to 240."""
 BURST_SECONDS = 1.0
 """A page that was silent may send at once what else it might in this time [s]."""
 LOOP_SHARE = 0.2

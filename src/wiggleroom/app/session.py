@@ -36,7 +36,7 @@ READ_SECONDS = 60.0
 STOP_SECONDS = 8.0
 """A process that does not stop within this time [s] is ended."""
 MAX_TRIES = 2
-"""A request whose process died so often is given up."""
+"""A request is given up after its process died this many times."""
 
 
 @dataclass(eq=False)

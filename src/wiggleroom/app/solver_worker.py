@@ -13,7 +13,7 @@ from wiggleroom.app.worker_protocol import Done, Ready, StartOrder, StopOrder, b
 from wiggleroom.errors import StoppedError
 
 KEPT_TICKETS = 4
-"""So many pieces of work can still be told that they were stopped, also when they are done: nobody got their reply."""
+"""Number of the latest jobs that can still be told to stop, even when they are done: their reply may not have been read."""
 
 
 class Orders:

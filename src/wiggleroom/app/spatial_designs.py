@@ -29,7 +29,7 @@ from wiggleroom.spatial.spatial_model import (
 )
 
 MAX_SHAPES, MAX_ROLES = 6, 6
-"""So many designs' solids are kept, and so many assemblies of them with roles."""
+"""Number of designs whose solids are kept, and of assemblies of them with roles."""
 
 
 class SpatialDesignCache:

@@ -13,7 +13,7 @@ from wiggleroom.schema.requests import Design
 from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 OVERLAP_MARGIN = 1.25
-"""A gap that opens an overlap is so many times as large."""
+"""A gap that is to open an overlap is this many times as large."""
 GAP_SHARE = 1 / 2000
 """A gap that opens what touches, as a share of the size."""
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.sweep import SweepStep
 
 BOUND_SECONDS = 20.0
-"""So long a bound is looked for that nobody asked for [s]."""
+"""Time for a quick bound that was not asked for [s]."""
 
 
 def rank(document: Document, request: RankRequest, out: Reporter) -> None:
@@ -137,7 +137,7 @@ def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
 
 
 def bound(document: Document, request: BoundRequest, out: Reporter) -> None:
-    """A quick bound of the full answer, in the time that nobody needs."""
+    """A quick bound of the full answer, in idle time."""
     from wiggleroom.bound.dual_bound import with_bound_in_time
 
     answer = document.answer(request.design, out)

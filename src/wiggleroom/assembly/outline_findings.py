@@ -10,10 +10,9 @@ import shapely
 
 from wiggleroom.assembly.loops import chained, placed_regions, region_rings, signed_areas
 from wiggleroom.assembly.statements import numbers_text
+from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import Drawing, Part, Points
 
-FARTHEST = 1e9
-"""Coordinates beyond this [mm] are a mistake in the unit."""
 NO_AREA = 1e-12
 """An outline with less area than this is a line [square of its longer side]."""
 
@@ -43,8 +42,8 @@ def _who(parts: Sequence[Part]) -> str:
 
 def _part_numbers(part: Part) -> list[str]:
     found = []
-    if not np.isfinite(part.at).all() or max(map(abs, part.at)) > FARTHEST:
-        found.append(f"lies at {numbers_text(part.at)}: a place is finite and at most {FARTHEST:g} mm away")
+    if not np.isfinite(part.at).all() or max(map(abs, part.at)) > LARGEST:
+        found.append(f"lies at {numbers_text(part.at)}: a place is finite and at most {LARGEST:g} mm away")
     if not np.isfinite(part.offset):
         found.append(f"has offset {part.offset:g}: it must be a finite number")
     return found
@@ -66,7 +65,7 @@ def _useless(parts: Sequence[Part]) -> dict[int, str]:
         with np.errstate(over="ignore", invalid="ignore"):
             extent = np.maximum.reduceat(loops.points, loops.starts) - np.minimum.reduceat(loops.points, loops.starts)
             thick = np.abs(signed_areas(loops)) > NO_AREA * extent.max(axis=1) ** 2
-        near = np.logical_and.reduceat((np.abs(loops.points) <= FARTHEST).all(axis=1), loops.starts)
+        near = np.logical_and.reduceat((np.abs(loops.points) <= LARGEST).all(axis=1), loops.starts)
         for r in np.flatnonzero(~(thick & near)):
             flaw = _flaw(rings[r])
             if flaw:
@@ -76,8 +75,8 @@ def _useless(parts: Sequence[Part]) -> dict[int, str]:
 
 def _flaw(ring: Points) -> str:
     """Say what makes one outline useless; empty for a bow tie, whose area may be 0 as well."""
-    if not (np.abs(ring) <= FARTHEST).all():
-        return f"has a corner that is not a number or beyond {FARTHEST:g} mm: check the numbers and the unit"
+    if not (np.abs(ring) <= LARGEST).all():
+        return f"has a corner that is not a number or beyond {LARGEST:g} mm: check the numbers and the unit"
     different = len(np.unique(ring, axis=0))
     if different < 3:
         return f"has {different} different corners: an outline needs at least 3"

@@ -16,17 +16,17 @@ from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 MAX_HALVINGS = 40
 """Halves of a piece that wait to be looked at, at most."""
 MAX_PIECES = 20_000
-"""One straight piece of a pair is halved into at most so many."""
+"""A straight piece of one pair is halved into at most this many pieces."""
 MAX_STRIDE_SHARE = 0.15
 """Edges that may meet are looked for anew where parts have moved by this share of the smaller one's radius."""
 MAX_STRIDES = 4096
-"""A piece is cut into so many strides at most."""
+"""A piece is cut into at most this many strides."""
 SEPARATIONS = 8
 """Ways in which two edges are apart: either lies outside, inside, beyond the end or before the begin of the other."""
 COS, SIN, X, Y, BACK_X, BACK_Y = 0, 1, 2, 3, 4, 5
 """A relative pose: turn of B seen from A, place of B in A's frame, place of A in B's frame."""
 CROWDED_STRIDES = 64
-"""A piece on which too many edges are near each other is cut into so many."""
+"""A piece on which too many edges are near each other is cut into this many strides."""
 
 
 @njit(**COMPILED_CALLERS_ONLY)

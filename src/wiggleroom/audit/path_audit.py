@@ -22,7 +22,7 @@ MAX_BOX_GROWTH = 2.0
 MAX_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
 STOP_CHECK_CORNERS = 50_000
-"""Pairs of so many corners together are one batch: between batches it is asked whether to stop."""
+"""Number of corners of the pairs in one batch. Between batches it is asked whether to stop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class PathAudit:
 
     @property
     def certain(self) -> int:
-        """Up to so many way-points, no two parts overlap anywhere; 0 where they do at the first already."""
+        """Number of way-points up to which no two parts overlap anywhere; 0 where they overlap at the first already."""
         return int(self.piece.min(initial=len(self.doubtful) if self.whole else 0)) + 1
 
 

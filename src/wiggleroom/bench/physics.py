@@ -46,7 +46,7 @@ SPEED = 2.0
 FORCES = (1.0, 0.1, 0.01)
 """Shares of the force, one after the other."""
 PATIENCE, CALM = 500, 1e-3
-"""At rest: in so many steps less than so much changes [clearance per moving body]."""
+"""It is at rest where this many steps change less than this [clearance per moving body]."""
 
 
 @dataclass(frozen=True, eq=False)

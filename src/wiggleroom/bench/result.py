@@ -77,7 +77,7 @@ class Bench:
     title : str
     records : tuple of dict
         Everything, a line for each assembly and method.
-    sheets : tuple of Sheet
+    sheets : tuple of ResultTable
         The same for people.
     notes : tuple of str
         What the figures mean and where they come from.

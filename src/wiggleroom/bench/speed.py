@@ -23,9 +23,9 @@ from wiggleroom.solve.ipopt import described
 from wiggleroom.solve.linear_programming import linear_solver
 
 PATIENCE, SHORTEST, LONGEST = 30.0, 60.0, 600.0
-"""Others may take so many times as long as walls, and at least and at most so many seconds."""
+"""Other methods may take this many times as long as walls, and at least and at most this long [s]."""
 TIME_LIMIT_FACTOR = 1.5
-"""A method that does not heed the limit is ended after so many times the limit."""
+"""A method that does not heed the limit is ended after this many times the limit."""
 POLL_INTERVAL = 0.2
 """How often a running process is looked at [s]."""
 

@@ -43,11 +43,11 @@ Ints = NDArray[np.int64]
 FINEST_BLUR = 0.004
 """Intervals of turns are made narrower until they blur by this share of the clearance."""
 ACTIVE_MULTIPLIER = 1e-3
-"""A facet holds the program up where its multiplier is at least this share of the largest."""
+"""A facet is active where its multiplier is at least this share of the largest."""
 MIN_REDUCTION = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to narrower intervals or to a split."""
 MAX_PROOF_DEPTH = 200
-"""So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
+"""Most steps after each other in a proof that is kept: where there are more, the regions are too large."""
 MANY_BODIES = 60
 """With more bodies than this local windows pay, and only some bodies are asked about at first."""
 WINDOWS_SHARE = 0.4
@@ -55,7 +55,7 @@ WINDOWS_SHARE = 0.4
 MAX_WHOLE_BODIES = 300
 """With more bodies than this programs of the whole take too long, and turns are tightened a neighbourhood at a time."""
 FIRST_HOPS, MIN_GAIN = 2, 0.5
-"""At first bodies so many joints apart are asked about; nearer ones where the bound's distance from `cut` falls by less than this share."""
+"""Joints between bodies asked about at first; nearer ones are asked where the bound's distance from `cut` falls by less than this share."""
 
 
 @dataclass(eq=False)

@@ -28,7 +28,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 MAX_ROUNDS = 8
-"""Boxes shrink so often."""
+"""Number of times boxes shrink, at most."""
 MIN_SHRINKAGE = 0.1
 """A region is worked out again where its box loses this share of its width, height or turns."""
 MAX_CONFINED_TURN = 1.0

@@ -27,16 +27,16 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 STRIP_WIDTHS = (20.0, 80.0, 320.0)
-"""Strips are so many clearances wide: a joint seldom lets its bodies go further; the next width is for those that it does."""
+"""Widths of strips [clearances]: a joint seldom lets its bodies go further; the next width is for those that it does."""
 CORNER_REACH = 0.2
 """Corners that lie within this share of the width of the other body tell joints from each other."""
 CONGRUENCE_TOLERANCE = 2e-10
-"""Bodies hold a strip, and pairs of one class lie alike, but for this share of their size, a fiftieth of what regions are too large by."""
+"""Bodies agree with their strip, and pairs of one class with each other, to this share of their size: a fiftieth of the regions' margin."""
 MAX_SIZE_RATIO = 4.0
 """Pairs share a joint where none of them is larger than the one that it was worked out for by more than this factor, as those of a
 class differ by a share of their own size."""
 MAX_REFERENCES, MIN_COMMON_CORNERS = 6, 0.5
-"""So many corners are tried as the one that is carried to its like; where at least this share finds its like, strips are compared."""
+"""At most this many corners are tried as the reference; where at least this share finds its like, strips are compared."""
 ANGLE_TOLERANCE = 1e-7
 """Corners are alike where their angles differ by less [rad]."""
 

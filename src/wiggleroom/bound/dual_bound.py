@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_BOUND_RATIO = 2.0
-"""A bound of more than so many times the motion found says too little to be stated."""
+"""A bound of more than this many times the motion found says too little to be stated."""
 ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
 CONGRUENCE_WORK = 3.0
@@ -264,4 +264,4 @@ def _work_of_search(rounds: int, iterations: int, rows: int, pairs: int) -> floa
 def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:
     """Rather less than a search takes to choose among the contacts of pairs of many corners."""
     corners = np.diff(them.shapes.first)
-    return float(0.1 * (corners[them.shape[a]] + corners[them.shape[b]]).sum())
+    return float(0.01 * (corners[them.shape[a]] + corners[them.shape[b]]).sum())

@@ -19,7 +19,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 RANGE_FACTOR = 1 + 1e-4
-"""First ranges are wider by this factor, so that facets hold the program up and not the ranges."""
+"""First ranges are wider by this factor, so that facets are active and not the ranges."""
 ROUNDING_MARGIN = 1e-12
 """Sums of turns are wider by this [rad], far above their rounding."""
 

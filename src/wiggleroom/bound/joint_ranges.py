@@ -24,7 +24,7 @@ Ints = NDArray[np.int64]
 TURN_GRID = 512
 """Intervals end at multiples of a region's whole turn divided by this."""
 MIN_GRID_STEPS = 16
-"""Of narrower intervals than so many steps, the grid is finer by a power of two."""
+"""Where an interval is narrower than this many steps, the grid is finer by a power of two."""
 GRID_MARGIN = 1e-6
 """Ends of an interval this share of a step from a multiple are moved out to the next one, so that rounding never cuts it."""
 FINEST_GRID = 1e-9

@@ -26,7 +26,7 @@ NEAR = 0.03
 MANY_NEAR = 0.1
 """The same where there are many bodies."""
 HOPS = 2
-"""Turns are tightened of bodies so many joints apart."""
+"""Turns of bodies this many joints apart are tightened."""
 MIN_GAIN = 0.1
 """It ends where the bound's distance from the motion found falls by less than this share."""
 
@@ -92,4 +92,4 @@ def tightened(
 def _work_of_program(bodies: int, joints: int) -> tuple[float, float]:
     """Rather more than a linear program takes when it is solved first, and when it is asked again with another cost."""
     first = 80 * ((5 * bodies + 4 * joints) / 340) ** 2.1
-    return first, 0.3 * first
+    return first, 0.6 * first

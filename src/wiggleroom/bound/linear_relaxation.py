@@ -48,12 +48,12 @@ Bools = NDArray[np.bool_]
 WIDEST_PRODUCT = 1.0
 """Products of turn and tau are kept where the half width of the turn is less [rad]."""
 CURVED_REACH = 4.0
-"""|v d| <= |d| (r + v^2 / r) / 2 is a row for r so many times what d can be, divided by the body's radius; for turns less than twice r
+"""|v d| <= |d| (r + v^2 / r) / 2 is a row for r this many times what d can be, divided by the body's radius; for turns less than twice r
 it says nothing new."""
 ROUNDING_MARGIN = 1e-12
 """Boxes are larger by this."""
 BODY, JOINT = 5, 4
-"""So many variables each."""
+"""Number of variables of each."""
 
 
 @dataclass(frozen=True, eq=False)

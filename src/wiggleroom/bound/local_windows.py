@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SPANS, WIDE_SPANS = (2, 4, 6), (2, 4, 6, 8, 10)
-"""Windows hold all shortest paths between two bodies so many joints apart; wide ones pay in very large assemblies."""
+"""A window holds all shortest paths between two bodies that are this many joints apart; the wide ones pay in very large assemblies."""
 MAX_BODIES = 16
 """Of other windows than those that are square in a grid, larger ones cost more than they tell."""
 CONGRUENCE_TOLERANCE = 1e-4
@@ -91,7 +91,7 @@ def _neighbours(n: int, joints: JointConstraints) -> list[list[int]]:
 
 
 def _distances(near: list[list[int]], start: int, most: int) -> dict[int, int]:
-    """Bodies no more than so many joints away, and how many."""
+    """Bodies no more than `most` joints away, and how many joints that is."""
     found, todo = {start: 0}, deque([start])
     while todo:
         k = todo.popleft()

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 REACH, CORE = 4, 1
-"""A neighbourhood is all bodies so many joints from its middle; it tells the turns of those that are so many joints from there."""
+"""Joints between a neighbourhood's middle and its last bodies; and the last ones of which it tells the turns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def neighbourhood_cuts(
 
 
 def _ball(near: dict[int, list[int]], middle: int, hops: int) -> set[int]:
-    """Bodies no more than so many joints away from one."""
+    """Bodies no more than `hops` joints away from one."""
     found = {middle}
     for _ in range(hops):
         found |= {k for j in found for k in near[j]}

@@ -30,9 +30,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 WORKERS = 2
-"""So many regions are worked out at once."""
+"""Number of regions that are worked out at once."""
 PIVOT_REACH = 3.0
-"""The pivot of a pair is found from the edges within so many clearances."""
+"""The pivot of a pair is found from the edges within this many clearances."""
 
 
 def outer_regions(

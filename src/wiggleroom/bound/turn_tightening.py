@@ -30,9 +30,9 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 CHAINS = 2
-"""So many chains of programs are worked on at once."""
+"""Number of chains of programs that are solved at once."""
 RANGE_MARGIN = 1e-4
-"""Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
+"""Ranges stay wider by this share, so that facets, which can be refined, are active and not the ranges themselves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +195,7 @@ def joined_bodies(joints: JointConstraints, bodies: Ints) -> dict[int, list[int]
 
 
 def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
-    """Bodies such that every one lies no more than so many joints from one of them, neighbours one after the other."""
+    """Bodies such that every one lies no more than `hops` joints from one of them, neighbours one after the other."""
     near = joined_bodies(linkage.joints, bodies)
     chosen: list[int] = []
     left = set(near)

@@ -19,9 +19,9 @@ from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_
 Floats = NDArray[np.float64]
 
 WORKERS = 2
-"""So many windows are worked on at once."""
+"""Number of windows that are worked on at once."""
 SWEEPS = 2
-"""So often all turns of a window are tightened."""
+"""Number of times all turns of a window are tightened."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from cyclopts import App, CycloptsError
 
 ANSWERED, BAD_INPUT, NO_VERDICT = 0, 2, 3
+"""Exit codes; `check` and `verify` have 1 for the answer no."""
 COLLECTION_THRESHOLD = 200_000
-"""So many new objects before garbage is looked for: a command makes many that stay, and hardly any garbage."""
+"""Number of new objects before garbage is collected: a command makes many that stay, and hardly any garbage."""
 
 
 def main() -> int:

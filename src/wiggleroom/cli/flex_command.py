@@ -162,7 +162,7 @@ def _answer(
 
         answer = solve(assembly, model=model, solver=solver, search=search, stop=stop, progress=show)
         if prove is not None and not stop.is_set():
-            from wiggleroom.cli.proving import proven
+            from wiggleroom.cli.proving import with_proof
 
-            answer = proven(answer, prove, certify, stop, show)
+            answer = with_proof(answer, prove, certify, stop, show)
     return replace(answer, seconds={"read": spent} | answer.seconds | {"total": time.perf_counter() - begin})

@@ -35,7 +35,7 @@ def check_proof(share: float, model: str) -> None:
     need_highs()
 
 
-def proven(
+def with_proof(
     answer: Answer,
     share: float,
     certify: bool,

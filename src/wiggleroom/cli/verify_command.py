@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from wiggleroom.verify.claim_comparison import Specification
 
 PROVEN, REFUSED = 0, 1
+"""Exit codes."""
 _NONE_ASKED = QuestionOptions()
 
 

@@ -40,7 +40,7 @@ TRUST_SHRINK, TRUST_GROWTH, MIN_TRUST_RADIUS = 0.5, 2.0, 1e-5
 GAIN_TOLERANCE = 1e-6
 """Gains below this share of the typical radius, or of the objective where that is more, count as none."""
 MAX_STALLED_STEPS = 3
-"""So many steps in a row without gain end it."""
+"""The search ends after this many steps in a row without gain."""
 MAX_STEPS = 300
 """Linear programs at most."""
 

@@ -26,7 +26,7 @@ from wiggleroom.verdict import SolverStatus, Verdict
 Floats = NDArray[np.float64]
 
 MAX_HALVINGS = 5
-"""Hulls are worked out anew so many halvings of the path before its end."""
+"""Hulls are worked out anew at this many halvings of the path before its end."""
 
 
 def flex_hull(

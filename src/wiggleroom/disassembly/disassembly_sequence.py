@@ -112,7 +112,7 @@ def disassemble(
     effort : EscapeEffort, optional
     every : bool
         False: it ends once anything has left.
-    burden : callable, optional
+    holding_cost : callable, optional
         How much trouble it makes that some parts leave from a state; of those that could leave straight, those with the least leave first.
     stop, tell
         As for `flex`.

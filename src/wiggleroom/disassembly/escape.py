@@ -41,7 +41,7 @@ BOXES_FOR_ONE_BODY = 150_000
 BOXES_FOR_NEAR_EXIT = 40_000
 """Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
 MAX_TILTS = 4
-"""From so many states besides the first, in which a body can be turned, largest turns are searched."""
+"""Largest turns are searched from at most this many states besides the first, in which a body can be turned."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
@@ -137,7 +137,7 @@ def next_stage(
         Bodies that are to leave, rather than others; none where all are to.
     stop, tell
         As for `flex`.
-    burden : callable, optional
+    holding_cost : callable, optional
         How much trouble it makes that some bodies leave; the least comes first.
     """
     bodies, n = ground.bodies, len(ground.bodies.fixed)

@@ -26,13 +26,13 @@ Ints = NDArray[np.int64]
 PULL_DIRECTIONS = 8
 """Directions in which every group is pulled."""
 MAX_QUESTIONS = 300
-"""So many questions are asked; beyond that the search counts as cut short."""
+"""At most this many questions are asked; beyond that the search counts as cut short."""
 MAX_STATES = 12
-"""From so many places besides rest it goes on at most."""
+"""The search goes on from at most this many places besides rest."""
 NOVELTY_DISTANCE = 3.0
 """A place is new where some neighbours lie otherwise than in all places before by more than this multiple of the clearance."""
 EXIT_TESTS = 8
-"""So many way-points of an answer are looked at for a straight escape path."""
+"""At most this many way-points of an answer are tested for a straight escape path."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class EscapeSearch:
     ----------
     path : (k, n, 3) float64 [mm, mm, rad] or None
         Checked motions of all bodies to where `exit` begins.
-    exit : Exit or None
+    exit : TranslationEscape or None
     whole : bool
         True where every question that was planned was asked, from all places that it went on from.
     more_places : bool
@@ -79,7 +79,7 @@ def search_for_escape(
         Body that stands.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
-    nearly : list of Exit
+    nearly : list of TranslationEscape
         Sets of bodies that are pulled as one first.
     stop, tell
         As for `flex`.

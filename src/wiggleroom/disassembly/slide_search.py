@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 WORK_BUDGET = 2e9
 """Pairs of edges that are compared at most; some ten seconds."""
 OFF_LATTICE_SHARE = 0.25
-"""Where stops lie on no lattice there is no end of states; so much of the work is spent on them."""
+"""Where stops lie on no lattice there is no end of states; this share of the work is spent on them."""
 STATE_WORK = 30_000
 """Work of a state besides its edges, in pairs of edges."""
 ROUNDING = 0.5

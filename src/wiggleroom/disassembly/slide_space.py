@@ -17,9 +17,9 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 MAX_AXES = 6
-"""Bodies slide both ways along so many directions of edges, the longest first."""
+"""Bodies slide both ways along at most this many directions of edges, the longest edges first."""
 MIN_AXIS_SHARE = 0.05
-"""Edges along an axis are together at least so long, as a share of those along the first."""
+"""Least total length of the edges along an axis, as a share of those along the first."""
 MARGIN = 0.02
 """A slide leaves at least this share of the clearance beside what slides."""
 UNIT_TOLERANCE = 0.1
@@ -27,14 +27,14 @@ UNIT_TOLERANCE = 0.1
 MIN_UNIT = 4.0
 """A lattice's unit is at least this multiple of the clearance."""
 MAX_UNIT_PARTS = 8
-"""The shortest distance of two edges is at most so many units."""
+"""The shortest distance of two edges is at most this many units."""
 MIN_LEVELS, EXACT = 6, 1e-3
 """Of fewer distances some unit fits by chance: then edges must lie on the lattice to this share of the tolerance."""
 MAX_UNITS = 60
-"""A lattice spans at most so many units."""
+"""A lattice spans at most this many units."""
 MAX_SLIDES = 4000
 STOP_CHECK_PAIRS = 50_000_000
-"""After so many pairs of bodies it is asked whether to stop."""
+"""After this many pairs of bodies it is asked again whether to stop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +147,7 @@ class SlideSpace:
 
 
 def _blocks(count: int, many: int) -> Iterator[tuple[int, int]]:
-    """Consecutive ranges of so many of `count`, at least one each."""
+    """Consecutive ranges of `many` of `count` items, at least one each."""
     many = max(many, 1)
     return ((k, min(k + many, count)) for k in range(0, count, many))
 

@@ -25,7 +25,7 @@ Ints = NDArray[np.int64]
 EVEN_DIRECTIONS = 24
 """Directions evenly round, besides those of edges."""
 MAX_EDGE_DIRECTIONS = 48
-"""So many directions of edges are tried at most, the longest first."""
+"""At most this many directions of edges are tried, the longest edges first."""
 OVERLAP_NOISE = 1e-10
 """An overlap below this share of the drawing's size counts as none."""
 

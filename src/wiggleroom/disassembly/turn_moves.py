@@ -13,7 +13,7 @@ from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 ADVANCE = 0.8
 """A motion is at most this share of the least distance."""
 MAX_PUSHES = 4
-"""So often the body is pushed away after each turn, at most."""
+"""The body is pushed away at most this many times after each turn."""
 STUCK = 0.02
 """A turn that carries no corner further than this share of the clearance is none: the body is stuck."""
 

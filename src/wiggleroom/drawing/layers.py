@@ -221,8 +221,8 @@ def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
     """Why a stroke is not cut, by the names and colours around it, or nothing."""
     if any(mark.lower() == LABELS for group in stroke.groups for mark in (group.name, *group.marks)):
         return _SILENT
-    if artwork.program == "boxes.py" and stroke.colour in _BOXES:
-        return f"{_BOXES[stroke.colour]} (colour {name_of(stroke.colour)} of boxes.py); --only {name_of(stroke.colour)} reads it"
+    if artwork.program == "boxes.py" and stroke.colour in _BOXES_COLOURS:
+        return f"{_BOXES_COLOURS[stroke.colour]} (colour {name_of(stroke.colour)} of boxes.py); --only {name_of(stroke.colour)} reads it"
     for group in stroke.groups:
         for mark in dict.fromkeys((group.name, *group.marks)):
             if mark and is_auxiliary_layer(mark):
@@ -233,7 +233,7 @@ def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
     return "" if visible else "without line or fill"
 
 
-_BOXES = {"#ff0000": "annotations", "#00ff00": "etching", "#00ffff": "deep etching"}
+_BOXES_COLOURS = {"#ff0000": "annotations", "#00ff00": "etching", "#00ffff": "deep etching"}
 """What boxes.py draws in these colours."""
 
 

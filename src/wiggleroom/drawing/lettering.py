@@ -13,6 +13,7 @@ from wiggleroom.drawing.model import Part, Points
 from wiggleroom.drawing.rings import signed_area
 
 _CAPITAL, _BASE, _SPACE = 6.0, 2.0, 1.7
+"""Height of capitals, height of the base line, and space between letters, in units of the alphabet."""
 FILL_SHARE = 0.85
 """Share of the largest circle in a part that its name may fill, ..."""
 MAX_HEIGHT_SHARE = 0.35

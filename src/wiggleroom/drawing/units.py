@@ -10,15 +10,13 @@ UNITS: Mapping[str, float] = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "p
 """Length of one unit [mm]; px is the CSS pixel, 96 to the inch."""
 
 
-def millimetres(unit: str, known: Mapping[str, float] = UNITS) -> float:
+def millimetres(unit: str) -> float:
     """Length of one `unit` [mm].
 
     Parameters
     ----------
     unit : str
         Name of the unit.
-    known : mapping of name to [mm]
-        The units that are allowed here.
 
     Raises
     ------
@@ -30,7 +28,7 @@ def millimetres(unit: str, known: Mapping[str, float] = UNITS) -> float:
     >>> millimetres("in")
     25.4
     """
-    if unit not in known:
-        message = f'unit "{unit}" is not known; it must be one of {", ".join(known)}'
+    if unit not in UNITS:
+        message = f'unit "{unit}" is not known; it must be one of {", ".join(UNITS)}'
         raise InputError(message)
-    return known[unit]
+    return UNITS[unit]

@@ -50,7 +50,7 @@ class TightVerdict(Displayable):
         First-order motion of every part about its reference point, scaled so that the fastest corner moves about 1 mm.
     moving : tuple of str
         Parts that move in it.
-    locks : tuple of Lock
+    locks : tuple of SelfStress
         Forces that prove which bodies are locked together, one step after the other; all of them where the verdict is "locked".
     contacts : PointContacts
     """

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 SLIVER_ANGLE = 1e-9
-"""Parallelograms whose sides differ in direction by less than this [rad] are left out: others do their work."""
+"""Parallelograms whose sides differ in direction by less than this [rad] are left out: others cover the same."""
 MIN_THICKNESS = 1e-12
 """Pieces thinner than this share of the clearance are rounding."""
 ANGLE_NUDGES = (0.0, 1e-9, -1e-9, 1e-8)

@@ -64,7 +64,7 @@ class Bodies:
 
     Parameters
     ----------
-    shapes : Shapes
+    shapes : BodyShapes
     shape : (n,) int64
         Shape of each body.
     rest : (n, 3) float64 [mm, mm, rad]
@@ -233,11 +233,13 @@ def _stack(known: list[tuple[list[Floats], list[int]]]) -> BodyShapes:
 
 
 def _area(ring: Floats) -> float:
+    """Area of a ring (n, 2), positive where it turns counter-clockwise."""
     x, y = ring.T
     return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2
 
 
 def _moment(ring: Floats) -> Floats:
+    """First moment (2,) of the area of a ring."""
     after = np.roll(ring, -1, 0)
     cross = ring[:, 0] * after[:, 1] - after[:, 0] * ring[:, 1]
     return ((ring + after) * cross[:, None]).sum(0) / 6

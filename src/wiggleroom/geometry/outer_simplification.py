@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Part, Region
+from wiggleroom.drawing.rings import signed_area
 
 Floats = NDArray[np.float64]
 
 MIN_CORNERS = 200
 """Outlines of fewer corners stay as they are."""
 MAX_CORNERS, MIN_EDGE = 400, 1.5
-"""Up to so many corners, outlines whose edges are longer than this share of the clearance, in the median, stay as they are too."""
+"""Outlines of at most this many corners whose median edge is longer than this share of the clearance stay as they are too."""
 NEAR, NEAR_DEPTH = 2.0, 0.1
-"""A contact may wander by so many clearances, or along an arc until it lies this share of a clearance deeper."""
+"""A contact may move by this many clearances, or along an arc until it lies this share of a clearance deeper."""
 
 
 def is_fine(assembly: Assembly, clearance: float) -> bool:
@@ -76,13 +77,8 @@ def _outline(ring: Floats, clearance: float, tolerance: float, spots: Floats, fi
         allowed[away < reach] = finer
     out = _simplified(ring, allowed)
     old, new = shapely.Polygon(ring), shapely.Polygon(out)
-    more = shapely.difference(old, new) if _area(ring) > 0 else shapely.difference(new, old)
+    more = shapely.difference(old, new) if signed_area(ring) > 0 else shapely.difference(new, old)
     return out if new.is_valid and more.area < 1e-9 * old.area else ring
-
-
-def _area(ring: Floats) -> float:
-    x, y = ring.T
-    return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2
 
 
 def _simplified(ring: Floats, allowed: Floats) -> Floats:

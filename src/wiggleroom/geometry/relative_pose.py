@@ -1,6 +1,6 @@
-"""Relative motion of two parts (what users say) and relative pose of their bodies (what cells say), converted here.
+"""Relative motion of two parts (as users give it) converted to relative poses of their bodies (as cells use them), and back.
 
-A third way of saying the same serves the slices: the shift of a point of B that lies in the joint, the *pivot*. A slice
+Slices use a third form: the shift of a point of B that lies in the joint, the *pivot*. A slice
 moves little from angle to angle when it is measured there; about a reference point far away it would run off.
 """
 

@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 A_EDGE, B_EDGE = 0, 1
+"""Kinds of rows: a corner of B at an edge of A, and the other way round; as in `wiggleroom.program.contact_functions`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,1 +1,1 @@
-"""Questions asked while somebody drags and slides."""
+"""Questions asked while parts are dragged and gaps are changed."""

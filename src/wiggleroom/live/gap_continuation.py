@@ -16,9 +16,9 @@ MAX_CARRIED_GROWTH = 0.1
 RETREAT_SHARES = (0.01, 0.05, 0.15)
 """Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
 MAX_WARM_STARTS = 3
-"""So many ends of earlier requests are tried, the nearest first."""
+"""At most this many ends of earlier requests are tried, the nearest first."""
 MAX_KEPT_ENDS = 16
-"""So many ends of largest motions are kept, for others to begin at."""
+"""Number of ends of largest motions that are kept as starts for others."""
 
 
 @dataclass(frozen=True, eq=False)

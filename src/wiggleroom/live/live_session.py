@@ -1,4 +1,4 @@
-"""Questions asked while somebody drags and slides: each answered safely in the time there is, from what was found before."""
+"""Questions asked while parts are dragged and gaps are changed: each is answered safely in the time there is, from earlier answers."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ MAX_TARGET_DISTANCE = 3.0
 
 
 class Live:
-    """One drawing whose design is changed, and whose parts are dragged, while somebody looks.
+    """One drawing whose design is changed and whose parts are dragged, with answers at once.
 
     Every motion that it gives is free of overlap by exact geometry, and connected with rest by a chain of cells.
 
@@ -156,7 +156,7 @@ class Live:
         goals : optional
             These goals; by default what the drawing asks for.
         within : int, optional
-            So many bodies may move, those that the part pushes first; all others stand where they are. The motion is one
+            Number of bodies that may move, those that the part pushes first; all others stand where they are. The motion is one
             of the whole assembly, but not settled where others that stand hold the part; then the next drag begins where
             this one did. By default all may move.
         seconds : float
@@ -245,7 +245,7 @@ class Live:
     ) -> Answer:
         """Return the answer of `wiggleroom.flex` with `search=0` for the present design, without a bound; later quick ones begin near it.
 
-        The climb begins at rest alone: no search beyond the nearest hill, no quick bound.
+        The climb begins at rest alone: no global search, no quick bound.
 
         Raises
         ------
@@ -275,7 +275,7 @@ class Live:
         part : str, optional
             Freedoms that move this part most; by default of the whole assembly.
         count : int
-            At most so many.
+            Most freedoms that are returned.
         seconds : float
             After that time those that were found are returned.
         stop : optional

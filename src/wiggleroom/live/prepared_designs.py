@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_CACHED = 12
-"""So many prepared designs are kept."""
+"""Number of prepared designs that are kept."""
 OUTLINE_TOLERANCE = 1e-9
 """Outlines that agree to this share of the drawing's size are the same."""
 MIN_CARRIED_CLEARANCE = 0.02

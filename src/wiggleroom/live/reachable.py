@@ -18,11 +18,11 @@ Floats = NDArray[np.float64]
 Spot = tuple[float, float]
 
 DIRECTIONS = 24
-"""So many ways a point is pulled in where several bodies move."""
+"""Number of directions in which a point is pulled where several bodies move."""
 SLICES = 128
-"""So many turns are looked at where one body moves in another."""
+"""Number of turns at which slices are made where one body moves in another."""
 FAR = 2.0
-"""Targets lie so many sizes of the drawing away."""
+"""Distance of the targets [drawing sizes]."""
 DRAG_SECONDS = 0.4
 """A drag to one of them takes no longer [s]."""
 

@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LIVE_TOLERANCE, DRAG_TOLERANCE = 1e-3, 2e-4
-"""Share of the objective that a live answer may leave on the table, and a drag, where motion sideways to the target gains little."""
+"""Share of the objective that a live answer may lose, and a drag, where motion sideways to the target gains little."""
 SKETCH_TOLERANCE = 0.03
 """Tolerance of the first rounds: they only show which cells are left."""
 VISIBLE_DISTANCE = 5e-3
@@ -43,15 +43,15 @@ FIRST_BARRIER = 3e-3
 MAX_LIVE_ROUNDS = 30
 """Rounds of one request at most, whatever its time."""
 PATH_SAMPLES = 8
-"""So many of a path's points show where it leads: the solver's steps wander."""
+"""Number of the path's points that show where it leads: the solver's steps are not straight."""
 WANTED_ROOM, MIN_ROOM, SLACK_ROW_WEIGHT, MAX_PUSHES = 2e-3, 1e-6, 1e-6, 8
-"""Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
+"""Room that a push aims at, and is content with [clearances]; weight of rows that need none; most pushes that are tried."""
 PICTURE_TOLERANCE = 1e-6
 """Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
 FINISHED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
 """Ends of a solve after which its last iterate is in all walls."""
 MIN_LIVE_ITERATIONS = 8
-"""A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
+"""Least iterations of a round, whatever the time: without them a large assembly would make no progress."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def state_at_rest(ready: Prepared) -> State:
 
 @dataclass(eq=False)
 class TimeBudget:
-    """Stops at a time, or when somebody else says so; asked every iteration."""
+    """Stops at a time, or on another request to stop; asked every iteration."""
 
     seconds: float
     stop: Stop | None = None
@@ -111,7 +111,7 @@ class TimeBudget:
 
 @dataclass(eq=False)
 class WarmSearch:
-    """A search from a state, for questions asked while somebody looks.
+    """A search from a state, for live questions.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ class JoinedEdges:
     flanks : (int, int)
         Flanks of each edge, as bits.
     least : int
-        So many pairs of flanks meet at least.
+        Fewest pairs of flanks that meet.
     words : str
     """
 

@@ -15,7 +15,7 @@ from wiggleroom.mating.flanks import flank_rows
 from wiggleroom.mating.pair_poses import PairPoseTable
 
 MAX_STARTS = 16
-"""So many ways to fold what is joined are tried at most."""
+"""At most this many ways to fold what is joined are tried."""
 
 
 def known_starts(

@@ -41,7 +41,7 @@ class LayingSettings:
     flush_weight : float
         Length of flush edges times thickness counts so much against area in contact.
     max_ways : int
-        So many poses are given at most.
+        Most poses that are given.
     """
 
     edge_reach: float = 1.0

@@ -1,9 +1,9 @@
-"""Way-points moved to where the least clearance of a step is largest, by linear programs one after the other.
+"""Way-points of a step moved so that its least clearance is largest, by sequential linear programming.
 
-At samples of every piece of the path the distances of corners of what moves from edges of all else, and the other way round, are linear in
-small changes of the way-points, whose pieces change evenly in between. The program makes the least of them as large as it can, and after it
-those of every piece, up to what is plenty. A change is kept where the exact distances along the pieces grew. Source: sequential linear
-programming with a trust region, as in Conn, Gould and Toint, "Trust-Region Methods" (2000).
+Samples are taken on every piece of the path. There the distances of corners of what moves from edges of all else, and the other way round,
+are linear in small changes of the way-points. Each program makes the least of them as large as it can, and then those of every piece, up
+to what is plenty. A change is kept where the exact distances along the pieces grew. Source: sequential linear programming with a trust
+region, as in Conn, Gould and Toint, "Trust-Region Methods" (2000).
 """
 
 from __future__ import annotations
@@ -23,12 +23,15 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 MAX_PROGRAMS = 12
+"""Most linear programs for one step."""
 SAMPLES_PER_PIECE = 5
+"""Least samples of a piece."""
 SAMPLE_DISTANCE = 0.04
 """Samples of a long piece lie no further apart than this share of the drawing's size."""
 MAX_SAMPLES = 40
+"""Most samples of a piece."""
 REACH = 4.0
-"""Corners nearer than this multiple of the clearance, and of how far way-points may move, count."""
+"""Corners count that are nearer than this multiple of the clearance, and of how far way-points may move."""
 SUFFICIENT_CLEARANCE = 1.0
 """Pieces that are not the narrowest need no more than this multiple of the typical clearance."""
 WEIGHTS = 1.0, 0.1, 1e-3
@@ -68,7 +71,7 @@ class ClearanceProblem:
         Keys a * n + b of pairs that never collide.
     clearance, size : float [mm]
         Typical clearance, and size of the drawing.
-    moving : Carried
+    moving : MovingBodies
     """
 
     bodies: Bodies
@@ -88,11 +91,11 @@ class ClearanceProblem:
         return np.array([self.least(path[k : k + 2]) for k in range(len(path) - 1)])
 
 
-def largest_clearance_path(problem: ClearanceProblem, path: Floats, most: int = MAX_PROGRAMS) -> Floats:
-    """The path (k, n, 3) [mm, mm, rad] of the bodies with its way-points, but for the first, where the clearance is largest."""
+def largest_clearance_path(problem: ClearanceProblem, path: Floats) -> Floats:
+    """The path (k, n, 3) [mm, mm, rad] of the bodies, its way-points but the first moved to where the clearance is largest."""
     trust = problem.clearance
     best = problem.pieces(path)
-    for _ in range(most):
+    for _ in range(MAX_PROGRAMS):
         change = _change(problem, path, float(best.min()), trust)
         if change is None:
             break
@@ -110,6 +113,7 @@ def largest_clearance_path(problem: ClearanceProblem, path: Floats, most: int = 
 
 
 def _worth(problem: ClearanceProblem, pieces: Floats) -> float:
+    """What the program maximises, from the exact clearances of the pieces [mm]."""
     plenty = np.minimum(pieces, SUFFICIENT_CLEARANCE * problem.clearance)
     return float(WEIGHTS[0] * pieces.min() + WEIGHTS[1] * plenty.mean())
 
@@ -159,15 +163,13 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
     cost[2 * free : count - 1] = -WEIGHTS[1] / (k - 1)
     cost[-1] = -WEIGHTS[0]
     plenty = SUFFICIENT_CLEARANCE * problem.clearance
+    narrowest = max(plenty, 2 * least + trust)  # a piece may be worth more than plenty where it is the narrowest
     bounds = [
         *zip(-limit, limit, strict=True),
         *zip(np.zeros(free), limit, strict=True),
-        *[(None, plenty)] * (k - 1),
-        (None, None),
+        *[(None, narrowest)] * (k - 1),
+        (None, 0.1 * problem.size),
     ]
-    bounds[count - 1] = (None, 0.1 * problem.size)
-    for piece in range(k - 1):  # a piece may be worth more than plenty where it is the narrowest
-        bounds[2 * free + piece] = (None, max(plenty, 2 * least + trust))
     found = linprog(cost, A_ub=matrix.tocsr(), b_ub=np.array(bound), bounds=bounds, method="highs")
     if not found.success:
         return None
@@ -193,7 +195,7 @@ def _rows(
     for t in np.linspace(0.0, 1.0, count):
         pose = begin + t * (end - begin)
         shares = [(piece - 1, 1.0 - t), (piece, t)]  # way-point 0 stays
-        for b, c, point, normal, apart in near_corners(problem, pose, reach):
+        for b, c, point, normal, apart in corners_near_edges(problem, pose, reach):
             value, where = [], []
             for body, sign in ((b, 1.0), (c, -1.0)):
                 if body not in mine:
@@ -215,7 +217,9 @@ def _rows(
     return found
 
 
-def near_corners(problem: ClearanceProblem, pose: Floats, reach: float) -> list[tuple[int, int, Floats, Floats, float]]:
+def corners_near_edges(
+    problem: ClearanceProblem, pose: Floats, reach: float
+) -> list[tuple[int, int, Floats, Floats, float]]:
     """Corners of one body near edges of another: both bodies, the point, the unit vector away from the edge, and the distance."""
     bodies, moving, n = problem.bodies, problem.moving, len(pose)
     never = set(problem.ignored.tolist())

@@ -1,8 +1,8 @@
-"""Who falls: loose parts that their weight carries on and on, and whom to hold so that nothing does.
+"""Which loose parts fall by their weight, and which to hold so that none does.
 
-Everything that is loose sinks in small steps. Each is a linear program: the largest loss of height, weighed by area, that distances of
-corners from edges allow, less a little for every motion, so that nothing moves that loses no height by it. Parts first settle by the play
-that they have; those that still sink after many steps fall. There is no friction, and no swing. Source: Whiting, Ochsendorf and Durand,
+All loose parts sink in small steps. Each step is a linear program: it finds the largest loss of height, weighted by area, that distances
+of corners from edges allow. Every motion has a small cost, so that what would lose no height stays. Parts first settle by the clearance
+that they have; those that still sink after many steps fall. There is no friction, and no momentum. Source: Whiting, Ochsendorf and Durand,
 "Procedural modeling of structurally-sound masonry buildings", 2009, for equilibrium as a program over contacts; here is its dual.
 """
 
@@ -22,7 +22,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, near_corners
+from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, corners_near_edges
 from wiggleroom.planning.steps import Step
 from wiggleroom.search.prepare import Survey
 
@@ -31,17 +31,17 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 STEPS = 24
-"""So many steps parts sink; what comes to rest before the second half of them has settled."""
+"""Number of steps in which parts sink. What comes to rest before the second half of them has settled."""
 TRUST = 0.5
 """In a step corners go no further than about this multiple of the clearance."""
 MARGIN = 0.1
 """Parts come no nearer to each other than this multiple of the clearance."""
 MIN_DESCENT = 0.02
-"""A motion pays where it loses height by more than this share of its length: slopes of one degree count as level."""
+"""Cost of a motion, as a share of its length: slopes of one degree count as level."""
 SETTLED = 0.05
 """A part that sinks by less than this multiple of the clearance in the second half of the steps is at rest."""
 STATES_PER_PIECE = 3
-"""Each straight piece of a step is looked at so often."""
+"""Number of states at which each straight piece of a step is looked at."""
 
 
 @dataclass(eq=False)
@@ -52,7 +52,7 @@ class Gravity:
     ----------
     assembly : Assembly
         Something in it stands.
-    ground : Survey
+    surveyed : Survey
         Of the assembly.
     direction : (x, y)
         In which loose parts fall; any length but zero.
@@ -64,7 +64,7 @@ class Gravity:
     """
 
     assembly: Assembly
-    ground: Survey
+    surveyed: Survey
     direction: tuple[float, float]
     _known: dict[bytes, Bools] = field(default_factory=dict, init=False)
 
@@ -89,7 +89,7 @@ class Gravity:
         stop : optional
             Asked before every step; then those that sink still count as falling.
         """
-        bodies = self.ground.bodies
+        bodies = self.surveyed.bodies
         here = np.array([there[list(m)].all() for m in bodies.members])
         stands = bodies.fixed | np.array([held[list(m)].any() for m in bodies.members])
         free = np.flatnonzero(here & ~stands)
@@ -131,20 +131,25 @@ class Gravity:
 
     def _lowest(self, motion: Floats, who: Ints) -> int:
         """Which of some parts has the centroid of its body lowest."""
-        bodies = self.ground.bodies
+        bodies = self.surveyed.bodies
         at = bodies.rest + of_bodies(self.assembly, bodies, motion[None])[0]
         heights = at[bodies.body_of[who], :2] @ np.array(self.direction)
         return int(who[int(heights.argmax())])
 
     def _sinking(self, motion: Floats, there: Bools, free: Ints, stop: Stop | None) -> Bools:
         """Which of the `free` bodies still sink after many steps."""
-        ground, down = self.ground, np.array(self.direction)
-        weight = shapely.area(placed(ground.bodies, None, free)[free])
+        surveyed, down = self.surveyed, np.array(self.direction)
+        weight = shapely.area(placed(surveyed.bodies, None, free)[free])
         problem = ClearanceProblem(
-            ground.bodies, there, ground.ignored, ground.clearance, ground.size, MovingBodies(free, as_one=False)
+            surveyed.bodies,
+            there,
+            surveyed.ignored,
+            surveyed.clearance,
+            surveyed.size,
+            MovingBodies(free, as_one=False),
         )
         sunk = np.zeros((STEPS + 1, len(free)))
-        trust = TRUST * ground.clearance
+        trust = TRUST * surveyed.clearance
         for k in range(STEPS):
             if stop is not None and stop.is_set():
                 return np.ones(len(free), dtype=np.bool_)
@@ -154,7 +159,7 @@ class Gravity:
             if not change.any():
                 return np.zeros(len(free), dtype=np.bool_)
         half = STEPS // 2
-        return np.asarray(sunk[-1] - sunk[half] > SETTLED * ground.clearance)
+        return np.asarray(sunk[-1] - sunk[half] > SETTLED * surveyed.clearance)
 
     def _sink(self, problem: ClearanceProblem, motion: Floats, weight: Floats, trust: float) -> tuple[Floats, float]:
         """One step, shorter where a longer one would meet something, and how long the next one may be."""
@@ -177,7 +182,7 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
     count = 3 * len(free)
     value, row, column, limit = list[float](), list[int](), list[int](), list[float]()
     pose = bodies.rest + motion
-    for b, c, point, normal, apart in near_corners(problem, pose, 4 * trust):
+    for b, c, point, normal, apart in corners_near_edges(problem, pose, 4 * trust):
         for body, sign in ((b, -1.0), (c, 1.0)):
             if body in mine:
                 k, arm = mine[body], point - pose[body, :2]

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_ALONE = 12
-"""Of more parts that move at once nobody tries whether they go one after the other."""
+"""Steps in which more parts move at once are not split into steps of one part each."""
 TURN_PER_PIECE = 0.05
 """Before way-points are moved, pieces turn by at most this [rad]."""
 PIECE_LENGTH = 0.1
@@ -30,18 +30,18 @@ PIECE_LENGTH = 0.1
 PART_DEVIATION = 0.02
 """Pieces of parts differ from those of bodies by at most about this share of the clearance."""
 KEPT_CLEARANCE = 0.9
-"""A way-point is left out where the way without it keeps this share of the clearance."""
+"""A way-point is left out where the path without it keeps this share of the clearance."""
 
 
 def improved_steps(
-    assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop | None = None
+    assembly: Assembly, surveyed: Survey, steps: Sequence[Step], stop: Stop | None = None
 ) -> tuple[Step, ...]:
     """Steps that do the same with more room: apart, shortened and widened; each is kept only where it certainly is free.
 
     Parameters
     ----------
     assembly : Assembly
-    ground : Survey
+    surveyed : Survey
         Of the assembly.
     steps : sequence of Step
     stop : optional
@@ -71,7 +71,7 @@ def improved_steps(
         alone = _one_by_one(assembly, step, free)
         if len(alone) > 1:
             step, todo = alone[0], [*alone[1:], *todo]
-        better = _with_largest_clearance(assembly, ground, step)
+        better = _with_largest_clearance(assembly, surveyed, step)
         if free(better):
             step = better
         elif not free(step):  # what was gained before is in the way now
@@ -83,8 +83,8 @@ def improved_steps(
 def _from(assembly: Assembly, step: Step, shift: Floats) -> list[Step]:
     """The step where all parts are a little elsewhere to begin with.
 
-    Those that move go on straight to where they would have gone; or beside their path as far as they are now; or back to its beginning
-    first.
+    Three options for those that move: straight to the next way-point; the whole path shifted by as much as they are now; or first back to
+    its beginning.
     """
     if not shift.any():
         return [step]
@@ -125,30 +125,30 @@ def _one_by_one(assembly: Assembly, step: Step, free: Callable[[Step], bool]) ->
     return found
 
 
-def _with_largest_clearance(assembly: Assembly, ground: Survey, step: Step) -> Step:
+def _with_largest_clearance(assembly: Assembly, surveyed: Survey, step: Step) -> Step:
     """The step with the largest least clearance that its path allows, and without way-points that it does not need."""
-    bodies = ground.bodies
+    bodies = surveyed.bodies
     path = of_bodies(assembly, bodies, step.path)
     who = np.flatnonzero((np.abs(path - path[:1]) > STILL).any(axis=(0, 2)))
     there = np.array([step.there[list(m)].all() for m in bodies.members])
     slide = step.as_one and not np.abs(path[:, who, 2] - path[0, who, 2]).max() > STILL
     moving = MovingBodies(who, slide)
-    problem = ClearanceProblem(bodies, there, ground.ignored, ground.clearance, ground.size, moving)
+    problem = ClearanceProblem(bodies, there, surveyed.ignored, surveyed.clearance, surveyed.size, moving)
     path = _shortened(problem, path)
     if not slide:  # slides lie where they are best; other paths need freedom to bend
-        path = finer(path, TURN_PER_PIECE, PIECE_LENGTH * ground.size)
+        path = finer(path, TURN_PER_PIECE, PIECE_LENGTH * surveyed.size)
     path = _shortened(problem, largest_clearance_path(problem, path))
-    return replace(step, path=for_parts(assembly, ground, largest_clearance_path(problem, path)))
+    return replace(step, path=for_parts(assembly, surveyed, largest_clearance_path(problem, path)))
 
 
-def for_parts(assembly: Assembly, ground: Survey, path: Floats) -> Floats:
+def for_parts(assembly: Assembly, surveyed: Survey, path: Floats) -> Floats:
     """Motions (k, n, 3) of the parts from a path of the bodies, with points in between where bodies turn.
 
     The middles of bodies go straight, so reference points of parts that lie beside them do not quite.
     """
-    bodies = ground.bodies
+    bodies = surveyed.bodies
     arm = assembly.rest[:, :2] - bodies.rest[bodies.body_of, :2]
-    bulge, most = PART_DEVIATION * ground.clearance, float(np.hypot(*arm.T).max())
+    bulge, most = PART_DEVIATION * surveyed.clearance, float(np.hypot(*arm.T).max())
     turn = np.sqrt(8 * bulge / most) if most > bulge else TURN_PER_PIECE
     return of_parts(
         assembly, bodies, finer(path, turn) if np.abs(np.diff(path[..., 2], axis=0)).max() > STILL else path

@@ -146,9 +146,9 @@ def plan(
     done = disassemble(standing, targets=tuple(targets), holding_cost=holding_cost, stop=limit, tell=progress or silent)
     steps: tuple[Step, ...] = ()
     if done.departures:
-        ground = survey(standing)
-        steps = improved_steps(standing, ground, steps_of(standing, done.departures), limit)
-        steps = tuple(measured(standing, ground, step) for step in steps)
+        surveyed = survey(standing)
+        steps = improved_steps(standing, surveyed, steps_of(standing, done.departures), limit)
+        steps = tuple(measured(standing, surveyed, step) for step in steps)
         if weight is not None:
             steps = tuple(replace(step, falling=weight.to_hold(step, limit)) for step in steps)
     gone = {standing.names[k] for d in done.departures for k in d.parts}

@@ -99,7 +99,7 @@ class SmallestGap(Displayable):
     failing : int
         That step, from 0; -1 where parts touch at rest.
     pair : tuple of names
-        Two parts that are in each other's way there; empty where they touch at rest.
+        Two parts that collide there; empty where they touch at rest.
     """
 
     plan: Plan
@@ -170,8 +170,8 @@ def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
         made = None if stop is not None and stop.is_set() else _made(assembly, offset={name: -extra / 2})
         if made is None:
             continue
-        ground = survey(made)
-        value = min(measured(made, ground, _alone(made, step)).clearance for step in near)
+        surveyed = survey(made)
+        value = min(measured(made, surveyed, _alone(made, step)).clearance for step in near)
         gain[k] = max((value - least) / extra, 0.0)
     order = np.argsort(-gain, kind="stable")
     return PlanRanking(plan, tuple(assembly.names[k] for k in order), gain[order])
@@ -215,15 +215,15 @@ def _at_gap(
     made = _made(assembly, gap=gap)
     if made is None:
         return None, (-1, ())
-    ground = survey(made)
-    fitted = improved_steps(made, ground, steps)
+    surveyed = survey(made)
+    fitted = improved_steps(made, surveyed, steps)
     for k, step in enumerate(fitted):
         there = np.flatnonzero(step.there)
         audit = audit_path(only(made, there), step.path[:, there])
         if not audit.free:
             first = audit.piece.argmin()
             return None, (k, (made.names[there[audit.a[first]]], made.names[there[audit.b[first]]]))
-    return tuple(measured(made, ground, step) for step in fitted), (-1, ())
+    return tuple(measured(made, surveyed, step) for step in fitted), (-1, ())
 
 
 def _alone(assembly: Assembly, step: Step) -> Step:
@@ -234,12 +234,12 @@ def _alone(assembly: Assembly, step: Step) -> Step:
 
 def _least(assembly: Assembly, steps: tuple[Step, ...]) -> tuple[float, int]:
     """Least clearance of steps as they are, and the step where it is; 0 where one of them is not free."""
-    ground, found = survey(assembly), []
+    surveyed, found = survey(assembly), []
     for k, step in enumerate(steps):
         there = np.flatnonzero(step.there)
         if not audit_path(only(assembly, there), step.path[:, there]).free:
             return 0.0, k
-        found.append(measured(assembly, ground, step).clearance)
+        found.append(measured(assembly, surveyed, step).clearance)
     return min(found), int(np.argmin(found))
 
 

@@ -48,7 +48,7 @@ class Step(Displayable):
     clearance : float [mm]
         Least distance along the path between what moves and all else, and between parts that move differently.
     room : float [mm]
-        The largest ball of errors of position: shifted by up to so much, what moves still passes.
+        The largest error of position: shifted by up to this in any direction, what moves still passes.
     turn_room : float [rad]
         An error of angle, either way, about the middle of what moves, under which it certainly still passes: no corner is carried further
         than the clearance.
@@ -87,7 +87,7 @@ class Step(Displayable):
 
 
 def steps_of(assembly: Assembly, departures: Sequence[Departure]) -> tuple[Step, ...]:
-    """The steps of some departures; of what is to be known of each nothing is worked out yet."""
+    """The steps of some departures; their clearances, axes and held parts are not worked out yet."""
     return tuple(step for departure in departures for step in _split(assembly, departure))
 
 
@@ -107,14 +107,14 @@ def _split(assembly: Assembly, departure: Departure) -> list[Step]:
     return found
 
 
-def measured(assembly: Assembly, ground: Survey, step: Step) -> Step:
+def measured(assembly: Assembly, surveyed: Survey, step: Step) -> Step:
     """The step with its clearance, room for errors, axis and held parts."""
-    bodies, names = ground.bodies, np.array(assembly.names, dtype=object)
-    fine, stray = _finely(assembly, ground, step.path)
+    bodies, names = surveyed.bodies, np.array(assembly.names, dtype=object)
+    fine, stray = _finely(assembly, surveyed, step.path)
     path = of_bodies(assembly, bodies, fine)
     there = np.array([step.there[list(m)].all() for m in bodies.members])
-    most = MOST_CLEARANCE * ground.size
-    apart = distances(bodies, path, there, ground.ignored, most)
+    most = MOST_CLEARANCE * surveyed.size
+    apart = distances(bodies, path, there, surveyed.ignored, most)
     moving = np.unique(bodies.body_of[np.isin(names, step.parts)])
     clearance = max(float(apart[moving].min(initial=most)) - stray, 0.0)
     resting = np.setdiff1d(np.flatnonzero(~bodies.fixed & there), moving)
@@ -140,14 +140,14 @@ def finer(path: Floats, turn: float, length: float = np.inf) -> Floats:
     return np.concatenate(out)
 
 
-def _finely(assembly: Assembly, ground: Survey, path: Floats) -> tuple[Floats, float]:
+def _finely(assembly: Assembly, surveyed: Survey, path: Floats) -> tuple[Floats, float]:
     """The path with many points where it turns, and how far bodies may be from straight between them [mm].
 
     Reference points of parts go straight, so the middles of their bodies do not quite.
     """
     fine = finer(path, TURN_PER_PIECE)
     turn = float(np.abs(np.diff(fine[..., 2], axis=0)).max())
-    arm = assembly.rest[:, :2] - ground.bodies.rest[ground.bodies.body_of, :2]
+    arm = assembly.rest[:, :2] - surveyed.bodies.rest[surveyed.bodies.body_of, :2]
     return fine, 2 * float(np.hypot(*arm.T).max()) * turn**2 / 8
 
 

@@ -24,7 +24,7 @@ Ints = NDArray[np.int64]
 T = TypeVar("T")
 
 MIN_PARALLEL_ROWS = 20_000
-"""From so many rows on two threads are quicker than one."""
+"""From this many rows on two threads are quicker than one."""
 
 
 def row_of(row: Ints, some: slice) -> Ints:
@@ -40,7 +40,7 @@ class Program:
     ----------
     bodies : Bodies
     objective : Objective
-    cells : Cells or Faces
+    cells : Cells or Halfspaces
         One region per pair; `cells.row` holds the first row of each pair.
     kind, normal, per_turn, off, corner : (R,), (R, 2), (R,), (R,), (R, 2)
         Geometry of the rows, see `wiggleroom.program.contact_functions`.
@@ -79,7 +79,7 @@ class Program:
 
     @property
     def batches(self) -> int:
-        """In so many batches its pairs are looked at."""
+        """Number of batches in which its pairs are worked on."""
         return THREADS if self.rows > MIN_PARALLEL_ROWS else 1
 
     def motion(self, u: Floats) -> Floats:
@@ -282,7 +282,7 @@ def build(
     Parameters
     ----------
     bodies : Bodies
-    cells : Cells or Faces
+    cells : Cells or Halfspaces
         One region per pair that can meet.
     objective : Objective
     length : float [mm]

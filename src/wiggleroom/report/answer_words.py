@@ -24,7 +24,7 @@ MAX_GOALS = 4
 
 
 def number(value: float, digits: int = 4) -> str:
-    """`value` to so many significant digits, without an exponent wherever that stays readable.
+    """`value` to `digits` significant digits, without an exponent wherever that stays readable.
 
     >>> number(1.37234), number(0.00012345), number(-0.0), number(25000.0)
     ('1.372', '0.0001234', '0', '25000')

@@ -59,7 +59,7 @@ def film(
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
     least_seconds : float
-        The path takes at least so long.
+        Least time of the path.
     progress : callable, optional
         Told after every frame how many of how many are drawn.
 

@@ -60,12 +60,12 @@ def shade(share: float) -> str:
     >>> shade(0.0), shade(1.0)
     ('#f3f1ec', '#b0508c')
     """
-    place = min(max(share, 0.0), 1.0) * (len(palette.BLAME) - 1)
-    low = min(int(place), len(palette.BLAME) - 2)
+    place = min(max(share, 0.0), 1.0) * (len(palette.IMPORTANCE_COLOURS) - 1)
+    low = min(int(place), len(palette.IMPORTANCE_COLOURS) - 2)
     mixed = (
         round(int(a, 16) + (place - low) * (int(b, 16) - int(a, 16)))
         for a, b in (
-            (palette.BLAME[low][k : k + 2], palette.BLAME[low + 1][k : k + 2])
+            (palette.IMPORTANCE_COLOURS[low][k : k + 2], palette.IMPORTANCE_COLOURS[low + 1][k : k + 2])
             for k in (1, 3, 5)
         )
     )  # fmt: skip

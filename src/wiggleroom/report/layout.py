@@ -61,7 +61,7 @@ def boxes(assembly: Assembly, poses: Floats) -> Floats:
     return found
 
 
-def extent(found: Floats) -> Floats:
+def bounding_box(found: Floats) -> Floats:
     """One box round all boxes (n, 4) -> (4,)."""
     return np.concatenate([found[:, :2].min(axis=0), found[:, 2:].max(axis=0)])
 

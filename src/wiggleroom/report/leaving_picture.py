@@ -59,7 +59,7 @@ def leaving_picture(
     """
     rest = assembly.rest
     boxes = layout.boxes(assembly, rest)
-    box = layout.extent(boxes)
+    box = layout.bounding_box(boxes)
     canvas = layout.view(box, 0.0).canvas
     head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
@@ -108,10 +108,11 @@ def _simplified(track: Floats, tolerance: float) -> Floats:
 
 
 _LEGS, _HEAD = 3, 11.0
+"""Straight pieces of an arrow at most, and length of its head [px]."""
 _SLIGHT = 0.15
-"""Turns that lead a part aside by less than this share of its size are not drawn."""
+"""Bends that lead a part aside by less than this share of its size are not drawn."""
 _LONGER = 0.6
-"""With every leg more an arrow is longer by this share."""
+"""Every further leg makes an arrow longer by this share."""
 _FILLS = {
     "fixed": palette.FIXED[0], "leaves": palette.PULLED[0], "aside": palette.ASIDE, "stays": palette.NEUTRAL[0],
 }  # fmt: skip

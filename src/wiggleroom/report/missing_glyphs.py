@@ -11,7 +11,7 @@ from wiggleroom.report.text import escape
 UNASSIGNED = "\u0378"
 """No font has this one: what stands for it stands for every letter that is missing."""
 MAX_LETTERS = 200
-"""So many different letters are looked for."""
+"""At most this many different letters are looked for."""
 
 
 def missing_glyphs(texts: Iterable[str], *, own_font_only: bool = False) -> str:
@@ -37,7 +37,7 @@ def missing_glyphs(texts: Iterable[str], *, own_font_only: bool = False) -> str:
 
 
 def _is_seen(letter: str) -> bool:
-    """True for what leaves ink of its own: no spaces, marks or signs of format."""
+    """True for letters that leave ink: no spaces, combining marks or format characters."""
     return unicodedata.category(letter)[0] in "LNPS"
 
 

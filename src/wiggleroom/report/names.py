@@ -16,6 +16,7 @@ from wiggleroom.report.part_paths import PartPath
 from wiggleroom.report.text import escape, width
 
 _SMALLEST, _LARGEST = 7.0, 15.0
+"""Least and largest size of the text [px]."""
 MAX_MEASURED = 400
 """Names that are measured to find the size of the text."""
 MIN_NAME_SIZE = 10.0

@@ -54,7 +54,7 @@ from wiggleroom.spatial.spatial_model import SpatialAssembly
 HEIGHT = 560
 """Height of the frame [px]."""
 MAX_MOVES = 5
-"""Sets of parts that can begin to slide are listed up to so many."""
+"""At most this many sets of parts that can begin to slide are listed."""
 
 
 def mime_bundle(found: Displayable) -> dict[str, str]:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 OUTLINE_DIGITS = 7
-"""Outlines are told to so many digits of the drawing's size: no finer than eyes and screens."""
+"""Significant digits of outlines, relative to the drawing's size: no more than eyes and screens can tell apart."""
 
 
 def drawing_message(drawing: Drawing, parts: Sequence[Part], name: str) -> Opened:

@@ -14,8 +14,8 @@ FIXED = ("#e58a80", "#a02c22")
 ROLE_COLOURS = {"neutral": NEUTRAL, "pulled": PULLED, "fixed": FIXED}
 """Fill and outline of the parts, in the order they are drawn."""
 
-BLAME = ("#f3f1ec", "#fbe3b8", "#f8bd76", "#ee8a5b", "#d9606a", "#b0508c")
-"""From no importance to the largest."""
+IMPORTANCE_COLOURS = ("#f3f1ec", "#fbe3b8", "#f8bd76", "#ee8a5b", "#d9606a", "#b0508c")
+"""Fill of a part, from no importance of its gap to the largest."""
 CHOSEN = "#b9a0da"
 ASIDE = "#cfe3f4"
 """Parts that move aside and do not leave."""
@@ -27,11 +27,13 @@ FONT = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
 TITLE_SIZE = 24.0
 TEXT_SIZE = 14.0
 SMALL_SIZE = 11.0
+"""Sizes of the text [px]."""
 
 MARGIN = 40.0
+"""Round everything [px]."""
 HEAD_SPACING = 30.0
 """Between the text and the drawing [px]."""
-WIDEST = 1120.0
-TALLEST = 1000.0
+WIDEST, TALLEST = 1120.0, 1000.0
+"""A drawing is scaled to fit into this [px]."""
 NARROWEST = 720.0
-"""Sizes in pixels: a drawing is scaled to fit WIDEST x TALLEST, and the text never has less than NARROWEST."""
+"""Least width of the text [px]."""

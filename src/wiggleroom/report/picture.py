@@ -78,7 +78,7 @@ def picture(
     assembly, rest = answer.assembly, answer.assembly.rest
     shown = rest + factor * answer.motion
     both = np.vstack([layout.boxes(assembly, rest), layout.boxes(assembly, shown)])
-    box = layout.extent(both)
+    box = layout.bounding_box(both)
     canvas = layout.view(box, 0.0).canvas
     title = title or headline(answer)
     head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)

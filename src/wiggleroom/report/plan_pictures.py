@@ -33,7 +33,7 @@ from wiggleroom.search.answer import witnessed
 from wiggleroom.verdict import Verdict
 
 SECONDS_PER_STEP, MAX_SECONDS = 0.8, 20.0
-"""Films of plans take so long for each step, and at most so long."""
+"""Time of each step in the film of a plan, and of the whole film at most [s]."""
 STEP_WORDS = LegendWords("moves", "goes this way", "before the step")
 """Legend of the picture of a step."""
 

@@ -14,7 +14,8 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
-from wiggleroom.report.search_extent import extent, search_entry
+from wiggleroom.report.search_extent import extent_text, search_entry
+from wiggleroom.report.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.plan_schema import (
     PlanAssemblyEntry,
@@ -31,14 +32,14 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_STEPS = 40
 """Steps that the page for the terminal lists."""
 MOST_PIECES = 3
-"""Paths of more straight pieces are not said in words."""
+"""Paths of more straight pieces than this are not described piece by piece."""
 SLIGHT_TURN = 0.05
-"""Turns up to this are not either [deg]."""
+"""Turns up to this are not described [deg]."""
 PLAN_QUANTILES = (0.01, 0.05, 0.5)
+"""Quantiles of the least clearance that are told when gaps vary."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +159,7 @@ def plan_table(found: Plan, told: PlanTolerances | None = None) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    lines = [Text.assemble((plan_title(found), f"bold {_COLOURS[found.verdict]}"))]
+    lines = [Text.assemble((plan_title(found), f"bold {SEPARABILITY_COLOURS[found.verdict]}"))]
     lines += [Text(f"{k + 1:3}. {step_sentence(step)}") for k, step in enumerate(found.steps[:_MOST_STEPS])]
     if len(found.steps) > _MOST_STEPS:
         lines.append(Text(f"     ... and {len(found.steps) - _MOST_STEPS} more steps; --json has all"))
@@ -232,7 +233,7 @@ def _how(step: Step) -> str:
 
 def searched_sentence(found: Plan) -> str:
     """How far the search went."""
-    said = extent(found)
+    said = extent_text(found)
     if found.verdict is not Separability.COMES_APART and found.certainty is not Certainty.PROVEN and not found.whole:
         said += ", cut short"
     return said

@@ -18,6 +18,9 @@ Mark = tuple[float, str]
 """A value on the x axis and what is written beside its line."""
 
 _BAR, _BETWEEN = 20.0, 8.0
+"""Height of a bar, and space between two [px]."""
+MAX_BARS = 25
+"""Bars that are drawn."""
 NAME_WIDTH = 220.0
 """Room for the names of bars [px]."""
 
@@ -158,10 +161,9 @@ def bars(
     label: str,
     title: str,
     facts: Sequence[str] = (),
-    most: int = 25,
     command: str = "",
 ) -> str:
-    """Bars with names, the longest first, such as a ranking.
+    """Bars with names, the longest first, such as a ranking; a line says how many are left out.
 
     Parameters
     ----------
@@ -170,14 +172,12 @@ def bars(
         Of either sign.
     label : str
         What the values are, with their unit.
-    most : int
-        Bars that are drawn; a line says how many are left out.
     """
     values = np.asarray(values, dtype=float)
     if values.shape != (len(names),) or not np.isfinite(values).all():
         finding = f"bars: {len(names)} names need as many finite values, not {values.shape}"
         raise InputError(finding)
-    order = np.argsort(-np.abs(values), kind="stable")[:most]
+    order = np.argsort(-np.abs(values), kind="stable")[:MAX_BARS]
     body, y = frame.header(title, facts, WIDTH + 40)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
     scale = (WIDTH - NAME_WIDTH - 90) / ((high - low) or 1.0)

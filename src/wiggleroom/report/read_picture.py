@@ -68,7 +68,7 @@ def picture_of_reading(
     points = [line for mark in marks for line in mark.lines]
     boxes = [layout.boxes(assembly, rest)] if assembly.parts else []
     boxes += [np.concatenate([line.min(axis=0), line.max(axis=0)])[None] for line in points if len(line)]
-    box = layout.extent(np.vstack(boxes)) if boxes else np.array([0.0, 0.0, 1.0, 1.0])
+    box = layout.bounding_box(np.vstack(boxes)) if boxes else np.array([0.0, 0.0, 1.0, 1.0])
     title = f"{len(rows)} parts" if len(rows) != 1 else "1 part"
     said = [f"gap {number(assembly.gap)} mm"]
     said += [f"{len(findings)} faults" if len(findings) != 1 else "1 fault"] if findings else []

@@ -1,4 +1,4 @@
-"""What a film shows: a still ground, and tracks that move over it; the look is that of the pictures."""
+"""What a film shows: a still background, and tracks that move over it; the look is that of the pictures."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Floats = NDArray[np.float64]
 MAX_WHOLE_SHARE = 1.0
 """A motion no further than this, as a share of the drawing's size, is shown as a whole."""
 FRAME_SHARE = 0.55
-"""Of one that goes further the frame shows so much on each side of the parts at rest; the rest fades."""
+"""Of one that goes further the frame shows this share on each side of the parts at rest; the rest fades."""
 DURATION = (2.0, 4.5)
 """Shortest and longest film [s]."""
 MAX_PLACES = 150_000
@@ -81,7 +81,7 @@ class Scene:
     Parameters
     ----------
     width, height : float [px]
-    ground, defs : str
+    background, defs : str
         SVG that stays.
     stage : (x, y, width, height) [px]
         Where things move; nothing is drawn outside it.
@@ -94,7 +94,7 @@ class Scene:
 
     width: float
     height: float
-    ground: str
+    background: str
     defs: str
     stage: tuple[float, float, float, float]
     tracks: tuple[Track, ...]
@@ -110,7 +110,7 @@ class Scene:
 
     @property
     def head(self) -> str:
-        """Opening tag of an SVG document with its metadata, paper and ground."""
+        """Opening tag of an SVG document with its metadata, paper and background."""
         size = f'width="{self.width:.0f}" height="{self.height:.0f}" viewBox="0 0 {self.width:.0f} {self.height:.0f}"'
         made = f"<metadata>{escape(self.command)}</metadata>" if self.command else ""
         x, y, wide, high = self.stage
@@ -119,7 +119,7 @@ class Scene:
             '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
             f'{size} font-family="{palette.FONT}" role="img"><title>{escape(self.title)}</title>'
             f"<desc>{escape(self.words)}</desc>{made}<defs>{clip}{self.defs}</defs>"
-            f'<rect width="{self.width:.0f}" height="{self.height:.0f}" fill="{palette.PAPER}"/>{self.ground}'
+            f'<rect width="{self.width:.0f}" height="{self.height:.0f}" fill="{palette.PAPER}"/>{self.background}'
         )
 
     def drawn(self, k: int) -> str:
@@ -153,7 +153,7 @@ def scene(
         Factor by which the motion is enlarged; by default as in pictures, but a motion that is large is not made small:
         what leaves the frame fades.
     least_seconds : float
-        It lasts at least so long.
+        Least time that it lasts.
     """
     points = checked_waypoints(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
@@ -189,7 +189,7 @@ def scene(
 
 def _home(assembly: Assembly) -> Floats:
     """Box (4,) round the parts at rest [mm]."""
-    return layout.extent(layout.boxes(assembly, assembly.rest))
+    return layout.bounding_box(layout.boxes(assembly, assembly.rest))
 
 
 def _opacity(assembly: Assembly, poses: Floats, pan: float) -> Floats:
@@ -223,7 +223,7 @@ def _box(assembly: Assembly, poses: Floats, pan: float) -> Floats:
     """Box (4,) [mm] of all that is seen, not too far from where the parts lay."""
     home = _home(assembly)
     looks = poses[np.linspace(0, len(poses) - 1, min(len(poses), max(3, 4000 // len(assembly.parts)))).astype(int)]
-    whole = layout.extent(np.vstack([home[None], *[layout.boxes(assembly, p) for p in looks]]))
+    whole = layout.bounding_box(np.vstack([home[None], *[layout.boxes(assembly, p) for p in looks]]))
     return np.concatenate([np.maximum(whole[:2], home[:2] - pan), np.minimum(whole[2:], home[2:] + pan)])
 
 

@@ -7,8 +7,8 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.schema.disassembly_schema import StateSearchEntry
 
 
-def extent(found: Interlock | Plan) -> str:
-    """States that were visited, those in which parts were turned, and largest motions that were searched."""
+def extent_text(found: Interlock | Plan) -> str:
+    """Words for the states that were visited, those in which parts were turned, and the largest motions that were searched."""
     said = []
     if found.states > 1:
         said.append(f"{found.states:,} states visited")

@@ -14,7 +14,8 @@ from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.report.leaving_picture import inside
-from wiggleroom.report.search_extent import extent, search_entry
+from wiggleroom.report.search_extent import extent_text, search_entry
+from wiggleroom.report.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.search.answer import Answer, witnessed
@@ -23,7 +24,6 @@ from wiggleroom.verdict import Certainty, Separability, Verdict
 if TYPE_CHECKING:
     from rich.console import Group
 
-_COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 MAX_ESCAPES = 12
 """Escapes that the table lists."""
 MIN_MOTION = 1e-12
@@ -80,7 +80,7 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    verdict = (found.verdict, f"bold {_COLOURS[found.verdict]}")
+    verdict = (found.verdict, f"bold {SEPARABILITY_COLOURS[found.verdict]}")
     lines = [Text.assemble(verdict, f" at gap {number(found.assembly.gap)} mm: {why(found)}")]
     for k, escape in enumerate(found.escapes[:MAX_ESCAPES]):
         lines.append(Text(f"{k + 1:3}. {leaves(found, escape)}"))
@@ -93,7 +93,7 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     if border is not None:
         lines.append(Text(border_sentence(border), style="bold"))
     spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
-    searched = f", {extent(found)}" if found.questions or found.states > 1 else ""
+    searched = f", {extent_text(found)}" if found.questions or found.states > 1 else ""
     lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
     return Group(*lines)
 
@@ -118,7 +118,7 @@ def why(found: Interlock) -> str:
             ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
         )
     if found.verdict is Separability.UNKNOWN:
-        return f"the search was cut short, or found no end that is certain: {extent(found)}"
+        return f"the search was cut short, or found no end that is certain: {extent_text(found)}"
     if found.at_most is not None:
         return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
     if found.certainty is Certainty.PROVEN:
@@ -165,7 +165,7 @@ def check_sure(found: Interlock) -> list[tuple[str, str]]:
     return [
         ("verdict", f"{found.verdict}: {why(found)}"),
         ("certainty", found.certainty),
-        ("took", f"{found.seconds:.2f} seconds, {extent(found)}"),
+        ("took", f"{found.seconds:.2f} seconds, {extent_text(found)}"),
     ]
 
 
@@ -198,7 +198,7 @@ def border_sentence(border: LargestGap) -> str:
     return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm{between}"
 
 
-def as_answer(found: Interlock, command: str = "") -> Answer:
+def as_answer(found: Interlock) -> Answer:
     """The paths of all that leave, one after the other, as an answer that can be drawn and filmed."""
     n = len(found.assembly.names)
     waypoints = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
@@ -207,6 +207,4 @@ def as_answer(found: Interlock, command: str = "") -> Answer:
         Pull(e.parts[0], last_directions(found, e)[0], inside(found.assembly, e.parts[0])) for e in found.escapes
     )
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
-    return witnessed(
-        found.assembly, goals, verdict, objective, waypoints, "checked", leaves=gone, turns=found.spins, command=command
-    )
+    return witnessed(found.assembly, goals, verdict, objective, waypoints, "checked", leaves=gone, turns=found.spins)

@@ -13,7 +13,9 @@ Floats = NDArray[np.float64]
 Colour = tuple[int, int, int]
 """Red, green and blue, 0 to 255."""
 FIXED = (201, 196, 188)
+"""Of parts that stand."""
 COLOURS = ((79, 129, 189), (192, 124, 62), (110, 160, 90), (150, 110, 170), (200, 160, 60), (80, 160, 165))
+"""Of loose bodies, one after the other."""
 
 
 def part_colours(assembly: SpatialAssembly) -> list[Colour]:

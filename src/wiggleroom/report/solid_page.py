@@ -31,6 +31,7 @@ from wiggleroom.spatial.spatial_model import SpatialAssembly
 Floats = NDArray[np.float64]
 
 MAX_ROWS = 200
+"""Rows of a table."""
 STYLE = """
 :root { color-scheme: light dark; --ink: #1f2933; --quiet: #5b6774; --paper: #fbfaf7; --line: #d9d5cc; --accent: #a85800; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e8edf2; --quiet: #a3aeba; --paper: #161b21; --line: #39424d; --accent: #ffb04d; } }

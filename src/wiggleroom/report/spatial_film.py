@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 SECONDS = 2.4
-"""A path takes so long [s]."""
+"""Time of a path [s]."""
 RATES = {".gif": 12.5, ".mp4": 20.0, FILM_SVG: 10.0}
 """Frames a second by the ending of the name."""
 IN_SIGHT = 0.8

@@ -18,10 +18,11 @@ from wiggleroom.spatial.spatial_model import SpatialAssembly
 Floats = NDArray[np.float64]
 
 METRES = 1e-3
+"""Metres in a millimetre: glTF counts metres."""
 UPRIGHT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """In glTF y is up."""
 SECONDS, FRAMES = 4.0, 65
-"""The path is played in so many seconds, and told at so many moments."""
+"""Length of the animated path [s], and number of frames in it."""
 FLOAT, JSON_CHUNK, BINARY_CHUNK = 5126, 0x4E4F534A, 0x004E4942
 """Numbers of the format."""
 

@@ -27,9 +27,9 @@ WIDTH, HEIGHT, MARGIN = 800.0, 600.0, 40.0
 LOOK = np.array([-0.6, 0.65, -0.47])
 """Direction in which the picture looks."""
 LIGHT = np.array([0.35, -0.55, 0.76])
+"""Direction from which the light comes."""
 CREASE = 1e-3
 """Edges between faces that turn by more are drawn [rad]."""
-MIN_AREA = 1e-12
 EXPLODED = 0.7
 """Parts that left are shown no further away than this share of the size."""
 

@@ -28,7 +28,7 @@ SHADED, LIT = "#1d4f80", "#b4d6f2"
 SIMPLIFY_TOLERANCE = 0.3
 """Corners that change an outline by less than this [px] are not drawn."""
 INK_INTERVAL = 8
-"""Every so many slices one outline is inked."""
+"""One in this many slices has its outline inked."""
 
 
 def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]:

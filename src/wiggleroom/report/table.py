@@ -19,7 +19,7 @@ from wiggleroom.report.answer_words import (
     short,
     verdict_sentence,
 )
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import Separability, Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -31,6 +31,12 @@ MAX_PARTS = 12
 """Rows of the table of parts, those that move furthest."""
 MAX_CONTACT_ROWS = 8
 """Rows of the table of contacts."""
+SEPARABILITY_COLOURS = {
+    Separability.INTERLOCKED: "green",
+    Separability.COMES_APART: "magenta",
+    Separability.UNKNOWN: "yellow",
+}
+"""Colours of verdicts on the terminal."""
 _COLOURS = {
     Verdict.PROVEN: "green",
     Verdict.OPTIMAL: "green",

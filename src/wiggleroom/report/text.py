@@ -41,7 +41,7 @@ def elide(text: str, size: float, room: float) -> str:
 
 
 def wrap(pieces: Sequence[str], between: str, size: float, room: float, lines: int) -> list[str]:
-    """`pieces` joined by `between` in at most so many lines no wider than `room`; what is too long is shortened.
+    """`pieces` joined by `between` in at most `lines` lines no wider than `room`; what is too long is shortened.
 
     >>> wrap(["one", "two", "three"], " ", 10, 45, 3)
     ['one two', 'three']

@@ -116,7 +116,7 @@ class Answer(Drawable):
     bound : Bound or None
         How that was proven, or why not; None where none was worked out.
     search : SearchEffort or None
-        What the search beyond the nearest hill came to; None where there was none.
+        What the global search came to; None where there was none.
     warm_start : Incumbent or None
         How it was found, from which another question about the same prepared assembly can start.
     """

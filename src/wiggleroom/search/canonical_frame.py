@@ -1,4 +1,4 @@
-"""The same assembly in a frame of its own: what is found does not depend on how it was told.
+"""A canonical frame: the same assembly given in another place, order or unit has the same answer.
 
 Order, place, direction, handedness and unit are chosen from the outlines and from what is asked. A search takes many decisions, between
 equals too, so its answer would else depend on which part is named first. Coordinates are rounded far below any tolerance: what was turned
@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 GRID = 2.0**-36
 """Coordinates are multiples of this share of the size."""
 ORDER_DIGITS = 7
-"""Digits by which parts and regions are told apart."""
+"""Digits to which parts and regions are compared."""
 DISTINCT = 1e-4
 """A vector shorter than this share of what it is made of has no direction."""
 ALIGNED = 1e-3

@@ -1,4 +1,4 @@
-"""How the answer of another frame was found, told in the frame of the question: later questions start from it."""
+"""The incumbent of a search in the canonical frame, carried to the frame of the question: later questions start from it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from wiggleroom.solve.solution import Solution
 Floats = NDArray[np.float64]
 
 ONE_ROUND = replace(WITHOUT_BRANCHES, moves=())
-"""The same end once more, in new cells."""
+"""The same end, solved again in new cells."""
 
 
 def carried_incumbent(
@@ -35,7 +35,7 @@ def carried_incumbent(
     frame: CanonicalFrame,
     waypoints: Floats,
 ) -> Incumbent | None:
-    """Solve the last program of a search in another frame once more in this one; None where its cells do not grow here.
+    """Solve the last program of a search again in this frame; None where its cells do not grow here.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
     it may come to where a climb of all goes further.
 
     First it is asked whether anything is better at all. If so, a value between the best and the bound is asked about, again and again:
-    either one is found and climbed from, or the bound falls. So the many low hills of a motion that ripples are not climbed one by one.
+    either one is found and climbed from, or the bound falls. So the many local optima of a motion that ripples are not climbed one by one.
 
     Parameters
     ----------

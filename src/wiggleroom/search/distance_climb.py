@@ -37,13 +37,13 @@ MIN_BODIES = 100
 CLIMB_TOLERANCE = 1e-3
 """Of the climb: rounds among cells go on from there."""
 REACH, BESIDE = 5.0, 1.0
-"""Of pairs with edges that face each other: corners up to so many clearances in front of an edge, and beside its ends, are listed."""
+"""Of pairs with edges that face each other: corners up to this far in front of an edge, and beside its ends, are listed [clearances]."""
 CORNER_REACH = 12.0
 """The same, both ways, of pairs that are near at a corner only: they pass far by."""
 BEHIND = 2.5
-"""Corners up to so many clearances behind the line of an edge are listed too: they may come round its end."""
+"""Corners up to this far behind the line of an edge are listed too: they may come round its end [clearances]."""
 FURTHER_CLIMBS = 8
-"""In assemblies that are not large so many more climbs begin at points beside rest: they end on several hills."""
+"""Further climbs from points beside rest, in assemblies that are not large: they end at several local optima."""
 SCATTER = 0.3
 """Standard deviation of where these begin, in units of the clearance; less where that is not inside all rows."""
 KEPT_ROOM = 0.05

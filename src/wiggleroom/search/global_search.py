@@ -1,4 +1,4 @@
-"""The search beyond the nearest hill: climbs with other objectives first, from states visited before, then with the true one."""
+"""Global search: climbs with other objectives first, from states visited before, then with the true one."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ MAX_BODIES = 50
 WORK_BUDGET = 4000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 FEW_BODIES, WORK_BUDGET_OF_FEW = 12, 10_000.0
-"""Up to so many free bodies the climbs meet a fair share of all hills, and more of them pay."""
+"""Most free bodies for the larger budget of work: with so few, the climbs meet a fair share of all local optima."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
 MAX_KNOWN_PAIRS = 200
-"""Up to so many pairs that are apart at rest are known from the start."""
+"""At most this many pairs that are apart at rest are in the program from the start."""
 MIN_IMPROVEMENT = 1e-4
 """An end better by this share is followed to its own end."""
 SINGLE_BODY_SHARE = 0.5
 """Share of the random objectives that are about one body."""
 HILLS_LEFT = 0.2
-"""The search ends where fewer hills than this, by an estimate, were not met yet."""
+"""The search ends where fewer local optima than this, by an estimate, were not met yet."""
 VALUE_TOLERANCE = 1e-3
 """Ends that differ by less than this share count as equal."""
 
 
 @dataclass(frozen=True)
 class SearchEffort:
-    """What the search beyond the nearest hill came to.
+    """What the global search came to.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def search_on(
     Parameters
     ----------
     first : LocalSearch
-        Ended on the hill that rest leads to.
+        Ended at the local optimum that rest leads to.
     starts : int, optional
         Further climbs; by default as many as a fixed amount of work allows, none in large assemblies.
     ends : sequence of float, optional
@@ -130,7 +130,7 @@ class _GlobalSearch:
 
     @property
     def _saturated(self) -> bool:
-        """True where the number of hills, as estimated from how often each was met, is that of those that were met.
+        """True where the number of local optima, as estimated from how often each was met, is that of those that were met.
 
         Source: Boender and Rinnooy Kan, "Bayesian stopping rules for multistart global optimization methods" (1987).
         """
@@ -204,7 +204,7 @@ class _GlobalSearch:
 
 
 def _work(rounds: int, iterations: int, rows: int) -> float:
-    """Work of some rounds and iterations with so many rows, in iterations of a small program."""
+    """Work of some rounds and iterations with `rows` rows, in iterations of a small program."""
     return rounds * (ROUND_WORK + GROWTH_WORK * rows) + iterations * (1 + ROW_WORK * rows)
 
 

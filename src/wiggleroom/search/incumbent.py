@@ -73,7 +73,7 @@ class Incumbent:
         Of the bodies.
     value : float
         Objective there.
-    program, solution, touch
+    program, solution, active
         The round that gave it, and its active rows.
     segments : tuple of PathSegment
         The path from rest to where the round began.

@@ -33,7 +33,7 @@ ROUGH_TOLERANCE, FINE_TOLERANCE = 1e-2, 1e-6
 MAX_ROUNDS = 200
 """Rounds of one climb at most."""
 TOLERANCE_PER_BODY, MAX_TOLERANCE = 1e-8, 5e-5
-"""Share of the objective that each body may leave on the table, where that is more than the tolerance, and all together at most."""
+"""Share of the objective that may be lost for each body, where that is more than the tolerance, and for all together at most."""
 MIN_GAIN = 2e-7
 """A gain below this share of the objective for each body is none."""
 ESCAPE_DISTANCE = 4.0
@@ -47,7 +47,7 @@ LARGE_ASSEMBLY = 1000
 CARRYING_ASSEMBLY = 100
 """In larger assemblies rounds begin with multipliers."""
 AUDIT_SECONDS, AUDIT_SECONDS_PER_BODY = 8.0, 1e-3
-"""Between two audits of a path that is still growing lie at least so many seconds of processor time, and so many for each body: each
+"""Between two audits of a path that is still growing lies at least this processor time [s], and this much more for each body: each
 costs about a fiftieth of that beyond the audit of its pieces, which is not repeated at the end."""
 FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
@@ -85,7 +85,7 @@ class Policy:
     stale : callable
         Pairs whose cells are grown anew, from a search and an incumbent.
     unchecked : callable, optional
-        Pairs that may meet on the path to an incumbent, as two arrays (k,); by default nobody looks.
+        Pairs that may meet on the path to an incumbent, as two arrays (k,); by default none are looked for.
     fine : callable
         Tolerance of the last rounds.
     rough : float

@@ -31,7 +31,7 @@ from wiggleroom.verdict import SolverStatus
 Ints = NDArray[np.int64]
 
 MAX_BRANCHES = 8, 100
-"""Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
+"""Corner contacts that are tried one by one, at most; and bodies of the largest assembly in which they are."""
 MAX_NEARER_SEEDS = 2
 """Most regrowths from a seed nearer the optimum."""
 
@@ -104,9 +104,9 @@ def congruent_swap(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterat
             yield replace(_swapped(search, incumbent, swap), tolerance=search.fine)
 
 
-def branch_left_open(incumbent: Incumbent) -> bool:
-    """True where a wall that nothing touches, or the other side of a corner contact, holds the motion."""
-    return bool(incumbent.active.virtual.any()) or not (_few(incumbent) or not len(_corner_contacts(incumbent)))
+def branches_left_open(incumbent: Incumbent) -> bool:
+    """True where the other sides of corner contacts were too many to be tried."""
+    return not (_few(incumbent) or not len(_corner_contacts(incumbent)))
 
 
 def regrown(
@@ -181,13 +181,13 @@ def _fine(search: LocalSearch) -> float:
 
 
 WITHOUT_BRANCHES = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_fine)
-"""The best motion in reach of the cells; other sides of corner contacts are not tried, and nobody looks at the path."""
+"""The best motion in reach of the cells; other sides of corner contacts are not tried, and the path is not audited."""
 THOROUGH = replace(
     WITHOUT_BRANCHES, moves=(*WITHOUT_BRANCHES.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked
 )
 """What an answer needs."""
 CLIMB = replace(WITHOUT_BRANCHES, moves=(regrow_stale, tighten), unchecked=_unchecked, fine=lambda _: 1e-4)
-"""A climb that only shows how high a hill is."""
+"""A climb that only shows how good a local optimum is."""
 RANDOM_CLIMB = replace(
     WITHOUT_BRANCHES, moves=(regrow_stale,), unchecked=_unchecked, fine=lambda _: ROUGH_TOLERANCE, most_rounds=8
 )

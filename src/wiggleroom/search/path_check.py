@@ -26,9 +26,9 @@ Ints = NDArray[np.int64]
 MAX_SPLITS = 12
 """A piece of the path is halved at most this often."""
 SPLIT_BATCH = 32
-"""So many pieces are halved before the audit looks again, the first ones first: where one of them fails, the rest is of no use."""
+"""Number of pieces that are halved before the next audit, first pieces first: where one of them fails, the rest is of no use."""
 LATE_PIECES, MIN_LATE_PIECES = 40_000, 4
-"""So many pieces, times bodies, are audited at once after a request to stop, but no fewer pieces: some tenths of a second."""
+"""Pieces, times bodies, that are audited at once after a request to stop, and the fewest pieces: it takes some tenths of a second."""
 MAX_UNKNOWN_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
 
@@ -44,7 +44,7 @@ class CheckedPath:
     waypoints : (k, parts, 3) float64 [mm, mm, rad]
         The same of their parts, about the reference points, which move straight in between.
     certain : int
-        Up to so many way-points certainly no two parts overlap anywhere.
+        Number of way-points up to which certainly no two parts overlap anywhere.
     kept : tuple of PathSegment
         The legs up to the last point of the search that is certain.
     missed : (p,) and (p,) int64

@@ -1,4 +1,4 @@
-"""Motions that repeat: a path to a state congruent to an earlier one, with the objective further on, can be gone again for ever.
+"""Periodic motions: a path to a state congruent to an earlier one, with a larger objective, can be repeated without end.
 
 Turn a body about its centroid by a symmetry of its outline, and the same material lies there. So let a path lead from a state to another
 one that differs from it by such turns alone. Turned in the same way, the path leads on from there: every body is where a body of the
@@ -35,13 +35,13 @@ SYMMETRY_TOLERANCE = 1e-10
 MAX_FREE_BODIES = 50
 """In larger assemblies no period is looked for."""
 MAX_TURNS = 4.2
-"""Where a first turn leads to no congruent state, so many are looked at."""
+"""The search goes on up to this many turns where the first one leads to no congruent state."""
 MAX_STATES = 6
-"""So many congruent states are steered to at most, the nearest to the path first."""
+"""At most this many congruent states are steered to, the nearest to the path first."""
 STEPS_BETWEEN = 8
 """Places between two points of the path at which congruent states are looked for."""
 FIRST_STATES = 6
-"""So many points of the path are tried as the beginning of a period, rest first."""
+"""At most this many points of the path are tried as the beginning of a period, rest first."""
 FURTHER = 3.0
 """The turns of a path that ends early are looked at up to this multiple of them."""
 MAX_STEERING = 25.0
@@ -56,7 +56,7 @@ PLACES_IN_A_TURN = 64
 
 @dataclass(frozen=True, eq=False)
 class PeriodicMotion:
-    """A path from rest whose last stretch can be repeated for ever.
+    """A path from rest whose last stretch can be repeated without end.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class PeriodicMotion:
 
 
 def periodic_motion(search: LocalSearch, asked: tuple[Goal, ...]) -> tuple[LocalSearch, PeriodicMotion | None]:
-    """A path that repeats and gains, near the one that was found; where a full turn brings none, some more turns are made.
+    """A path that repeats and gains, near the one that was found; where a full turn gives none, some more turns are tried.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def _cover_repeats(
 
 
 def _gone_on(search: LocalSearch) -> LocalSearch:
-    """The search gone on with for more turns; the same where that brings nothing."""
+    """The search continued for more turns; the search as it was where that gains nothing."""
     further = replace(search, turn_limit=MAX_TURNS * 2 * np.pi, best=None, last=None, coming=None, checked=None)
     found = None if search.best is None else further.improve(search.best.start())
     search.rounds, search.iterations = further.rounds, further.iterations
@@ -217,7 +217,7 @@ def _in_place(search: LocalSearch, path: CheckedPath, weights: Floats, step: Flo
 def _congruent_states(
     search: LocalSearch, path: CheckedPath, weights: Floats, step: Floats, first: int
 ) -> Iterator[_CongruentState]:
-    """States congruent to point `first` of the path that it comes near to later, with the objective further on.
+    """States congruent to point `first` of the path, with a larger objective, that the path comes near to later.
 
     Of those that are nearly as near as the nearest, the one of the shortest period comes first.
     """

@@ -26,7 +26,7 @@ Ints = NDArray[np.int64]
 CONTACT_TOLERANCE = 1e-6
 """A clearance below this share of the drawing's size counts as touching."""
 CLEARANCE_SAMPLES = 200
-"""So many bodies tell what the typical clearance is."""
+"""The typical clearance is taken from at most this many bodies."""
 NEIGHBOUR_REACH = 3.0
 """Pairs closer than this multiple of the typical clearance are in the program from the start."""
 

@@ -1,4 +1,4 @@
-"""Motions without end: bodies go straight, or turn as one, take along what is in their way, and nothing that stands is among it."""
+"""Directions of recession: bodies go straight, or turn as one, without end, push along what is in front, and no fixed body is among it."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ Floats = NDArray[np.float64]
 DIRECTIONS = 32
 """Directions evenly round that are tried, besides that of the motion and that of the objective."""
 FAR = 1e4
-"""So many drawing sizes along a direction stand for infinity."""
+"""This many drawing sizes along a direction stand for infinity."""
 NEAR = 1e-6
 """What comes nearer to a circle than this share of its radius is taken along by what turns in it."""
 MIN_SLOPE = 1e-3
-"""What grows over so many drawing sizes, and as much again over twice as many, grows without end."""
+"""An objective is unbounded where it grows by this share of its slope times the distance, and by nearly as much again over twice that."""
 
 
 def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -> Floats | None:
-    """A direction (2,) in which some bodies leave for ever from a motion (n, 3), so that the objective grows; None where none was found.
+    """A direction (2,) in which some bodies leave without end from a motion (n, 3), and the objective grows; None where none was found.
 
     Source: a direction of recession of the free motions (Rockafellar, "Convex Analysis", section 8), of bodies that only translate. What
     the convex hull of a body would run into is taken along.

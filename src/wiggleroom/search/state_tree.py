@@ -1,4 +1,4 @@
-"""The tree of visited states, on which searches that look beyond the nearest hill grow."""
+"""The tree of visited states, which global searches grow."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
 Floats = NDArray[np.float64]
 
 NOVELTY_DISTANCE = 0.5
-"""A state is new where a body lies otherwise than in every state before by more than this share of the clearance."""
+"""A state is new where, against every earlier state, some body is displaced by more than this share of the clearance."""
 
 Transition = TypeVar("Transition")
 

@@ -13,8 +13,10 @@ from wiggleroom.errors import InputError
 Floats = NDArray[np.float64]
 
 DISTRIBUTIONS = ("normal", "uniform", "truncated")
+CONFIDENCE = 0.95
+"""Share of the cases in which a confidence interval holds."""
 TRUNCATION = 2.0
-"""A truncated normal distribution ends at so many standard deviations of the one that is cut."""
+"""A truncated normal distribution ends at this many standard deviations of the one that is cut."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +90,8 @@ class Spread:
         return self.bias + self.width * z
 
 
-def wilson(good: int, count: int, sure: float = 0.95) -> tuple[float, float]:
-    """Confidence interval of a share, from `good` of `count` draws.
+def wilson(good: int, count: int) -> tuple[float, float]:
+    """95 % confidence interval of a share, from `good` of `count` draws.
 
     Source: Wilson 1927; unlike the usual one it holds near 0 and 1 too.
 
@@ -98,7 +100,7 @@ def wilson(good: int, count: int, sure: float = 0.95) -> tuple[float, float]:
     >>> [round(x, 4) for x in wilson(50, 50)]
     [0.9287, 1.0]
     """
-    z = float(ndtri(0.5 + sure / 2))
+    z = float(ndtri(0.5 + CONFIDENCE / 2))
     share = good / count
     middle = (share + z * z / (2 * count)) / (1 + z * z / count)
     half = z / (1 + z * z / count) * np.sqrt(share * (1 - share) / count + z * z / (4 * count**2))

@@ -25,7 +25,7 @@ Work = Callable[[Any, Any], Any]
 MIN_PARALLEL_SECONDS = 5.0
 """Processes are started where one would need longer than this [s]: they take a second to get going."""
 MAX_RETRIES = 3
-"""A task whose worker died so often is given up."""
+"""A task is given up after its worker died this many times."""
 
 
 @dataclass(frozen=True)

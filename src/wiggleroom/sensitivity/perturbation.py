@@ -35,7 +35,7 @@ from wiggleroom.verdict import SolverStatus, Verdict
 Floats = NDArray[np.float64]
 
 FINE_TOLERANCE = 1e-10
-"""Share of the objective that a program solved for a difference may leave on the table."""
+"""Relative tolerance of the objective of a program solved for a difference."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def ended(answer: Answer) -> Incumbent:
 
 
 def can_be_ranked(answer: Answer) -> bool:
-    """True where the motion ends, at multipliers that say what it is worth to give way."""
+    """True where the motion ends, with multipliers that say what each contact is worth."""
     found = answer.warm_start
     return found is not None and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
 

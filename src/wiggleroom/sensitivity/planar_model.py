@@ -70,7 +70,7 @@ class PlanarModel:
         return witness(self.ready if "ready" in vars(self) else self.question, self.goals, stop=stop)
 
     def can_be_ranked(self, answer: Answer) -> bool:
-        """True where the motion ends, at forces that say what it is worth to give way."""
+        """True where the motion ends, with forces that say what each contact is worth."""
         return can_be_ranked(answer)
 
     def derivatives(self, answer: Answer) -> GapDerivatives:

@@ -1,4 +1,4 @@
-"""Whose gap is to blame: what a little more gap round each part, or in each joint, adds to the motion."""
+"""Importance of gaps: what a little more gap round each part, or in each joint, adds to the motion."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_LP_ROWS = 3000
-"""With more rows that hold, ranges are what random directions show, not the ends found by linear programs."""
+"""With more active rows than this, ranges are estimated from random directions, not found by linear programs."""
 
 
 @dataclass(frozen=True, eq=False)

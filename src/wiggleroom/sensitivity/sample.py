@@ -23,7 +23,7 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 
 RESOLVED_DRAWS = 10
-"""So many draws are answered again with everything worked out anew: the largest, the smallest, and some between."""
+"""Number of draws that are solved again with nothing reused: the largest, the smallest, and some between."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,7 +75,7 @@ class StudyModel(Protocol):
         """Largest motion from rest, without a bound."""
 
     def can_be_ranked(self, answer: Any) -> bool:
-        """True where the motion ends, at forces that say what it is worth to give way."""
+        """True where the motion ends, with forces that say what each contact is worth."""
 
     def derivatives(self, answer: Any) -> GapDerivatives:
         """Derivatives by the gap of every part and joint."""

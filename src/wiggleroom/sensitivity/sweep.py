@@ -41,7 +41,7 @@ from wiggleroom.verdict import Verdict
 DEFAULT_GAPS = 9
 """Gaps of a sweep that names none: from a quarter of the assembly's gap to twice it."""
 BRACKET_TOLERANCE = 1e-3
-"""The gap at which the motion loses its end is found to this share."""
+"""Relative tolerance of the gap from which on nothing stops the motion."""
 BISECTION_SHARES = (0.5, 0.3, 0.7)
 """Where between two gaps the next one lies; the others where a search there was cut short."""
 OUTLINE_TOLERANCE = 1e-9

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
-"""Up to so many rows one column at a time is the quickest, and from so many on nested dissection and threads pay."""
+"""Up to this many rows one column at a time is the quickest; from this many on nested dissection and threads pay."""
 BODY_VARIABLES = 3
 """Of a body in the plane."""
 _PLANS: WeakKeyDictionary[Pattern, Any] = WeakKeyDictionary()

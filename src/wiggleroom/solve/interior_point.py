@@ -57,7 +57,7 @@ def solve(
     multipliers : (R,) float64, optional
         To begin with, scaled as those of a `Solution`; by default every row has the same complementarity.
     tolerance : float
-        Share of the objective that may be left on the table.
+        Relative tolerance of the objective.
     horizon : float [mm]
         A body that moves further than this is taken to escape.
     enough : float [mm]

@@ -45,7 +45,7 @@ class Settings:
     min_iterations, max_iterations, max_monotone_iterations : int
         Of the predictor-corrector method, and of the monotone barrier method that takes over where it fails.
     max_stalled_iterations : int
-        After so many iterations that do not reduce the error the predictor-corrector method has failed.
+        After this many iterations that do not reduce the error the predictor-corrector method has failed.
     max_saddle_escapes : int
         Most escapes from saddle points, where the first-order conditions hold but the objective curves upwards.
     max_free_shift : float > 0
@@ -102,7 +102,7 @@ VERY_LARGE_SETTINGS = replace(LARGE_SETTINGS, moving_centring=0.7)
 
 
 def settings_for(variables: int) -> Settings:
-    """Parameters for a program of so many variables."""
+    """Parameters for a program of `variables` variables."""
     if variables > VERY_LARGE_PROGRAM:
         return VERY_LARGE_SETTINGS
     return LARGE_SETTINGS if variables > LARGE_PROGRAM else SETTINGS

@@ -49,7 +49,7 @@ def solve(
     mu : float
         Complementarity to begin with, as a share of the objective's largest derivative.
     tolerance : float
-        Share of the objective that may be left on the table.
+        Relative tolerance of the objective.
     horizon : float [mm]
         A body that moves further than this is taken to escape.
     stop, progress : optional

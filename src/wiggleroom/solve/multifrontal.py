@@ -29,7 +29,7 @@ T = TypeVar("T")
 SUBTREE_DEPTH = 3
 """Nodes at this depth are the roots of independent subtrees."""
 MIN_THREADED_FRONT = 1500
-"""From so many rows in the largest front on, the linear-algebra library may use its own threads for the last fronts."""
+"""From this many rows in the largest front on, the linear-algebra library may use its own threads for the last fronts."""
 
 
 class FrontalPlan:

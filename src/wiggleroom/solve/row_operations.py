@@ -7,7 +7,7 @@ import numpy as np
 from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 
 MOST_CHANGE, REPETITIONS = 10.0, 3
-"""A multiplier that is fitted becomes at most this many times larger or smaller, in so many steps."""
+"""A multiplier that is fitted becomes at most this many times larger or smaller, in this many steps."""
 
 
 @njit(**NO_ALLOCATION)

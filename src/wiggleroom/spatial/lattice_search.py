@@ -25,9 +25,9 @@ Bools = NDArray[np.bool_]
 ROUNDING = 1e-6
 """Coordinates are whole multiples of this [mm]."""
 MOST_CELLS = 20_000_000
-"""So many entries all tables of blocked offsets may have together."""
+"""Most entries of all tables of blocked offsets together."""
 MOST_STATES = 100_000
-"""So many arrangements are looked at."""
+"""Most arrangements that are looked at."""
 MOST_BODIES = 60
 
 

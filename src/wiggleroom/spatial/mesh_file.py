@@ -26,7 +26,7 @@ MOST_FACES = 200_000
 MERGED = 1e-6
 """Corners nearer than this share of the size are one."""
 OPEN_SHARE = 0.02
-"""So many of the edges may lie at tiny holes that are closed."""
+"""Largest share of the edges that may lie at tiny holes that are closed."""
 
 
 def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[str]]:

@@ -30,7 +30,7 @@ OFF_PLANE = 1e-6
 MOST_PIECES = 2000
 """A mesh that needs more pieces is refused."""
 CANDIDATES = 10
-"""So many cuts are compared each time."""
+"""Number of cuts that are compared each time."""
 
 
 def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:

@@ -39,7 +39,7 @@ Ints = NDArray[np.int64]
 MOST_TWIST = 0.9 * 2 * np.pi
 """The parameters of a rotation grow without limit towards a whole turn [rad]."""
 TOLERANCE = 3e-8
-"""Share of the objective that may be left on the table, as in our own method."""
+"""Relative tolerance of the objective, as in our own method."""
 FIRST_MU = 0.1
 """Barrier parameter at the start, in units of the objective's largest derivative per clearance."""
 

@@ -56,7 +56,7 @@ class SeparatingPlaneSettings:
     loose : float > 0
         The same where slacks run ahead.
     saddles : int >= 0
-        So often the method goes on where the conditions of first order hold and the objective curves upwards.
+        Number of times the method goes on where the conditions of first order hold and the objective curves upwards.
     least_iterations : int >= 0
         Before these nothing is called converged.
     acceptable : float > 0
@@ -64,7 +64,7 @@ class SeparatingPlaneSettings:
     lost : float > 1
         Factor by which the error has grown then.
     patience : int > 0
-        After so many iterations that do not make the error less the mode with slacks has failed.
+        After this many iterations that do not reduce the error the mode with slacks has failed.
     patience_damped : int > 0
         The same where rows are damped.
     unheld : float > 0
@@ -72,7 +72,7 @@ class SeparatingPlaneSettings:
     early : float > 0
         Share of the objective from which on it counts.
     stuck : int > 0
-        After so many iterations at one mu the path is narrow, and mu grows.
+        After this many iterations at one mu the path is narrow, and mu grows.
     raised : float > 1
         Factor by which it does, and the anchor follows.
     highest : float > 0
@@ -84,7 +84,7 @@ class SeparatingPlaneSettings:
     progress : float in (0, 1)
         The predictor and corrector go on while the error is below this share of the largest of the last few.
     memory : int > 0
-        So many of them.
+        Number of these last errors.
     balance_share : float > 0
         What an imbalance counts in the error, beside complementarity.
     downhill : float in (0, 1)

@@ -109,7 +109,7 @@ class SeparatingPlaneSolver:
         True: where the matrix is not positive definite the rows are damped, not the diagonal alone, so that what many bodies do
         together stays free.
     tolerance : float
-        Share of the objective that may be left on the table.
+        Relative tolerance of the objective.
     most : int
         Iterations at most.
     seed : int

@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_DIRECTIONS = 13
-"""Straight paths are tried along so many axes, both ways: those of most faces."""
+"""Straight paths are tried along at most this many axes, both ways: those of most faces."""
 MOST_PLACES, MOST_PULLED = 200, 3
 """Places, each reached by a checked path, from which straight paths are tried, and from which largest motions are searched."""
 UNDECIDED = 1e-2

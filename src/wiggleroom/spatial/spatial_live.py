@@ -27,19 +27,19 @@ from wiggleroom.verdict import SolverStatus
 Floats = NDArray[np.float64]
 
 MAX_PREPARED = 4
-"""So many designs are kept ready."""
+"""Number of designs that are kept ready."""
 ARRIVED = 1e-3
 """A grip this share of the clearance from its target has arrived."""
 MAX_TARGET_DISTANCE = 3.0
 """A target further from the grip than this multiple of the size is moved nearer: parts that come free stay in sight."""
 MAX_ROUNDS = 12
-"""So often the program is built anew where the hand led the part among others."""
+"""The program is built anew at most this many times where the hand led the part among others."""
 MIN_GAIN = 1e-3
 """A round that comes nearer by less than this share of the distance is the last one."""
 MAX_DOUBLINGS = 7
-"""So often the time is doubled that the same drag may take."""
+"""The time that the same drag may take is doubled at most this many times."""
 ITERATIONS, TOLERANCE = 60, 1e-5
-"""A drag is solved with at most so many iterations, to this share of the distance."""
+"""Most iterations of the solve of a drag, and its tolerance as a share of the distance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +173,7 @@ class SpatialLive:
             "here", where the last drag ended, "rest", or "answer", the end of what was found for these goals.
         goals : optional
         within : int, optional
-            So many bodies may move, those nearest to the part; all others stand. By default all.
+            Number of bodies that may move, those nearest to the part; all others stand. By default all.
         seconds : float
             After that time the best motion so far is returned, not settled; asked the same again it takes twice as long.
         stop : optional

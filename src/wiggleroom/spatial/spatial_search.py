@@ -33,7 +33,7 @@ MOST_TURN = 4 * np.pi
 """A twist beyond this is taken to go on without limit, once a whole turn in place is shown to be free [rad]."""
 MOST_ROUNDS = 8
 INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
-"""Where iterates stay inside all rows: so many starts beside rest are tried, with so many iterations each."""
+"""Where iterates stay inside all rows: number of starts beside rest, and most iterations of each."""
 MOST_ROWS_OF_STARTS = 20_000
 """Larger programs are started once."""
 MOST_PAIRS_UNDAMPED = 3000

@@ -63,7 +63,7 @@ class SpatialModel:
         return self.found or flex_spatial(self.ready if "ready" in vars(self) else self.assembly, self.goals, stop=stop)
 
     def can_be_ranked(self, answer: SpatialAnswer) -> bool:
-        """True where the motion ends, at forces that say what it is worth to give way."""
+        """True where the motion ends, with forces that say what each contact is worth."""
         return answer.warm_start is not None and answer.objective is not None and answer.verdict.ends
 
     def derivatives(self, answer: SpatialAnswer) -> GapDerivatives:
@@ -114,7 +114,7 @@ class SpatialGapModel:
         stop: Stop | None,
         progress: Callable[[Any], None] | None,  # noqa: ARG002
     ) -> SpatialAnswer:
-        """Largest motion of it; there is no search beyond the nearest hill."""
+        """Largest motion of it; there is no global search."""
         return flex_spatial(made, self.goals, stop=stop)
 
     def bound(self, *_: Any) -> None:

@@ -15,7 +15,7 @@ from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 Floats = NDArray[np.float64]
 
 FAR = 3.0
-"""A part that left is shown so many times as far away as all parts are spread."""
+"""A part that left is shown this many times as far away as all parts are spread."""
 
 
 class StraightDeparture:

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 DEPTH = 14
-"""So often the time between two way-points is halved at most."""
+"""The time between two way-points is halved at most this many times."""
 
 
 class SweptCheck:

@@ -19,7 +19,7 @@ CHANGED = "the file was changed after it was written"
 LENGTH, ANGLE, FACTOR = 1e12, 1e6, 1e100
 """Largest lengths [mm], angles [rad] and multipliers that are read."""
 DEEPEST = 256
-"""So many steps of a proof may follow each other."""
+"""Most steps of a proof that may follow each other."""
 
 TOP = {"format", "gap", "turns", "at_most", "worth", "bodies", "goal", "regions", "pairs", "windows", "proof", "sha256"}
 BODY = {"parts", "fixed", "origin", "polygons", "low", "high", "far"}

@@ -127,7 +127,7 @@ def describe_parts(parts: Iterable[str]) -> str:
 
 
 def rounded_up(value: float, digits: int = 6) -> str:
-    """Value with so many digits, never less than it is.
+    """Value with `digits` digits, never less than it is.
 
     >>> rounded_up(0.61542841), rounded_up(12.0), rounded_up(-1.23456789)
     ('0.615429', '12', '-1.23456')

@@ -22,9 +22,9 @@ MAX_ANGLE_SPAN = 0.5
 MIN_STEP_SHARE = 1e-8
 """Share of the first step of the march at which it gives up, where the end of the turn matters."""
 MIN_PARALLEL_CORNERS = 2000
-"""Up to so many corners of all pairs together one thread is as quick as two."""
+"""Up to this many corners of all pairs together one thread is as quick as two."""
 STOP_CHECK_CORNERS = 20_000
-"""After so many, whether to stop is asked again."""
+"""After this many corners it is asked again whether to stop."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ UNSEEN, SEEN, SEPARATED = 0, 1, 2
 LINE = np.dtype([("edge", "i8"), ("count", "i8"), ("before", "i8"), ("walls", "i8", (MAX_WALLS_PER_LINE,))], align=True)
 """A line, the number of walls on it, now and before the present step, and their corners."""
 RUN_PAIR = np.dtype([("state", "i8"), ("bound", "f8")], align=True)
-"""What is known of a run of A and one of B: UNSEEN, SEEN or SEPARATED, and that they are at least so far apart [mm]."""
+"""What is known of a run of A and one of B: UNSEEN, SEEN or SEPARATED, and a lower bound of their distance [mm]."""
 OPEN_PAIR = np.dtype([("a", "i8"), ("b", "i8"), ("apart2", "f8")], align=True)
 """An edge pair that no line separates, and the square of its distance [mm^2]."""
 

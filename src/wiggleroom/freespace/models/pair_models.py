@@ -29,7 +29,7 @@ class Hull:
     slices : int
         3, as in the paper, or more: then evenly spaced over all angles that B can reach, shifting as it turns.
     rounds : int
-        So often the hulls are worked out; from the second time on round the motion found before (the paper's outlook).
+        Number of times the hulls are worked out; from the second time on round the motion found before (the paper's outlook).
     """
 
     about: str = "reference"

@@ -34,7 +34,7 @@ FIRST_ANGLE_STEP, MIN_ANGLE_STEP = 1 / 64, 2.0**-20
 MIN_CROSSING_DEPTH = 0.01
 """Along a loop edges cross at least so deep, as a share of its outset: so neighbouring loops can still be joined."""
 MAX_MITRE = 10.0
-"""Acute corners of loops run on for at most so many outsets."""
+"""Acute corners of loops are extended by at most this many outsets."""
 CLOSING_ANGLES = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 """A loop may shrink to a point this share of the whole turn further, where walls have closed well over it."""
 CHORD_SETTINGS = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))

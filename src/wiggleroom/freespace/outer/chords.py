@@ -15,7 +15,7 @@ from wiggleroom.freespace.outer.outer_slices import corners_of
 Floats = NDArray[np.float64]
 
 END_MARGIN = 0.02
-"""Chords end so far before the boundary, as a share of how far they lie behind their edge."""
+"""Distance of a chord's ends from the boundary, as a share of its depth behind its edge."""
 
 
 def chords(material: shapely.Geometry, inset: float, beyond: float) -> Floats:

@@ -31,17 +31,17 @@ EDGE_REACH = 15.0
 ANGLE_INTERVALS = 6
 """Intervals of turns of a window."""
 MAX_OPEN_BOXES = 24
-"""No more boxes than so many are halved at once."""
+"""At most this many boxes are halved at once."""
 ROUNDING_MARGIN = 1e-12
 """Turns of a box are wider by this [rad]."""
 TIGHTENING_ROUNDS = 2
-"""So often a window is drawn closer round what is left of the one before: walls that it needs less long hold more often."""
+"""Rounds in which a window is drawn closer round what is left of it: walls that it needs for a shorter part hold more often."""
 SHARPENING_ROUNDS, MIN_SHARPENING = 10, 0.003
-"""So often boxes that reach furthest in some direction are halved, as long as two rounds together cut what is reached by this share."""
+"""Most rounds in which boxes that reach furthest are halved, while two rounds together cut what is reached by this share."""
 CORNER_REACH = 2.0
-"""Points on the sides of a corner count as well, so many half windows away: a corner may slip off the end of an edge."""
+"""Points on the sides of a corner count as well, this many half windows away: a corner may slip off the end of an edge."""
 NORMAL_SECTORS, WALLS_PER_SECTOR = 32, 6
-"""Of walls that look the same way only so many are tried, and of those that hold the tightest is kept."""
+"""Sectors of directions of normals, and walls of one sector that are tried at most; the tightest that holds is kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ def local_outer_region(sides: NearSides) -> LocalOuterRegion | None:
 
 
 def _within(sides: NearSides, low: Floats, high: Floats, rounds: int) -> LocalOuterRegion | None:
-    """What walls leave of a window between two corners (3,) [mm, mm, rad]; boxes that reach its rim are halved, in so many rounds."""
+    """What walls leave of a window between two corners (3,) [mm, mm, rad]; boxes that reach its rim are halved, in `rounds` rounds."""
     ends = np.linspace(low[2], high[2], ANGLE_INTERVALS + 1)
     first, last = np.tile(low, (ANGLE_INTERVALS, 1)), np.tile(high, (ANGLE_INTERVALS, 1))
     first[:, 2], last[:, 2] = ends[:-1], ends[1:]

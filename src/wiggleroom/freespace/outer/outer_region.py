@@ -27,11 +27,11 @@ FIRST_BLUR = 0.15
 MAX_HALF_WIDTH = 0.05
 """Half of the widest interval [rad]."""
 REFINEMENT_FACTOR = 4
-"""Intervals are refined into so many."""
+"""Factor by which intervals are divided where they are refined."""
 MAX_INTERVALS = 1100
-"""So many intervals are looked at to see whether B can turn all the way round."""
+"""At most this many intervals are looked at to see whether B can turn all the way round."""
 MAX_CONFINED_INTERVALS = 100
-"""So many intervals share the turns of a confined pair."""
+"""At most this many intervals share the turns of a confined pair."""
 
 
 @dataclass(frozen=True, eq=False)

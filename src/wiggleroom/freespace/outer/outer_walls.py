@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_CONTACTS_PER_SIDE = 3
-"""So many contacts are tried for each side."""
+"""Number of contacts that are tried for each side."""
 MIN_HULL_AREA = 1e-6
 """A hull of less area than this share of its length squared is replaced by its box."""
 NORMAL_TOLERANCE = 1e-8

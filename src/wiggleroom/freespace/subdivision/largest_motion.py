@@ -27,13 +27,13 @@ MAX_DEPTH = 30
 GOALS_PER_PASS = 256
 """Paths that are looked at in one pass."""
 STOP_CHECK_BOXES = 2000
-"""After so many boxes, whether to stop is asked again."""
+"""After this many boxes it is asked again whether to stop."""
 MAX_TURN_OF_PIECE = 0.05
 """Turns of the pieces of a path [rad] that are straight about another point instead."""
 CHORD = np.pi / 16
 """Angle of the chords [rad] by which a body goes round another outside the window."""
 MAX_TURN = 2.2 * np.pi
-"""Turns are followed so far [rad] both ways where turning itself is asked for."""
+"""Turns are followed up to this [rad] both ways where a turn itself is asked for."""
 
 
 @dataclass(eq=False)

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 MAX_DEPTH = 22
 """Boxes are halved at most this often."""
 STOP_CHECK_SECONDS = 0.2
-"""About so often the search is asked whether it should stop [s]; it goes on as if it had not been interrupted."""
+"""About this often the search is asked whether it should stop [s]; it goes on as if it had not been interrupted."""
 WINDOW_OFFSET = np.array([0.0371, 0.0213, 0.0157])
 """The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
 NOTHING_ASKED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf, np.inf])

@@ -18,7 +18,7 @@ from tests.answers import block
 from tests.audit import audit as other_audit
 from tests.audit import polygon
 from tests.standalone import rows, told
-from tests.test_html import tags
+from tests.test_answer_page import tags
 from wiggleroom.assembly.build import assemble
 from wiggleroom.cli import main
 from wiggleroom.compare.monte_carlo import about_pivot, sampled_accuracy
