@@ -321,14 +321,14 @@ KINDS: dict[str, Callable[[int], Case]] = {
 
 
 def main(words: list[str]) -> None:
-    """Print one line for each kind, and one for each bound that lies too low."""
+    """Print one line for each kind, one for each bound that lies too low, and how many were judged."""
     papers = words[:1] == ["certified"]
     words = words[papers:]
     count, first = (int(words[k]) if len(words) > k else default for k, default in ((0, 1000), (1, 20000)))
     kinds = words[2:] or list(KINDS)
     rows = {kind: np.zeros(4, dtype=int) for kind in kinds}  # looked at, unlimited or no way, no bound, below
     nearest = dict.fromkeys(kinds, np.inf)
-    began = time.perf_counter()
+    began, judged = time.perf_counter(), 0
     for seed in range(first, first + count):
         kind = kinds[seed % len(kinds)]
         rows[kind][0] += 1
@@ -347,6 +347,7 @@ def main(words: list[str]) -> None:
             bounds = [*_proven(assembly, goals, truth), _quick(wr.flex(assembly, goals, search=0))]
         over = min(bounds) / truth - 1
         rows[kind][2] += not np.isfinite(over)
+        judged += int(np.isfinite(bounds).sum())
         nearest[kind] = min(nearest[kind], over)
         if over < -ROUNDING:
             rows[kind][3] += 1
@@ -357,7 +358,11 @@ def main(words: list[str]) -> None:
     print("| --- " * 6 + "|")
     for kind, row in rows.items():
         print(f"| {kind} | {row[0]} | {row[1]} | {row[2]} | {nearest[kind]:.1e} | {row[3]} |")
-    print(f"{WINDOWS[0]} local windows, bounds to which they belong included")
+    asked, unknown, without, below = sum(rows.values(), np.zeros(4, dtype=int))
+    print(
+        f"{asked} assemblies, {asked - unknown - without} of them judged by {judged} bounds, {below} of them with one that lies too low; "
+        f"{WINDOWS[0]} local windows"
+    )
 
 
 if __name__ == "__main__":

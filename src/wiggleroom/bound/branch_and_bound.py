@@ -25,6 +25,7 @@ from wiggleroom.bound.joint_constraints import (
 )
 from wiggleroom.bound.joint_multipliers import goal_weights
 from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
+from wiggleroom.bound.local_windows import SPANS, WIDE_SPANS
 from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
@@ -49,6 +50,8 @@ MAX_PROOF_DEPTH = 200
 """Most steps after each other in a proof that is kept: where there are more, the regions are too large."""
 MANY_BODIES = 60
 """With more bodies than this local windows pay, and only some bodies are asked about at first."""
+WINDOWS_SHARE = 0.4
+"""They may take this share of the time that is left: where few of them are congruent there are very many."""
 MAX_WHOLE_BODIES = 300
 """With more bodies than this programs of the whole take too long, and turns are tightened a neighbourhood at a time."""
 FIRST_HOPS, MIN_GAIN = 2, 0.5
@@ -106,9 +109,13 @@ class BranchAndBound:
         """Ranges at the start, after a look at local windows where there are many bodies."""
         bodies = self.ground.bodies
         ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
-        if np.isfinite(ranges.far).sum() > MANY_BODIES:
+        held = int(np.isfinite(ranges.far).sum())
+        if held > MANY_BODIES:
             self.cuts.unlike = COARSE_NORMALS
-            for linkage, proof in bounded_windows(self.linkage, self.cuts, self.clock.is_set):
+            spans = WIDE_SPANS if held > MAX_WHOLE_BODIES else SPANS
+            left = self.clock.left
+            some = Deadline(WINDOWS_SHARE * left, self.clock) if 0 < left < np.inf else self.clock
+            for linkage, proof in bounded_windows(self.linkage, self.cuts, some.is_set, spans):
                 self.linkage = linkage
                 self.windows.append(proof)
                 self.tell(np.nan, f"windows of {len(proof.window.bodies)} bodies")

@@ -19,10 +19,10 @@ from wiggleroom.geometry.relative_pose import turn
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SPANS = (2, 4, 6)
-"""A window holds all shortest paths between two bodies that are this many joints apart."""
+SPANS, WIDE_SPANS = (2, 4, 6), (2, 4, 6, 8, 10)
+"""A window holds all shortest paths between two bodies that are this many joints apart; the wide ones pay in very large assemblies."""
 MAX_BODIES = 16
-"""Larger windows cost more than they tell."""
+"""Of other windows than those that are square in a grid, larger ones cost more than they tell."""
 CONGRUENCE_TOLERANCE = 1e-4
 """Windows are congruent where pivots agree to this share of the clearance; what that leaves open is `deviation`."""
 ANGLE_TOLERANCE = 1e-6
@@ -62,6 +62,7 @@ def windows(place: Floats, joints: JointConstraints, clearance: float, span: int
     places = _Places(place, joints, CONGRUENCE_TOLERANCE * clearance)
     done: set[tuple[int, ...]] = set()
     found: list[Window] = []
+    most = max(MAX_BODIES, (span // 2 + 1) ** 2)
     for root in range(n):
         for end, d in away[root].items():
             if d != span:
@@ -72,7 +73,7 @@ def windows(place: Floats, joints: JointConstraints, clearance: float, span: int
             )
             key = (root, *sorted(inside))
             own = [number[p] for p in ((a, b) for a in inside for b in near[a] if b in inside) if p in number]
-            if key in done or len(inside) > MAX_BODIES or len(own) < len(inside) or len(inside) == n:
+            if key in done or len(inside) > most or len(own) < len(inside) or len(inside) == n:
                 continue
             made = places.window(np.array(inside), np.array(sorted(own)))
             # what the last body turns against the first one the first one turns against the last one

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -43,10 +43,10 @@ class WindowProof:
 
 
 def bounded_windows(
-    linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]
+    linkage: Linkage, regions: RegionCuts, over: Callable[[], bool], spans: Sequence[int] = SPANS
 ) -> Iterator[tuple[Linkage, WindowProof]]:
     """The linkage with what one window after the other says of turns, and why that is so."""
-    for span in SPANS:
+    for span in spans:
         found = windows(linkage.place, linkage.joints, linkage.unit, span)
         # those of one span know of shorter spans only, so that several are worked on at once
         known = linkage

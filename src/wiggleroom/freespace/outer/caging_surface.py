@@ -42,6 +42,8 @@ CHORD_SETTINGS = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2
 found with. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
 KEPT_STEP, MAX_KEPT_LOOPS = 2.0**-14, 100
 """Where no step leads on, so many loops, at steps of this share of the turn, may go round what the one before went round, too."""
+MAX_DENSE_STEP = 2.0**-9
+"""Where few corners are wanted, many are tried for steps up to this share of the turn only: longer steps are halved sooner."""
 MAX_LOOPS = 1200
 
 
@@ -189,7 +191,7 @@ def _next(
             _loop(material, crossings, pieces, angle, o, seldom)
             for o, most in LOOP_OUTSETS
             if share <= most
-            for seldom in ((True, False) if few else (False,))
+            for seldom in ((True, False) if few and share <= MAX_DENSE_STEP else (few,))
         )
     for there in some:
         seam = None if there is None else stitched(crossings, here, there)
