@@ -27,20 +27,16 @@ class Retraction:
         import qdldl
         import scipy.sparse as sp
 
-        cells, slot = program.cells, program.slot
-        pairs = np.arange(len(cells.a))
-        rows, cols, vals = [], [], []
-        for body, sign in ((cells.a, -1.0), (cells.b, 1.0)):
-            keep = slot[body] >= 0
-            rows.append(pairs[keep])
-            cols.append(slot[body][keep])
-            vals.append(np.full(int(keep.sum()), sign))
-        shape = (len(pairs), len(program.free))
-        edges = sp.csr_matrix((np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))), shape=shape)
-        laplacian = edges.T @ edges + ANCHOR_WEIGHT * sp.eye(shape[1])
-        self._laplacian = qdldl.Solver(sp.csc_matrix(laplacian))
+        a, b, slot = program.cells.a, program.cells.b, program.slot
+        i, j, count = slot[a], slot[b], len(program.free)
+        both = (i >= 0) & (j >= 0)
+        degree = np.bincount(i[i >= 0], minlength=count) + np.bincount(j[j >= 0], minlength=count)
+        row = np.concatenate([np.arange(count), np.minimum(i, j)[both]])
+        column = np.concatenate([np.arange(count), np.maximum(i, j)[both]])
+        entry = np.concatenate([degree + ANCHOR_WEIGHT, np.full(len(row) - count, -1.0)])
+        self._laplacian = qdldl.Solver(sp.csc_matrix((entry, (row, column)), shape=(count, count)), upper=True)
         self._program = program
-        self._pairs = cells.a, cells.b, slot
+        self._pairs = a, b, slot
 
     def _placed(self, straight: Floats, q: Floats) -> Floats:
         """Variables with the angles of `straight` (n, 3) in which every pair is seen at q (P, 2) as nearly as can be."""
