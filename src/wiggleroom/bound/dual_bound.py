@@ -46,6 +46,8 @@ ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
 CONGRUENCE_WORK = 3.0
 """Work of looking for the joint of a pair among those that are known."""
+MANY_JOINTS = 60
+"""Where so many pairs, those with the largest forces, each had a joint of its own, all others are taken to have one too."""
 ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
@@ -112,6 +114,7 @@ def quick_bound(
     known_joints, pivots = KnownJoints(), np.zeros((len(first), 2))
     held: list[Congruence] = []
     near: list[NearSides] = []
+    all_work = work
     for c in wanted:
         if stop is not None and stop.is_set():
             return None
@@ -123,7 +126,9 @@ def quick_bound(
         if held[-1].joint == len(near):
             near.append(NearSides(known_joints.joints[-1].strips))
             work -= near[-1].work
-        if work < 0:
+        if work < 0 or (
+            len(held) == len(near) == MANY_JOINTS and work < (len(wanted) / MANY_JOINTS - 1) * (all_work - work)
+        ):
             return None
     joints = known_joints.joints
     carried = np.bincount([one.joint for one in held], by_class[wanted], len(joints)) / by_class.sum()
