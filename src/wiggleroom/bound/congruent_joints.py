@@ -37,8 +37,6 @@ MAX_SIZE_RATIO = 4.0
 class differ by a share of their own size."""
 MAX_REFERENCES, MIN_COMMON_CORNERS = 6, 0.5
 """So many corners are tried as the one that is carried to its like; where at least this share finds its like, strips are compared."""
-MIN_COMMON_ANGLES = 0.25
-"""Joints of which fewer corners have an angle that the pair has too are not looked at further: right angles are everywhere."""
 ANGLE_TOLERANCE = 1e-7
 """Corners are alike where their angles differ by less [rad]."""
 
@@ -108,11 +106,6 @@ class CongruentJoint:
         """By which the boundary turns at the corners that are looked for in other pairs [rad]."""
         mine = self._corners
         return mine.angle[np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]]
-
-    @cached_property
-    def angle_keys(self) -> list[int]:
-        """Of all its corners."""
-        return _angle_keys(self._corners.angle)
 
     def motion_onto(self, other: PairMaterial, corners: Corners) -> tuple[float, Floats] | None:
         """Turn [rad] and shift (2,) [mm] that carry the strips into the two bodies of another pair, None where none does.
@@ -190,9 +183,6 @@ class KnownJoints:
             keys = {k + side for k in _angle_keys(corners.angle) for side in (-1, 0, 1)}
             alike = set().union(*(self._by_angle.get(k, set()) for k in keys))
             for number in sorted(alike):
-                own = self.joints[number].angle_keys
-                if sum(key in keys for key in own) < MIN_COMMON_ANGLES * len(own):
-                    continue
                 motion = self.joints[number].motion_onto(pair, corners)
                 if motion is not None:
                     return Congruence(number, swapped, *motion)
