@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from wiggleroom.bound.congruent_joints import CONGRUENCE_TOLERANCE, Congruence, KnownJoints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
-from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import JointPlacement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.deadline import Deadline
@@ -155,6 +154,8 @@ def quick_bound(
     most = _value(them, goal, links, pockets, ranges, forces, found.motion)
     if most is None or found.value <= 0 or find_spec("highspy") is None:
         return most
+    from wiggleroom.bound.limited_tightening import tightened  # slow to import, and not always needed
+
     over = (lambda: False) if stop is None else stop.is_set
     return min(most, tightened(them, goal, links, pockets, found.value, work, over))
 
