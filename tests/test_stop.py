@@ -135,7 +135,8 @@ def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.As
     ended = time.process_time()
     assert not stop.seen or ended - stop.due < LATE
     assert answer.path == "checked"
-    assert answer.verdict == "stopped" or not stop.seen
+    if answer.verdict != "stopped":  # the search had ended before the request was seen
+        assert answer.objective == pytest.approx(wr.flex(many_tees).objective, rel=1e-6)
 
 
 @pytest.mark.parametrize("after", [0.5, 2.0, 3.5])

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from wiggleroom.bound.congruent_joints import CONGRUENCE_TOLERANCE, Congruence, KnownJoints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
-from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import JointPlacement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.deadline import Deadline
@@ -46,6 +45,8 @@ ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
 CONGRUENCE_WORK = 3.0
 """Work of looking for the joint of a pair among those that are known."""
+MANY_JOINTS = 60
+"""Where so many pairs, those with the largest forces, each had a joint of its own, all others are taken to have one too."""
 ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
@@ -112,6 +113,7 @@ def quick_bound(
     known_joints, pivots = KnownJoints(), np.zeros((len(first), 2))
     held: list[Congruence] = []
     near: list[NearSides] = []
+    all_work = work
     for c in wanted:
         if stop is not None and stop.is_set():
             return None
@@ -123,7 +125,9 @@ def quick_bound(
         if held[-1].joint == len(near):
             near.append(NearSides(known_joints.joints[-1].strips))
             work -= near[-1].work
-        if work < 0:
+        if work < 0 or (
+            len(held) == len(near) == MANY_JOINTS and work < (len(wanted) / MANY_JOINTS - 1) * (all_work - work)
+        ):
             return None
     joints = known_joints.joints
     carried = np.bincount([one.joint for one in held], by_class[wanted], len(joints)) / by_class.sum()
@@ -150,6 +154,8 @@ def quick_bound(
     most = _value(them, goal, links, pockets, ranges, forces, found.motion)
     if most is None or found.value <= 0 or find_spec("highspy") is None:
         return most
+    from wiggleroom.bound.limited_tightening import tightened  # slow to import, and not always needed
+
     over = (lambda: False) if stop is None else stop.is_set
     return min(most, tightened(them, goal, links, pockets, found.value, work, over))
 

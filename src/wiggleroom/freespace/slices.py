@@ -27,7 +27,7 @@ ANGLE_NUDGES = (0.0, 1e-9, -1e-9, 1e-8)
 """Angles [rad] tried one after the other where the union of the parallelograms fails or loses the piece."""
 MAX_PARALLELOGRAMS = 20000
 """Windows that more parallelograms touch are not widened: the free space counts as open."""
-BATCH_SIZE = 48
+BATCH_SIZE = 12
 """Parallelograms cut off at a time."""
 ANGLE_TOLERANCE = 1e-7
 """How closely the last free angle is found [rad]."""

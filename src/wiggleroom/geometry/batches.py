@@ -1,22 +1,24 @@
-"""Compiled sweeps over many things on both cores: numba lets other threads run while it does."""
+"""Work on several cores: compiled kernels let other threads run meanwhile."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import count as numbers
 from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
 
 THREADS = 2
+S = TypeVar("S")
 T = TypeVar("T")
 
 
 def in_batches(count: int, batches: int, work: Callable[[slice], T]) -> list[T]:
-    """Results of `work` for so many consecutive batches of `count` things, in order; one batch is done by the thread that asks.
+    """Results of `work` for so many consecutive batches of `count` things, in order.
 
     Examples
     --------
@@ -26,10 +28,32 @@ def in_batches(count: int, batches: int, work: Callable[[slice], T]) -> list[T]:
     if batches < 2:
         return [work(slice(0, count))]
     cuts = np.linspace(0, count, batches + 1).astype(int).tolist()
-    return list(_pool(os.getpid()).map(work, [slice(one, other) for one, other in pairwise(cuts)]))
+    return in_parallel([slice(one, other) for one, other in pairwise(cuts)], work)
+
+
+def in_parallel(items: Sequence[S], work: Callable[[S], T]) -> list[T]:
+    """Results of `work` for some items, in order, by the thread that asks and by helpers.
+
+    Whoever is free takes the next item, so nobody waits for a helper that has not begun: on a busy machine that is the rule.
+    """
+    found: dict[int, T] = {}
+    turn = numbers()
+
+    def help_out() -> None:
+        while (k := next(turn)) < len(items):
+            found[k] = work(items[k])
+
+    helpers = [_pool(os.getpid()).submit(help_out) for _ in range(min(THREADS, len(items)) - 1)]
+    try:
+        help_out()
+    finally:
+        late = [one for one in helpers if not one.cancel()]
+        for one in late:
+            one.result()
+    return [found[k] for k in range(len(items))]
 
 
 @cache
 def _pool(_: int) -> ThreadPoolExecutor:
-    """Threads of this process; a copy of a process has none of those of the original."""
-    return ThreadPoolExecutor(THREADS)
+    """Helpers of this process; a copy of a process has none of those of the original."""
+    return ThreadPoolExecutor(THREADS - 1)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.program.nonlinear_program import Linearised, Program
+from wiggleroom.program.relative_places import add_shortfalls, pair_differences, predicted_places
 
 Floats = NDArray[np.float64]
 
@@ -26,46 +27,31 @@ class Retraction:
         import qdldl
         import scipy.sparse as sp
 
-        cells, slot = program.cells, program.slot
-        pairs = np.arange(len(cells.a))
-        rows, cols, vals = [], [], []
-        for body, sign in ((cells.a, -1.0), (cells.b, 1.0)):
-            keep = slot[body] >= 0
-            rows.append(pairs[keep])
-            cols.append(slot[body][keep])
-            vals.append(np.full(int(keep.sum()), sign))
-        shape = (len(pairs), len(program.free))
-        self._edges = sp.csr_matrix((np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))), shape=shape)
-        self._ends = sp.csr_matrix(self._edges.T)
-        laplacian = self._ends @ self._edges + ANCHOR_WEIGHT * sp.eye(shape[1])
-        self._laplacian = qdldl.Solver(sp.csc_matrix(laplacian))
+        a, b, slot = program.cells.a, program.cells.b, program.slot
+        i, j, count = slot[a], slot[b], len(program.free)
+        both = (i >= 0) & (j >= 0)
+        degree = np.bincount(i[i >= 0], minlength=count) + np.bincount(j[j >= 0], minlength=count)
+        row = np.concatenate([np.arange(count), np.minimum(i, j)[both]])
+        column = np.concatenate([np.arange(count), np.maximum(i, j)[both]])
+        entry = np.concatenate([degree + ANCHOR_WEIGHT, np.full(len(row) - count, -1.0)])
+        self._laplacian = qdldl.Solver(sp.csc_matrix((entry, (row, column)), shape=(count, count)), upper=True)
         self._program = program
-
-    def _fit(self, targets: Floats) -> Floats:
-        """Placement (F, 2) whose differences along all pairs come nearest to `targets` (P, 2)."""
-        right = self._ends @ targets
-        return np.column_stack([self._laplacian.solve(np.ascontiguousarray(right[:, k])) for k in (0, 1)])
+        self._pairs = a, b, slot
 
     def _placed(self, straight: Floats, q: Floats) -> Floats:
         """Variables with the angles of `straight` (n, 3) in which every pair is seen at q (P, 2) as nearly as can be."""
         P = self._program
-        a, b, rest = P.cells.a, P.cells.b, P.bodies.rest
-        angle = rest[a, 2] + straight[a, 2]
-        c, s = np.cos(angle), np.sin(angle)
-        wanted = np.column_stack([c * q[:, 0] - s * q[:, 1], s * q[:, 0] + c * q[:, 1]])
-        wanted -= rest[b, :2] + straight[b, :2] - rest[a, :2] - straight[a, :2]
-        straight[P.free, :2] += self._fit(wanted)
+        short = np.zeros((2, len(P.free)))
+        add_shortfalls(P.bodies.rest + straight, *self._pairs, q, short)
+        for axis in (0, 1):
+            straight[P.free, axis] += self._laplacian.solve(short[axis])
         return P.variables(straight)
 
     def step(self, u: Floats, du: Floats, at: Linearised) -> Floats:
         """Variables after the step `du` (3F,) from `u`; equal to u + du up to second order."""
         P = self._program
-        a, b = P.cells.a, P.cells.b
-        change = P.motion(du)
-        c, s = at.turn.T
-        x, y = at.g[:, 0], at.g[:, 1]
-        dx, dy = (change[b, :2] - change[a, :2]).T
-        q = np.column_stack([x + c * dx + s * dy + change[a, 2] * y, y - s * dx + c * dy - change[a, 2] * x])
+        q = np.empty((len(at.g), 2))
+        predicted_places(at.g, at.turn, *self._pairs[:2], P.motion(du), q)
         return self._placed(P.motion(u + du), q)
 
     def between(self, u: Floats, v: Floats) -> Floats:
@@ -81,9 +67,8 @@ class Retraction:
         With them the second derivatives are those along `step` instead of along straight lines; at an optimum both agree.
         """
         P = self._program
-        force = (residual / P.scale).reshape(-1, 3)[:, :2]
-        world = self._edges @ np.column_stack(
-            [self._laplacian.solve(np.ascontiguousarray(force[:, k])) for k in (0, 1)]
-        )
-        c, s = at.turn.T
-        return np.column_stack([c * world[:, 0] + s * world[:, 1], -s * world[:, 0] + c * world[:, 1]])
+        x, y, _ = (residual / P.scale).reshape(-1, 3).T
+        out = np.empty((len(at.g), 2))
+        held = np.array([self._laplacian.solve(np.ascontiguousarray(some)) for some in (x, y)])
+        pair_differences(at.turn, *self._pairs, held, out)
+        return out

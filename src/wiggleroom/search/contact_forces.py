@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.optimize
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
@@ -82,13 +81,15 @@ def _shared_out(
 
     The second value tells whether no corner that touches an edge at its end is needed for that.
     """
+    from scipy.optimize import nnls  # slow to import, and not always needed
+
     kind, edge, corner, place, d = _touching(program, pair, pose)
     lever = np.array([1.0, 1.0, 1.0 / program.bodies.radius[program.cells.b[pair]]])
     inside = (place > EDGE_END_TOLERANCE) & (place < 1 - EDGE_END_TOLERANCE)
     for some in (inside, np.ones(len(kind), dtype=np.bool_)):
         if not some.any():
             continue
-        force, left = scipy.optimize.nnls((d[some] * lever).T, wrench * lever)
+        force, left = nnls((d[some] * lever).T, wrench * lever)
         if left <= BALANCE_TOLERANCE * np.linalg.norm(wrench * lever):
             return (kind[some], edge[some], corner[some], force), bool(inside[some].all())
     return None

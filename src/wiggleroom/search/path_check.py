@@ -27,8 +27,9 @@ MAX_SPLITS = 12
 """A piece of the path is halved at most this often."""
 SPLIT_BATCH = 32
 """Number of pieces that are halved before the next audit, first pieces first: where one of them fails, the rest is of no use."""
-LATE_PIECES, MIN_LATE_PIECES = 40_000, 4
-"""Pieces, times bodies, that are audited at once after a request to stop, and the fewest pieces: it takes some tenths of a second."""
+MAX_PIECES, LATE_PIECES, MIN_PIECES = 2_000_000, 40_000, 4
+"""Pieces, times bodies, that are audited at once, as memory allows; the same after a request to stop, which takes some tenths of a
+second; and the fewest pieces."""
 MAX_UNKNOWN_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
 
@@ -158,7 +159,7 @@ def _audited(
     before = begun[:-1]
     while True:
         stopped = stop is not None and stop.is_set()
-        end = len(points) if not stopped else 1 + max(MIN_LATE_PIECES, LATE_PIECES // len(ready.bodies.fixed))
+        end = 1 + max(MIN_PIECES, (LATE_PIECES if stopped else MAX_PIECES) // len(ready.bodies.fixed))
         ahead, rest = points[:end], points[end:]
         audit = audit_path(ready.outlines, _waypoints(ready, segments, ahead), late)
         free = audit.free

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.batches import in_batches
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.newton_step import Direction, Iterate, newton
 from wiggleroom.solve.row_operations import add_share, centring_goal, step_lengths
@@ -31,23 +32,51 @@ LONG = 0.99
 
 def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float) -> Direction:
     """The direction, changed in place so that longer steps are possible along it; products should come near `mean`."""
-    s, lam = state.s, state.lam
-    goal, none, shares = np.empty_like(s), np.zeros_like(s), np.array(SHARES)
-    still, steps, dual_steps = np.zeros_like(direction.u), np.empty(len(SHARES)), np.empty(len(SHARES))
+    goal, none, still = np.empty_like(state.s), np.zeros_like(state.s), np.zeros_like(direction.u)
     for _ in range(MAX_CORRECTORS):
-        far, dfar = direction.primal, direction.dual
-        if min(far, dfar) > LONG:
+        if min(direction.primal, direction.dual) > LONG:
             break
-        aspired, dual_aspired = min(1.0, far + ASPIRED_STEP), min(1.0, dfar + ASPIRED_STEP)
-        centring_goal(s, direction.s, lam, direction.lam, aspired, dual_aspired, NARROWEST * mean, WIDEST * mean, goal)
-        more = newton(state, matrix, none, still, goal)
-        step_lengths(s, direction.s, more.s, shares, steps)
-        step_lengths(lam, direction.lam, more.lam, shares, dual_steps)
-        best = int(np.argmax(steps + dual_steps))
-        if steps[best] + dual_steps[best] < far + dfar + MIN_LONGER:
+        _aim(state, direction, mean, goal)
+        longer = _with_corrector(state, direction, newton(state, matrix, none, still, goal))
+        if longer is None:
             break
-        for whole, part in ((direction.u, more.u), (direction.s, more.s), (direction.lam, more.lam)):
-            add_share(whole, part, SHARES[best])
-        del more, whole, part  # in assemblies of a million parts these arrays count
-        direction = replace(direction, primal=float(steps[best]), dual=float(dual_steps[best]))
+        direction = longer
     return direction
+
+
+def _aim(state: Iterate, direction: Direction, mean: float, goal: Floats) -> None:
+    """Fill `goal` (R,) with what brings products into line after steps a little longer than the direction allows."""
+    s, lam, ds, dlam = state.s, state.lam, direction.s, direction.lam
+    far, dual_far = min(1.0, direction.primal + ASPIRED_STEP), min(1.0, direction.dual + ASPIRED_STEP)
+    least, most = NARROWEST * mean, WIDEST * mean
+
+    def aim(some: slice) -> None:
+        centring_goal(s[some], ds[some], lam[some], dlam[some], far, dual_far, least, most, goal[some])
+
+    in_batches(len(s), state.at.program.batches, aim)
+
+
+def _with_corrector(state: Iterate, direction: Direction, more: Direction) -> Direction | None:
+    """The direction with the share of a corrector that allows the longest steps, changed in place; None where none is much longer."""
+    s, lam, ds, dlam, batches = state.s, state.lam, direction.s, direction.lam, state.at.program.batches
+    shares = np.array(SHARES)
+
+    def lengths(some: slice) -> Floats:
+        out = np.empty((2, len(SHARES)))
+        step_lengths(s[some], ds[some], more.s[some], shares, out[0])
+        step_lengths(lam[some], dlam[some], more.lam[some], shares, out[1])
+        return out
+
+    steps = np.min(in_batches(len(s), batches, lengths), axis=0)
+    best = int(np.argmax(steps.sum(axis=0)))
+    primal, dual = steps[:, best].tolist()
+    if primal + dual < direction.primal + direction.dual + MIN_LONGER:
+        return None
+
+    def add(some: slice) -> None:
+        add_share(ds[some], more.s[some], SHARES[best])
+        add_share(dlam[some], more.lam[some], SHARES[best])
+
+    in_batches(len(s), batches, add)
+    add_share(direction.u, more.u, SHARES[best])
+    return replace(direction, primal=primal, dual=dual)

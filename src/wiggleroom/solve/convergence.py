@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.solve.interior_point_settings import SETTINGS, WARM_START_GAP, settings_for
 from wiggleroom.solve.newton_step import Iterate, dot
+from wiggleroom.solve.row_operations import violation
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -71,7 +72,7 @@ class ConvergenceMonitor:
         if self.progress is not None:
             self.progress(self.iterations, state.at.value)
         self.mu = gap / max(len(primal), 1)
-        infeasible = dot(state.lam, np.abs(primal))
+        infeasible = violation(state.lam, state.s, state.at.h)
         wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
         dual_displacement = dot(np.abs(dual), np.abs(state.u - self.begin))
         settings, whole = settings_for(len(state.u)), max(abs(value), 1.0)

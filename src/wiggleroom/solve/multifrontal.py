@@ -6,11 +6,8 @@ there. Independent parts of the tree run on both cores. Source: Duff and Reid 19
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from llvmlite import ir
@@ -19,12 +16,12 @@ from numba.extending import get_cython_function_address, intrinsic
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
+from wiggleroom.geometry.batches import THREADS, in_parallel
 from wiggleroom.geometry.jit_options import NO_ALLOCATION, OPTIONS, njit
 from wiggleroom.solve.nested_dissection import EliminationTree, dissect
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-T = TypeVar("T")
 
 SUBTREE_DEPTH = 3
 """Nodes at this depth are the roots of independent subtrees."""
@@ -89,8 +86,6 @@ class Multifrontal:
         self._plan, self._factor = plan, np.empty(plan.panel[-1])
         self._work = *plan.assembly, self._factor, np.empty(plan.stack), *_ADDRESSES
         self._libraries = _libraries()
-        self._threads = max(1, min(2, os.cpu_count() or 1, len(plan.shares) - 1))
-        self._pool = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
 
     def update(self, data: Floats, shift: float) -> bool:
         """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
@@ -100,7 +95,7 @@ class Multifrontal:
             return _factorise(nodes, *self._work, data, shift, np.empty(8, np.int32))
 
         with self._libraries.limit(limits=1):  # fronts are small: threads of a library would cost more than they save
-            fine = all(self._on_threads(done, subtrees))
+            fine = all(in_parallel(subtrees, done))
         with self._libraries.limit(limits=1 if self._plan.widest < MIN_THREADED_FRONT else None):
             return fine and done(top)
 
@@ -110,7 +105,7 @@ class Multifrontal:
         *subtrees, top = plan.shares
         x, out, longest = right[plan.order], np.empty(len(right)), plan.widest
         table = tree.first, tree.border_start, tree.border, plan.panel, plan.block, self._factor
-        groups = [subtrees[k :: self._threads] for k in range(self._threads)]
+        groups = [subtrees[k::THREADS] for k in range(THREADS)]
 
         def forward(group: list[Ints]) -> Floats:
             above = np.zeros(len(x))  # what nodes of other shares are told; each thread has its own
@@ -122,17 +117,13 @@ class Multifrontal:
             for nodes in group:
                 _backward(nodes, *table, x, np.empty(longest))
 
-        for above in self._on_threads(forward, groups):
+        for above in in_parallel(groups, forward):
             x += above
         _forward(top, *table, x, x, np.empty(longest))
         _backward(top, *table, x, np.empty(longest))
-        self._on_threads(backward, groups)
+        in_parallel(groups, backward)
         out[plan.order] = x
         return out
-
-    def _on_threads(self, work: Callable[[Any], T], items: list[Any]) -> list[T]:
-        """Results of `work` for some items."""
-        return list(map(work, items) if self._pool is None else self._pool.map(work, items))
 
 
 @cache

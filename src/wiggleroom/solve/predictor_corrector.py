@@ -12,7 +12,7 @@ from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import SETTINGS, settings_for
 from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, dot, newton
-from wiggleroom.solve.row_operations import corrector_goal, gap_after
+from wiggleroom.solve.row_operations import corrector_goal, gap_after, stepped_slacks, violation
 
 Floats = NDArray[np.float64]
 
@@ -75,7 +75,8 @@ def predictor_corrector_step(
         if not matrix.update(data, shift + state.proximal_weight):
             shift = max(10 * shift, 1e-5)
             continue
-        predictor = newton(state, matrix, primal, dual, -s * lam)
+        np.negative(np.multiply(s, lam, out=goal), out=goal)
+        predictor = newton(state, matrix, primal, dual, goal)
         after = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal, predictor.dual) / max(len(s), 1)
         centring = (after / mu) ** 3 if mu > 0 else 0.0
         if infeasibility_ratio > 0.3:  # feasibility must not fall behind complementarity
@@ -100,7 +101,7 @@ def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
     """Take the step; halve it while the infeasibility grows beyond half the complementarity."""
     lam, value = state.lam + step.dual * step.lam, state.at.value
     share = step.primal
-    before = dot(state.lam, np.abs(state.s - state.at.h))
+    before = violation(state.lam, state.s, state.at.h)
     # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so try longer ones
     state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > SETTINGS.max_free_shift else 1.0
     if state.stride > 4.0:
@@ -111,11 +112,12 @@ def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
             state.u, state.s, state.lam, state.at = u, at.h, lam, at
             return
         state.stride = 1.0
+    s = np.empty_like(lam)
     for _ in range(6):
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u)
-        s = np.maximum(np.maximum(state.s + share * step.s, at.h), SETTINGS.min_slack)
-        if dot(lam, s - at.h) <= max(0.5 * dot(s, lam), 2.0 * before):
+        stepped_slacks(state.s, step.s, share, at.h, SETTINGS.min_slack, s)
+        if violation(lam, s, at.h) <= max(0.5 * dot(s, lam), 2.0 * before):
             break
         share /= 2
     state.move, state.shift = step.u, step.shift

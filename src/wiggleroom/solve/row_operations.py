@@ -6,6 +6,8 @@ import numpy as np
 
 from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 
+SUM = {**NO_ALLOCATION, "fastmath": {"reassoc"}}
+"""For sums, whose terms may then be added several at a time."""
 MOST_CHANGE, REPETITIONS = 10.0, 3
 """A multiplier that is fitted becomes at most this many times larger or smaller, in this many steps."""
 
@@ -34,7 +36,23 @@ def step_lengths(x, dx, more, shares, out):
         out[j] = 1.0 / out[j]
 
 
+@njit(**SUM)
+def violation(lam, s, h):
+    """Sum of the differences of slacks and rows, weighted with the multipliers."""
+    total = 0.0
+    for k in range(len(s)):
+        total += lam[k] * abs(s[k] - h[k])
+    return total
+
+
 @njit(**NO_ALLOCATION)
+def stepped_slacks(s, ds, step, h, least, out):
+    """Fill `out` with slacks after a step, no less than the rows and `least`."""
+    for k in range(len(s)):
+        out[k] = max(max(s[k] + step * ds[k], h[k]), least)
+
+
+@njit(**SUM)
 def gap_after(s, ds, lam, dlam, step, dual_step):
     """Sum of the products of slack and multiplier after some steps."""
     total = 0.0
