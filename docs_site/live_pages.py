@@ -15,7 +15,7 @@ from benchmarks.redraw import PICTURES, TOP
 from docs_site.hooks import PICTURE
 from wiggleroom.cli import main as wiggleroom
 
-SKIPPED = ("15_grid", "14_shelf_0", "14_shelf_1")
+SKIPPED = ("15_grid", "14_shelf_0", "14_shelf_1", "05_panels_100", "pyjigsaw_10x10")
 """Large, or nearly the same as another."""
 KINDS = ("flex", "check", "rank", "tighten", "sweep", "sample")
 """Commands that make pages."""

@@ -177,6 +177,13 @@ def test_it_stops_with_the_best_so_far() -> None:
     assert late.stopped
 
 
+@pytest.mark.parametrize("seconds", [0.03, 0.1, 0.3, 0.6, 1.0])
+def test_it_answers_wherever_the_time_is_over(seconds: float) -> None:
+    found = wr.allowable_gap(row("tee", 3, 0.02), at_most=0.3, seconds=seconds)
+    assert found.gap is None or found.beyond is None or found.gap < found.beyond
+    assert found.certainty is not Certainty.PROVEN or found.proven_gap == found.gap
+
+
 @pytest.mark.parametrize("wrong", [{}, {"at_most": 1.0, "holds": True}, {"at_most": -1.0}, {"fits": math.nan}])
 def test_questions_that_make_no_sense(wrong: dict[str, float]) -> None:
     with pytest.raises(wr.InputError, match="gap: "):

@@ -17,6 +17,8 @@ import shapely.affinity
 import wiggleroom as wr
 from tests.app_client import Visit
 from wiggleroom.cli import main
+from wiggleroom.cli.options import QuestionOptions
+from wiggleroom.cli.serve_command import first_request
 from wiggleroom.drawing.assembly_writer import write_assembly
 
 PEG = (
@@ -129,6 +131,21 @@ def test_commands_say_names_that_look_like_options(
     page.open("a peg.svg", odd.encode())
     page.design = {"gap": 0.4, "fixed": ["-f, 'r'"], "goals": [{"part": "--p:+x@1", "turn": "cw"}]}
     reply = page.ask("flex")
+    assert objective(reply["command"], monkeypatch, capsys) == pytest.approx(reply["objective"], rel=1e-9)
+
+
+def test_commands_say_how_the_drawing_was_read(
+    page: Visit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    scene = '<path id="stop" stroke="blue" fill="none" d="M10.4,10.4 h2 v2 h-2 Z"/>'
+    Path("peg.svg").write_text(PEG.replace("</svg>", f"{scene}</svg>"), encoding="utf-8")
+    asked = QuestionOptions(gap=0.4, fix=("frame",), pull=("peg:+x",), skip=("blue",), solid=("@15,15",), join=0.02)
+    request = json.loads(first_request("peg.svg", asked))
+    page.open("peg.svg", Path("peg.svg").read_bytes(), **{k: request[k] for k in ("design", "skip", "solid", "join")})
+    page.design = request["design"]
+    reply = page.ask("flex")
+    assert "--skip blue --solid @15,15" in reply["command"]
     assert objective(reply["command"], monkeypatch, capsys) == pytest.approx(reply["objective"], rel=1e-9)
 
 

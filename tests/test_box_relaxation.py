@@ -20,12 +20,12 @@ def relaxed(at, half, swing, a, b, goal):
     b_edge, b_disc, b_kid = b
     stack, nodes = np.empty(512, dtype=np.int64), np.empty(512, dtype=np.int64)
     some, one = np.empty(MAX_EDGES + 1, dtype=np.int64), np.empty(1, dtype=np.int64)
-    rows = np.empty((MAX_ROWS, 4))
+    line, rows = np.empty(3), np.empty((MAX_ROWS, 4))
     m = add_rows(
-        at[0], at[1], at[2], half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, rows, 0,
+        at[0], at[1], at[2], half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line, rows, 0,
     )  # fmt: skip
     m = add_rows(
-        at[0], at[1], at[2], half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, rows, m,
+        at[0], at[1], at[2], half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line, rows, m,
     )  # fmt: skip
     return rows[:m], linear_program_maximum(goal[0], goal[1], goal[2], rows, m, np.empty((3, 4)), np.empty((3, 3)))
 

@@ -197,3 +197,20 @@ def test_time_is_kept_and_says_what_is_known(command):
     assert command("check", file, "--time", "0") == 2
     border = wr.largest_gap(wr.read(file, gap=2.0), seconds=0.1)
     assert (border.holds, border.parts_at) == (None, None)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_disc_is_held_exactly_where_it_is_wider_than_its_mouth(seed):
+    """Known to a tenth of a per cent; a polygon is as wide as its inner disc, or wider."""
+    rng = np.random.default_rng(seed)
+    count, radius, rise = int(rng.integers(40, 200)), rng.uniform(3, 9), rng.uniform(0.3, 0.9)
+    hollow = shapely.Point(0, 0).buffer(radius, quad_segs=50)
+    claw = shapely.box(-20, -20, 20, rise * radius) - hollow
+    corners = shapely.get_coordinates(claw)
+    gate = corners[np.abs(corners[:, 1] - rise * radius) < 1e-9, 0]
+    half = (gate[gate > 0].min() - gate[gate < 0].max()) / 2
+    turn = rng.uniform(0, 7) + 2 * np.pi * np.arange(count) / count
+    disc = shapely.Polygon(np.column_stack([np.cos(turn), np.sin(turn)]) / np.cos(np.pi / count))
+    for share, held in ((1.001, True), (0.999, False)):
+        body = affinity.scale(disc, share * half, share * half, origin=(0, 0))
+        assert holds(claw, body) == held

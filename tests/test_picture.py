@@ -14,7 +14,8 @@ from tests.answers import answer, block, grid, row
 from wiggleroom.assembly.inventory import inventory
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
-from wiggleroom.report import palette
+from wiggleroom.report import layout, palette
+from wiggleroom.report.leaving_picture import way_out
 from wiggleroom.report.picture import picture
 from wiggleroom.report.png import png
 from wiggleroom.report.read_picture import picture_of_reading
@@ -298,3 +299,20 @@ def test_small_parts_have_quiet_names_of_one_size() -> None:
     assert "b0-0" in by_colour[palette.INK]
     assert len(by_colour[palette.SUBDUED]) > 10
     assert len({t.get("font-size") for g in groups for t in g.iter(f"{SVG}text")}) <= 2
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -2.5])
+def test_the_arrow_of_a_part_that_leaves_is_bent_as_its_way_is(angle: float) -> None:
+    """First up by ten, then a long way to the right: the arrow begins as the part does, not as it ends."""
+    view = layout.view((-50.0, -50.0, 50.0, 50.0), 0.0)
+    c, s = np.cos(angle), np.sin(angle)
+    to_page = np.array([[c, -s], [-s, -c]])  # turned, and y down
+    track = np.array([[0, 0], [0.01, 0.3], [-0.2, 5], [0, 10], [400, 10], [400, 10]]) @ np.array([[c, s], [-s, c]])
+    mark = way_out(view, np.zeros(2), track, 10.0 * view.scale)
+    corners = np.array([mark.lines[0][0], *(line[1] for line in mark.lines)])
+    np.testing.assert_allclose(corners[0], view.pixels(np.zeros(2)))
+    legs = np.diff(corners, axis=0)
+    legs /= np.hypot(*legs.T)[:, None]
+    np.testing.assert_allclose(legs, (to_page @ [[0, 1], [1, 0]]).T, atol=1e-9)
+    straight = way_out(view, np.zeros(2), track[[0, 1, 4]], 50.0 * view.scale)
+    assert len(straight.lines) == 1

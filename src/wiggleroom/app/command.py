@@ -43,7 +43,7 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
     if design.extra or glue != {frozenset(g) for g in drawing.glue} or not before <= set(design.fixed):
         return None
     gap = drawing.gap if design.gap is None else design.gap
-    found = [] if file.unit is None else ["--unit", file.unit]
+    found = reading_options(file)
     how = file.flattening
     if file.flatten is not None and (how is None or file.flatten != chord_error(gap, how.at_no_gap, how.finest)):
         found += ["--flatten", repr(file.flatten)]
@@ -53,6 +53,15 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
             found += _option("--fix", part)
     asked = _goals(file, design) if pulled else []
     return None if asked is None else [*found, *asked]
+
+
+def reading_options(file: File) -> list[str]:
+    """Options that say how the file was read."""
+    found, how = [] if file.unit is None else ["--unit", file.unit], file.options
+    for name, words in (("--only", how.only), ("--skip", how.skip), ("--solid", how.solid)):
+        for word in words:
+            found += _option(name, word)
+    return found if how.join is None else [*found, "--join", f"{how.join:.12g}"]
 
 
 def _goals(file: File, design: Design) -> list[str] | None:

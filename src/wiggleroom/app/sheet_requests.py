@@ -5,9 +5,9 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING
 
+from wiggleroom.app.command import reading_options
 from wiggleroom.app.open_requests import saved_name, temporary_file
 from wiggleroom.app.reporter import Reporter, on_the_page
-from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
@@ -95,10 +95,4 @@ def _command(file: File, request: SheetRequest) -> str:
         said += ["--burn", f"{request.burn:g}"]
     if request.hints != SheetHints():
         said += ["--hints", saved_name(file.name, ".toml")]
-    return shlex.join([*said, *_reading(file.options), "-o", saved_name(file.name, "-assembled.json")])
-
-
-def _reading(options: ReadOptions) -> list[str]:
-    """How the drawing was read, as options."""
-    said = [f"--{key}={','.join(getattr(options, key))}" for key in ("only", "skip", "solid") if getattr(options, key)]
-    return said if options.join is None else [*said, "--join", f"{options.join:g}"]
+    return shlex.join([*said, *reading_options(file), "-o", saved_name(file.name, "-assembled.json")])

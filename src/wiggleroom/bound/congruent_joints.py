@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -18,7 +19,12 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.geometry.relative_pose import turn
 
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 STRIP_WIDTHS = (20.0, 80.0, 320.0)
 """Strips are so many clearances wide: a joint seldom lets its bodies go further; the next width is for those that it does."""
@@ -46,14 +52,30 @@ class Corners:
         By which the boundary turns there.
     heading : (n,) float64 [rad]
         Direction of the side that begins there.
-    long : (n,) float64 [mm]
-        Its length if it ends near the other body, too, else nought.
+    long, back : (n,) float64 [mm]
+        Its length, and that of the side that ends there, where both ends lie near the other body, else nought.
     """
 
     at: Floats
     angle: Floats
     heading: Floats
     long: Floats
+    back: Floats
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """To look for corners in a place."""
+        from scipy.spatial import cKDTree  # slow to load
+
+        return cKDTree(self.at)
+
+    def alike(self, rows: Ints, other: Corners, close: float) -> Bools:
+        """Which corners of another body (m,) may be these of our own (k,): they turn alike, and a side is as long; (k, m)."""
+        same = np.abs(other.angle - self.angle[rows, None]) < ANGLE_TOLERANCE
+        side = np.zeros_like(same)
+        for mine, theirs in ((self.long, other.long), (self.back, other.back)):
+            side |= (np.abs(theirs - mine[rows, None]) < close) & (theirs > 0)
+        return same & side
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +119,11 @@ class CongruentJoint:
         close = 1e-7 * self.strips.radius
         # the longest sides may be those that end where the bodies do, elsewhere in another pair
         first = np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]
-        same = np.abs(corners.angle - mine.angle[first, None]) < ANGLE_TOLERANCE
-        for j, k in zip(*np.nonzero(same), strict=True):
+        for j, k in zip(*np.nonzero(mine.alike(first, corners, 2 * close)), strict=True):
             angle = float(corners.heading[k] - mine.heading[first[j]])
             shift = corners.at[k] - turn(mine.at[first[j]], angle)
             there = turn(mine.at, angle) + shift
-            away = np.hypot(*(corners.at[:, None] - there).transpose(2, 0, 1)).min(0)
+            away, _ = corners.tree.query(there, distance_upper_bound=close)
             if np.count_nonzero(away < close) < MIN_COMMON_CORNERS * len(there):
                 continue
             moved = [shapely.transform(g, lambda p, a=angle, s=shift: turn(p, a) + s) for g in self._inner]
@@ -117,8 +138,10 @@ def near_corners(a: shapely.Geometry, b: shapely.Geometry, reach: float) -> Corn
     _, after = loops(a)
     near = shapely.dwithin(shapely.points(at), b, reach)
     long = np.where(near[after], np.hypot(*(at[after] - at).T), 0.0)
+    back = np.zeros(len(at))
+    back[after] = np.where(near, long, 0.0)
     angle = np.arctan2(come[:, 0] * go[:, 1] - come[:, 1] * go[:, 0], (come * go).sum(1))
-    return Corners(at[near], angle[near], np.arctan2(go[near, 1], go[near, 0]), long[near])
+    return Corners(at[near], angle[near], np.arctan2(go[near, 1], go[near, 0]), long[near], back[near])
 
 
 @dataclass(frozen=True, eq=False)

@@ -264,4 +264,4 @@ def _work_of_search(rounds: int, iterations: int, rows: int, pairs: int) -> floa
 def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:
     """Rather less than a search takes to choose among the contacts of pairs of many corners."""
     corners = np.diff(them.shapes.first)
-    return float(0.1 * (corners[them.shape[a]] + corners[them.shape[b]]).sum())
+    return float(0.01 * (corners[them.shape[a]] + corners[them.shape[b]]).sum())

@@ -122,7 +122,8 @@ def prove(
     few = not certify and held.sum() <= MANY_BODIES
     if few and bounding.relaxed(ranges) > witness + LOOSE_SHARE * abs(witness):
         tell("pairs that others keep together", math.nan)
-        some = Deadline(clock.left / 2, clock) if clock.left > 0 else clock
+        left = clock.left
+        some = Deadline(left / 2, clock) if left > 0 else clock
         joints, outer, ranges = confined_pairs(ground, joints, outer, ranges, some.is_set)
         bounding = bounding_of(joints, outer)
     ranges = narrowed(bounding.first(), ranges.low, ranges.high)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from wiggleroom.disassembly.enclosure import Enclosed, holds
+from wiggleroom.disassembly.enclosure import Enclosed
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
+from wiggleroom.disassembly.rigid_subassembly import passage_or_enclosure
 from wiggleroom.disassembly.slide_search import slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace
 from wiggleroom.errors import Stop
@@ -129,10 +130,7 @@ def _alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop 
         if _slides_apart(ready, a, b, stop):
             return None
         one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
-        found = passage(one, other, most=BOXES_PER_PAIR, stop=stop)
-        if not found.closed and found.path is None and _one_holds_other(one, other):
-            return replace(found, closed=True)
-        return found
+        return passage_or_enclosure(one, other, BOXES_PER_PAIR, stop)
 
     return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_PAIR, look, stop)
 
@@ -181,10 +179,6 @@ def decide_more_pairs(
                 break
         else:
             return replace(known, group=group, held=held)
-
-
-def _one_holds_other(one: shapely.Geometry, other: shapely.Geometry) -> bool:
-    return holds(one, other) or holds(other, one)
 
 
 def _ties(group: Ints) -> list[tuple[int, int]]:

@@ -24,7 +24,9 @@ DISC_MARGIN = 0.98
 """A disc counts with this share of its radius: buffers are polygons, and wrong by up to one part in a hundred."""
 RADIUS_RATIO = 1.01
 """Radii are rounded down to powers of this: congruent bodies share a thickened wall."""
-INSCRIBED_TOLERANCE = 1e-3
+ARCS = 32
+"""Chords of a quarter of the circle where a wall is made thicker as exactly as that needs."""
+INSCRIBED_TOLERANCE = 1e-4
 """The middle of the largest disc in a body is found to this share of its size: any disc inside would do."""
 
 
@@ -147,7 +149,7 @@ def enclosed_by_held(
 
 
 def holds(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
-    """True where that piece of a body that lies among the wall has a head that is certainly too thick for its mouth.
+    """True where a body, or that piece of it that lies among the wall, has a head that is certainly too thick for its mouth.
 
     Examples
     --------
@@ -156,13 +158,26 @@ def holds(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
     >>> holds(socket, shapely.box(3, 2.5, 6, 4.5) | shapely.box(4.2, 4.5, 4.8, 20))
     True
     """
-    for piece in shapely.get_parts(shapely.intersection(body, shapely.convex_hull(wall))):
+    for piece in (body, *shapely.get_parts(shapely.intersection(body, shapely.convex_hull(wall)))):
         disc = largest_disc(piece) if shapely.area(piece) > 0 else None
         if disc is None or disc.radius <= 0:
             continue
-        if hole_round(shapely.buffer(wall, DISC_MARGIN * disc.radius, quad_segs=8), disc.middle) is not None:
+        if hole_round(_inner_offset(wall, disc.radius), disc.middle) is not None:
             return True
     return False
+
+
+def _inner_offset(wall: shapely.Geometry, radius: float) -> shapely.Geometry:
+    """The wall made thicker by a radius, or a little less: strips along its edges, and regular polygons inside discs round its corners."""
+    rings = [
+        shapely.get_coordinates(ring) for part in shapely.get_parts(wall) for ring in (part.exterior, *part.interiors)
+    ]
+    begin, end = (np.concatenate([ring[k : len(ring) - 1 + k] for ring in rings]) for k in (0, 1))
+    along = (end - begin) / np.hypot(*(end - begin).T)[:, None]
+    across = radius * np.column_stack([-along[:, 1], along[:, 0]])
+    strips = shapely.polygons(np.stack([begin - across, end - across, end + across, begin + across], axis=1))
+    discs = shapely.buffer(shapely.points(begin), radius, quad_segs=ARCS)
+    return shapely.union_all([wall, *strips, *discs])
 
 
 def largest_disc(body: shapely.Geometry) -> Disc:

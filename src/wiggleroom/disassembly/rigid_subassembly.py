@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.audit_outlines import outlines
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.disassembly.enclosure import holds
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
@@ -23,6 +24,8 @@ Ints = NDArray[np.int64]
 MAX_TURN_STEP = 0.02
 """Way-points are no further apart than this [rad]."""
 MAX_SPLITS = 4
+BOXES_FOR_ENCLOSED = 4000
+"""Boxes judged at most where it is known already that a body does not leave."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +71,7 @@ def leaves_as_one(
         return RigidEscape(False, False, None)
 
     def look() -> Passage:
-        return passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
+        return passage_or_enclosure(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most, stop)
 
     found = passages.look(ready, others, who, most, look, stop)
     if found is None:  # slides of a pair lead apart: with other boxes the path is found here
@@ -84,6 +87,16 @@ def leaves_as_one(
             return RigidEscape(False, False, motions)
         points = np.insert(points, np.arange(1, len(points)), (points[1:] + points[:-1]) / 2, axis=0)
     return RigidEscape(False, False, None)
+
+
+def passage_or_enclosure(a: shapely.Geometry, b: shapely.Geometry, most: int, stop: Stop | None) -> Passage:
+    """The passage of `b` out of `a` by boxes of motions; by few of them where one has a head that is too thick for the other's mouth.
+
+    What the boxes still tell then is whether it turns half round.
+    """
+    closed = holds(a, b) or holds(b, a)
+    found = passage(a, b, most=min(most, BOXES_FOR_ENCLOSED) if closed else most, stop=stop)
+    return replace(found, closed=True) if closed else found
 
 
 def _finer(points: Floats) -> Floats:

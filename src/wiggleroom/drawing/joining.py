@@ -83,11 +83,20 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
 
 
 def _components(n: int, first: Ints, second: Ints) -> Ints:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+    """Of each of n nodes the least node that edges lead to; scipy has this, but takes a third of a second to load.
 
-    graph = coo_array((np.ones(len(first), dtype=bool), (first, second)), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    >>> _components(5, np.array([3, 1]), np.array([1, 4])).tolist()
+    [0, 1, 2, 1, 1]
+    """
+    root = np.arange(n)
+    while True:
+        a, b = root[first], root[second]
+        apart = a != b
+        if not apart.any():
+            return root
+        np.minimum.at(root, np.maximum(a, b)[apart], np.minimum(a, b)[apart])
+        while (root[root] != root).any():
+            root = root[root]
 
 
 def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bool]]]:

@@ -11,7 +11,7 @@ from wiggleroom.live.neighbourhood import neighbourhood
 from wiggleroom.live.warm_start import State, TimeBudget, WarmSearch, free_of_overlap, state_at_rest
 from wiggleroom.program.objectives import Approach, Points
 from wiggleroom.search.answer import Contact
-from wiggleroom.search.contact_forces import contacts
+from wiggleroom.search.contact_forces import contact_forces, contacts
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.verdict import SolverStatus
 
@@ -62,4 +62,5 @@ def holding(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     found = search.best
     if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
-    return contacts(search.ready.assembly, found.program, found.solution.u, found.active, unit)
+    forces = contact_forces(found.program, found.solution.u, found.active)
+    return contacts(search.ready.assembly, found.program, found.solution.u, forces, unit)

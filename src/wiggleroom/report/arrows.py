@@ -112,7 +112,7 @@ def _pull(start: Floats, tip: Floats, moved: Floats | None = None) -> Mark:
 def numbered(mark: Mark, number: int, room: float) -> Mark:
     """The mark with a number in a disc where its first line begins; large parts of `room` [px] have larger discs."""
     x, y = mark.lines[0][0]
-    size = min(max(_DISC_SHARE * room, _DISC[0]), _DISC[1])
+    size = disc_radius(room)
     radius = size * (1.0 if number < 10 else 1.2)
     disc = (
         f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius:.1f}" fill="{palette.PAPER}" stroke="{palette.MOTION}" '
@@ -122,6 +122,11 @@ def numbered(mark: Mark, number: int, room: float) -> Mark:
     digit = text(x, y + 0.36 * letters, letters, palette.INK, str(number), "middle")
     line = np.array([[x - radius, y], [x + radius, y]])
     return Mark(mark.svg + disc + digit, (*mark.lines, line), max(mark.clear, radius))
+
+
+def disc_radius(room: float) -> float:
+    """Radius [px] of the disc of a number on a part `room` pixels large."""
+    return min(max(_DISC_SHARE * room, _DISC[0]), _DISC[1])
 
 
 def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: float) -> Mark:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, place
-from wiggleroom.drawing.model import Pull
 from wiggleroom.report import frame, layout, palette
-from wiggleroom.report.arrows import Mark, goal_mark, numbered
+from wiggleroom.report.arrows import MIN_ARROW_LENGTH, PULL_LENGTH, Mark, arrow, carry, disc_radius, numbered
 from wiggleroom.report.picture import PartColours, drawn_parts
+
+Floats = NDArray[np.float64]
 
 _GAP = 30.0
 _DISC = (
@@ -26,10 +29,17 @@ _ARROW = (
 
 @dataclass(frozen=True)
 class Leaving:
-    """Parts that leave together, and the directions of their last straight pieces."""
+    """Parts that leave together.
+
+    Parameters
+    ----------
+    parts : tuple of names
+    path : (k, n, 3) float64 [mm, mm, rad]
+        Motions of all parts.
+    """
 
     parts: tuple[str, ...]
-    directions: tuple[tuple[float, float], ...]
+    path: Floats
 
 
 def leaving_picture(
@@ -57,9 +67,10 @@ def leaving_picture(
     marks: list[Mark] = []
     gone: set[str] = set()
     for k, leaving in enumerate(order):
-        for name, direction in zip(leaving.parts, leaving.directions, strict=True):
-            pull = Pull(name, direction, inside(assembly, name))
-            marks.append(numbered(goal_mark(view, assembly, pull, rest, rest, room), k + 1, room))
+        for name in leaving.parts:
+            row, point = assembly.names.index(name), np.array(inside(assembly, name))
+            track = np.array([carry(point, rest[row], rest[row] + motion) for motion in leaving.path[:, row]])
+            marks.append(numbered(way_out(view, point, track, room), k + 1, room))
             gone.add(name)
     kinds = {p.name: _kind(p.name, p.fixed, gone, aside) for p in assembly.parts}
     tints = PartColours({name: _FILLS[kind] for name, kind in kinds.items()}, ())
@@ -71,6 +82,36 @@ def leaving_picture(
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 
+def way_out(view: layout.View, point: Floats, track: Floats, room: float) -> Mark:
+    """Arrow from a point (2,) [mm] bent as its track (k, 2) [mm] is, not to scale, for a part `room` pixels large."""
+    size = room / view.scale
+    tolerance, track = _SLIGHT * size, track * (1, -1)
+    while len(corners := _simplified(track, tolerance)) > _LEGS + 1:
+        tolerance *= 1.5
+    legs = np.diff(corners, axis=0)
+    length = np.hypot(*legs.T)
+    along = legs / length[:, None]
+    length[-1] = min(length[-1], max(length[:-1].sum(), size))  # the last leg has no end
+    length *= PULL_LENGTH * (1 + _LONGER * (len(legs) - 1)) / length.sum()
+    length = np.maximum(length, MIN_ARROW_LENGTH)
+    length[0] += disc_radius(room)
+    drawn = view.pixels(point) + np.vstack([np.zeros(2), np.cumsum(along * length[:, None], axis=0)])
+    shaft, head = arrow(drawn[-2], drawn[-1], _HEAD)
+    before = "".join(f"M{x:.2f},{y:.2f}L{u:.2f},{v:.2f}" for (x, y), (u, v) in pairwise(drawn[:-1]))
+    stroke = f'fill="none" stroke="{palette.MOTION}" stroke-width="3" stroke-linecap="round"'
+    svg = f'<path d="{before}{shaft}" {stroke}/><path d="{head}" fill="{palette.MOTION}"/>'
+    return Mark(svg, tuple(np.array(pair) for pair in pairwise(drawn)))
+
+
+def _simplified(track: Floats, tolerance: float) -> Floats:
+    return shapely.get_coordinates(shapely.simplify(shapely.LineString(track), tolerance, preserve_topology=False))
+
+
+_LEGS, _HEAD = 3, 11.0
+_SLIGHT = 0.15
+"""Turns that lead a part aside by less than this share of its size are not drawn."""
+_LONGER = 0.6
+"""With every leg more an arrow is longer by this share."""
 _FILLS = {
     "fixed": palette.FIXED[0], "leaves": palette.PULLED[0], "aside": palette.ASIDE, "stays": palette.NEUTRAL[0],
 }  # fmt: skip

@@ -40,13 +40,7 @@ STEP_WORDS = LegendWords("moves", "goes this way", "before the step")
 
 def picture_of_plan(found: Plan, *, command: str = "") -> str:
     """All parts at rest, with a number in the order of leaving and an arrow on each that leaves, as an SVG picture."""
-    names = found.assembly.names
-    order = []
-    for step in found.steps:
-        if step.leaves:
-            rows = [names.index(name) for name in step.leaves]
-            last = (step.path[-1] - step.path[-2])[rows, :2]
-            order.append(Leaving(step.leaves, tuple((float(x), float(y)) for x, y in last)))
+    order = [Leaving(step.leaves, step.path) for step in found.steps if step.leaves]
     gone = {name for leaving in order for name in leaving.parts}
     aside = {name for step in found.steps for name in step.parts} - gone
     title, said = plan_title(found), plan_facts(found)

@@ -10,7 +10,7 @@ from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.film import film
 from wiggleroom.report.leaving_picture import Leaving, leaving_picture
-from wiggleroom.report.separability import as_answer, check_facts, check_title, last_directions
+from wiggleroom.report.separability import as_answer, check_facts, check_title
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Checked:
 def picture_of_check(checked: Checked, *, command: str = "") -> str:
     """All parts at rest, with a number in the order of leaving and an arrow on each that leaves, as an SVG picture."""
     found = checked.found
-    order = [Leaving(e.parts, last_directions(found, e)) for e in found.escapes]
+    order = [Leaving(e.parts, e.path) for e in found.escapes]
     moved = {n for e in found.escapes for k, n in enumerate(found.assembly.names) if e.path[:, k].any()}
     aside = moved - {n for e in found.escapes for n in e.parts}
     said = check_facts(found, checked.border)

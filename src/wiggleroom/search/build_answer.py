@@ -15,10 +15,10 @@ from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.search.answer import Answer, Contact, Period
-from wiggleroom.search.contact_forces import contacts
+from wiggleroom.search.contact_forces import ContactForces, contact_forces, contacts
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FULL_TURN, LocalSearch, Progress
-from wiggleroom.search.moves import branch_left_open
+from wiggleroom.search.moves import branches_left_open
 from wiggleroom.search.periodic_motion import PeriodicMotion
 from wiggleroom.search.recession import recession_direction, turns_for_ever
 from wiggleroom.solve.kkt_conditions import conditions
@@ -46,7 +46,8 @@ def answer_of(
         motions = motions[: max(checked.certain, 1)]
         value = search.objective.value(motions[-1])
     arrived = value >= found.value - END_TOLERANCE * max(abs(found.value), ready.clearance)
-    verdict = _verdict(search, found, checked.sure or arrived)
+    forces = contact_forces(found.program, found.solution.u, found.active)
+    verdict = _verdict(search, found, forces, checked.sure or arrived)
     deepest = overlaps(ready.bodies, motions[-1], ready.ignored).deepest
     if deepest > safe:  # never report an overlap: back to the last way-point without one
         motions, deepest = _safe_part(search, motions, safe)
@@ -65,7 +66,7 @@ def answer_of(
         leaves, turns = unlimited(ready.assembly, ready.bodies, found.motion, ready.size)
     held: tuple[Contact, ...] = ()
     if verdict.ends:
-        held = contacts(ready.assembly, found.program, found.solution.u, found.active)
+        held = contacts(ready.assembly, found.program, found.solution.u, forces)
     seconds = {k: v for k, v in search.seconds.items() if k != "check"}
     seconds["check"] = search.seconds["check"] + time.perf_counter() - started
     seconds["total"] = time.perf_counter() - began
@@ -102,7 +103,7 @@ def _safe_part(search: LocalSearch, motions: Floats, safe: float) -> tuple[Float
     return motions[:1], 0.0
 
 
-def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
+def _verdict(search: LocalSearch, found: Incumbent, forces: ContactForces, sure: bool) -> Verdict:
     if not sure:
         return Verdict.STOPPED
     if search.unlimited:
@@ -113,7 +114,7 @@ def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED
-    return Verdict.STATIONARY if branch_left_open(found) else Verdict.OPTIMAL
+    return Verdict.OPTIMAL if forces.whole and not branches_left_open(found) else Verdict.STATIONARY
 
 
 def unlimited(

@@ -1,36 +1,139 @@
-"""Real contacts that hold the motion: point, normal and force."""
+"""Real contacts that hold the motion: point, normal and force.
+
+Where edges lie flat on each other a wall may hold beyond the end of its edge: its force and those of its pair are then shared out anew
+among the places where corners do touch edges, if these can carry the same force and torque.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+import scipy.optimize
+from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
-from wiggleroom.search.active_set import ActiveSet
+from wiggleroom.search.active_set import EDGE_END_TOLERANCE, ActiveSet
 from wiggleroom.search.answer import Contact
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MIN_FORCE_SHARE = 1e-5
 """Contacts with less than this share of the largest force are not reported."""
+TOUCHING_DISTANCE = 1e-5
+"""A corner no further than this from an edge touches it, in units of the clearance."""
+BALANCE_TOLERANCE = 1e-5
+"""Share of a pair's force that may be left over when it is shared out anew."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """Forces of corners on edges.
+
+    Parameters
+    ----------
+    pair : (k,) int64
+        Pairs of the program.
+    kind, edge, corner : (k,) int64
+        Edge and corner as rows of `BodyShapes`; kind as in `contact_functions`.
+    force : (k,) float64
+        Objective per mm.
+    whole : bool
+        False where some force is held by walls that nothing touches, or was shared out to corners that touch edges at their very ends.
+    """
+
+    pair: Ints
+    kind: Ints
+    edge: Ints
+    corner: Ints
+    force: Floats
+    whole: bool
+
+
+def contact_forces(program: Program, u: Floats, active: ActiveSet) -> ContactForces:
+    """Forces of the real contacts at u (3F,); those of pairs with virtual walls are shared out anew where that can be done."""
+    cells, real = program.cells, ~active.virtual
+    keep, whole = real.copy(), True
+    found = [(np.zeros(0, dtype=np.int64),) * 4 + (np.zeros(0),)]
+    if not real.all():
+        at = program.linearise(u)
+        for pair in np.unique(active.pair[~real]):
+            mine = active.pair == pair
+            wrench = active.force[mine] @ at.d[active.row[mine]] * program.length  # rows count in units of that length
+            shared = _shared_out(program, int(pair), at.g[pair], wrench)
+            whole = whole and shared is not None and shared[1]
+            if shared is not None:
+                keep &= ~mine
+                found.append((np.full(len(shared[0][0]), pair), *shared[0]))
+    row = active.row[keep]
+    found.append((active.pair[keep], cells.kind[row], cells.edge[row], cells.corner[row], active.force[keep]))
+    pair, kind, edge, corner, force = (np.concatenate(column) for column in zip(*found, strict=True))
+    return ContactForces(pair, kind, edge, corner, force, whole)
+
+
+def _shared_out(
+    program: Program, pair: int, pose: Floats, wrench: Floats
+) -> tuple[tuple[Ints, Ints, Ints, Floats], bool] | None:
+    """Kind, edge, corner and force (k,) of contacts of a pair that carry its force and torque; None where those that touch cannot.
+
+    The second value tells whether no corner that touches an edge at its end is needed for that.
+    """
+    kind, edge, corner, place, d = _touching(program, pair, pose)
+    lever = np.array([1.0, 1.0, 1.0 / program.bodies.radius[program.cells.b[pair]]])
+    inside = (place > EDGE_END_TOLERANCE) & (place < 1 - EDGE_END_TOLERANCE)
+    for some in (inside, np.ones(len(kind), dtype=np.bool_)):
+        if not some.any():
+            continue
+        force, left = scipy.optimize.nnls((d[some] * lever).T, wrench * lever)
+        if left <= BALANCE_TOLERANCE * np.linalg.norm(wrench * lever):
+            return (kind[some], edge[some], corner[some], force), bool(inside[some].all())
+    return None
+
+
+def _touching(program: Program, pair: int, pose: Floats) -> tuple[Ints, Ints, Ints, Floats, Floats]:
+    """Corners that touch edges of the other body at a relative pose: kind, edge, corner, place (k,) and derivatives (k, 3)."""
+    bodies, cells = program.bodies, program.cells
+    shapes, q, angle = bodies.shapes, pose[:2], float(pose[2])
+    rows = [np.arange(*shapes.first[[s, s + 1]]) for s in bodies.shape[[cells.a[pair], cells.b[pair]]]]
+    tangents = np.column_stack([-shapes.normal[:, 1], shapes.normal[:, 0]])
+    found = []
+    for kind, edges, corners in ((kernel.A_EDGE, rows[0], rows[1]), (kernel.B_EDGE, rows[1], rows[0])):
+        own = shapes.corner[corners]
+        seen = turn(own, angle) + q if kind == kernel.A_EDGE else turn(own - q, -angle)
+        off = seen[:, None] - shapes.corner[edges]
+        ahead = (off * shapes.normal[edges]).sum(2)
+        along = (off * tangents[edges]).sum(2) / shapes.length[edges]
+        near = (np.abs(ahead) <= TOUCHING_DISTANCE * program.length) & (np.abs(along - 0.5) <= 0.5 + EDGE_END_TOLERANCE)
+        v, e = np.nonzero(near)
+        if kind == kernel.A_EDGE:
+            arm, normal = seen[v] - q, shapes.normal[edges[e]]
+        else:
+            arm, normal = own[v] - q, -turn(shapes.normal[edges[e]], angle)
+        d = np.column_stack([normal, normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]])
+        found.append((np.full(len(v), kind), edges[e], corners[v], along[v, e], d))
+    kinds, edge, corner, place, d = (np.concatenate(column) for column in zip(*found, strict=True))
+    return kinds, edge, corner, place, d
 
 
 def contacts(
-    assembly: Assembly, program: Program, u: np.ndarray, active: ActiveSet, unit: float = 1.0
+    assembly: Assembly, program: Program, u: Floats, held: ContactForces, unit: float = 1.0
 ) -> tuple[Contact, ...]:
     """Contacts at u (3F,) in assembly coordinates, strongest first; forces in this unit."""
     bodies, cells, shapes = program.bodies, program.cells, program.bodies.shapes
     pose, name = bodies.rest + program.motion(u), assembly.names
-    order = np.argsort(-active.force, kind="stable")
-    order = order[~active.virtual[order] & (active.force[order] >= MIN_FORCE_SHARE * active.force.max(initial=0.0))]
-    row, pair = active.row[order], active.pair[order]
-    of_a = cells.kind[row] == kernel.A_EDGE
-    a, b, edge, corner = cells.a[pair], cells.b[pair], cells.edge[row], cells.corner[row]
+    order = np.argsort(-held.force, kind="stable")
+    order = order[held.force[order] >= max(MIN_FORCE_SHARE * held.force.max(initial=0.0), np.finfo(float).tiny)]
+    pair, of_a = held.pair[order], held.kind[order] == kernel.A_EDGE
+    a, b, edge, corner = cells.a[pair], cells.b[pair], held.edge[order], held.corner[order]
     owner, other = np.where(of_a, a, b), np.where(of_a, b, a)
     point = pose[other, :2] + turn(shapes.corner[corner], pose[other, 2])
     normal = turn(shapes.normal[edge], pose[owner, 2]) * np.where(of_a, 1.0, -1.0)[:, None]
     one, two = np.where(of_a, edge, corner), np.where(of_a, corner, edge)
     bodies_of = zip(a.tolist(), b.tolist(), shapes.member[one].tolist(), shapes.member[two].tolist(), strict=True)
     names = [(name[bodies.members[i][m]], name[bodies.members[j][n]]) for i, j, m, n in bodies_of]
-    what = zip(names, point.tolist(), normal.tolist(), (active.force[order] / unit).tolist(), strict=True)
+    what = zip(names, point.tolist(), normal.tolist(), (held.force[order] / unit).tolist(), strict=True)
     return tuple(Contact(who, (p[0], p[1]), (n[0], n[1]), force) for who, p, n, force in what)

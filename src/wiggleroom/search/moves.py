@@ -104,9 +104,9 @@ def congruent_swap(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterat
             yield replace(_swapped(search, incumbent, swap), tolerance=search.fine)
 
 
-def branch_left_open(incumbent: Incumbent) -> bool:
-    """True where a wall that nothing touches, or the other side of a corner contact, holds the motion."""
-    return bool(incumbent.active.virtual.any()) or not (_few(incumbent) or not len(_corner_contacts(incumbent)))
+def branches_left_open(incumbent: Incumbent) -> bool:
+    """True where the other sides of corner contacts were too many to be tried."""
+    return not (_few(incumbent) or not len(_corner_contacts(incumbent)))
 
 
 def regrown(

@@ -222,15 +222,19 @@ class MotionBorder:
 
     def _proven(self, low: float) -> float | None:
         """Largest gap at which no motion above the limit is possible, by a bound."""
-        limit = Deadline(min(self.deadline.left, SETTINGS.proof_seconds), self.deadline)
-        for share in (0.0, *SETTINGS.proof_steps) if limit.left > 0 else ():
+        left = min(self.deadline.left, SETTINGS.proof_seconds)
+        if left <= 0:
+            return None
+        limit = Deadline(left, self.deadline)
+        for share in (0.0, *SETTINGS.proof_steps):
             gap = low * (1 - share)
             trial = self._at(gap)
             if trial.at_most is not None and trial.at_most <= self.limit:
                 return gap
             within = self.limit / trial.value - 1 if trial.value else 0.0
-            if trial.answer is not None and within >= SETTINGS.min_proof_share and not limit.is_set():
-                most = self.model.bound(trial.answer, min(0.9 * within, 9.0), limit.left / 2, limit, self.progress)
+            left = limit.left
+            if trial.answer is not None and within >= SETTINGS.min_proof_share and left > 0 and not limit.is_set():
+                most = self.model.bound(trial.answer, min(0.9 * within, 9.0), left / 2, limit, self.progress)
                 if most is not None and most <= self.limit:
                     self.trials[gap] = Trial(gap, trial.value, trial.verdict, trial.checked, most, trial.answer)
                     return gap

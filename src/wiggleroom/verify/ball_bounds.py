@@ -267,12 +267,13 @@ class RangedCase:
         total = wx * middle[0] + wy * middle[1] - slope * own - lean * mean + curvature * (1 - around[0])
         long = size(force)
         total += long * (self.case.doubt + shape.slip)
+        twist = abs(k)
         if not (r == 0 and s == 0):
             if shape.coupling is None:
                 raise Refused("turns are coupled that are not known well enough")
             chord, sag, skew = shape.coupling
             total += abs(r) * sag + abs(s) * skew
-            k = k - r * chord
+            k, twist = k - r * chord, twist + abs(r) * chord  # what cancels leaves the rounding of both
         # the force in axes turned by the middle of t_a
         rest = around[0] * wx + around[1] * wy, around[0] * wy - around[1] * wx
         half = shape.half
@@ -289,7 +290,7 @@ class RangedCase:
         wide = shape.wide
         steep = wide[0] * (abs(v[0]) + abs(v[1])) + wide[1] * (abs(v[0]) + abs(v[1]))
         terms = steep * (1 + h) + (
-            wide[2] * abs(v[2]) + (wide[2] * abs(v[5]) + abs(v[4])) * lever + abs(v[3]) * h + abs(hollow) * h * h
+            wide[2] * _up(twist) + (wide[2] * abs(v[5]) + abs(v[4])) * lever + abs(v[3]) * h + abs(hollow) * h * h
         )
         bounds = (
             arb(float((level + _parabola(swing, hollow, h)).max())),

@@ -40,8 +40,8 @@ CLOSING_ANGLES = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 CHORD_SETTINGS = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))
 """Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first that one is
 found with. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
-MAX_KEPT_STEP = 2.0**-14
-"""For steps that are smaller than this share of the turn, loops may go round what the one before went round, too."""
+KEPT_STEP, MAX_KEPT_LOOPS = 2.0**-14, 100
+"""Where no step leads on, so many loops, at steps of this share of the turn, may go round what the one before went round, too."""
 MAX_LOOPS = 1200
 
 
@@ -133,14 +133,18 @@ def _half(
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
     ended: list[tuple[Loop, Seam]] | None = None  # as far as it went when a longer step would already have ended it
-    here, step = start, FIRST_ANGLE_STEP * end
-    while (
-        not over()
-        and len(done) < MAX_LOOPS
-        and abs(step) > MIN_ANGLE_STEP * abs(end)
-        and abs(here.angle) < 2 * abs(end) + 0.1
-    ):
+    here, step, kept = start, FIRST_ANGLE_STEP * end, 0
+    while not over() and len(done) < MAX_LOOPS and abs(here.angle) < 2 * abs(end) + 0.1:
+        if abs(step) <= MIN_ANGLE_STEP * abs(end):
+            if ended is not None or kept:
+                break
+            step, kept = KEPT_STEP * end, MAX_KEPT_LOOPS
         found = _next(material, crossings, here, here.angle + step, window, abs(step / end), end, few)
+        if found is not None:
+            kept = 0
+        elif kept > 1:
+            found = _next(material, crossings, here, here.angle + step, window, abs(step / end), end, few, keep=True)
+            kept -= found is not None
         if found is None:
             step /= 2
             continue
@@ -151,7 +155,8 @@ def _half(
             step /= 2  # not further than needed
             continue
         done.append(found)
-        here, step = found[0], min(1.5 * abs(step), FIRST_ANGLE_STEP * abs(end)) * np.sign(end)
+        longest = (KEPT_STEP if kept else FIRST_ANGLE_STEP) * abs(end)
+        here, step = found[0], min(1.5 * abs(step), longest) * np.sign(end)
     return ended
 
 
@@ -164,19 +169,24 @@ def _next(
     share: float,
     whole: float,
     few: bool,
+    *,
+    keep: bool = False,
 ) -> tuple[Loop, Seam] | None:
-    """Loop at `angle` that can be joined to the one `here`; further behind the walls only where the step is a small `share`."""
+    """Loop at `angle` that can be joined to the one `here`; further behind the walls only where the step is a small `share`.
+
+    To `keep` a strip that closes all along at once, until its walls overlap well enough that a loop can leave it, it goes round what the
+    one here goes round, too.
+    """
     pieces = _pieces(material, angle, window, shapely.Polygon(here.at))
     some: Iterable[Loop | None]
     if not len(pieces):
         some = (p for k in CLOSING_ANGLES for p in _ends(crossings, here, angle + k * whole))
     else:
-        # a strip that closes all along at once is kept until its walls overlap well enough that a loop can leave it
-        off = LOOP_OUTSETS[0][0] * material.clearance
-        kept = np.append(pieces, shapely.buffer(shapely.Polygon(here.at), -off, join_style="mitre"))
+        if keep:
+            off = LOOP_OUTSETS[0][0] * material.clearance
+            pieces = np.append(pieces, shapely.buffer(shapely.Polygon(here.at), -off, join_style="mitre"))
         some = (
-            _loop(material, crossings, round_, angle, o, seldom)
-            for round_ in ((pieces, kept) if share <= MAX_KEPT_STEP else (pieces,))
+            _loop(material, crossings, pieces, angle, o, seldom)
             for o, most in LOOP_OUTSETS
             if share <= most
             for seldom in ((True, False) if few else (False,))

@@ -17,12 +17,14 @@ MAX_ROWS = 60
 """Rows of a program at most; more corners than that are left out."""
 MAX_EDGES = 6
 """Edges that a corner may meet at most; where it may meet more, it gives no rows."""
+MIN_CHORD = 0.1
+"""A chain of edges whose ends on a disc are nearer than this share of its radius gives no row: what lies behind it is not known."""
 MAX_PIVOTS = 40
 """Steps of the simplex method; every one of them is a bound, so it may end at any."""
 TOLERANCE = 1e-9
 """Share of a row that counts as nothing."""
 SURE_VIOLATION = 1e-7
-"""Rows contradict each other only where one fails by more than this share."""
+"""Rows contradict each other only where their sum fails by more than this share."""
 
 
 @njit(**COMPILED_CALLERS_ONLY)
@@ -86,8 +88,63 @@ def free_side_is_convex(edge, some, count, tiny):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
+def _crossing(x, y, radius, edge, e, entering):
+    """Where an edge enters a disc, or leaves it."""
+    ax, ay = edge[e, 0] - x, edge[e, 1] - y
+    ex, ey = edge[e, 2] - edge[e, 0], edge[e, 3] - edge[e, 1]
+    a, b, c = ex * ex + ey * ey, ax * ex + ay * ey, ax * ax + ay * ay - radius * radius
+    root = np.sqrt(max(b * b - a * c, 0.0))
+    t = min(max((-b - root if entering else -b + root) / a, 0.0), 1.0)
+    return edge[e, 0] + t * ex, edge[e, 1] + t * ey
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def supporting_line(x, y, radius, edge, some, count, line):
+    """Fill `line` (nx, ny, offset) so that n . z >= offset for what is free in a disc; False where no such line is known.
+
+    The edges that meet the disc must be one chain across it. Its chord, moved back until no corner of the chain is behind it, cuts off a
+    piece of the disc that no edge meets; it lies on the material's side of the chain, so it is material.
+    """
+    first = -1
+    for i in range(count):
+        e = some[i]
+        if (edge[e, 0] - x) ** 2 + (edge[e, 1] - y) ** 2 > radius * radius:
+            if first >= 0:
+                return False
+            first = e
+    if first < 0:
+        return False
+    px, py = _crossing(x, y, radius, edge, first, True)
+    last, seen = first, 1
+    while (edge[last, 2] - x) ** 2 + (edge[last, 3] - y) ** 2 <= radius * radius:
+        following = -1
+        for i in range(count):
+            if edge[some[i], 0] == edge[last, 2] and edge[some[i], 1] == edge[last, 3]:
+                following = some[i]
+        seen += 1
+        if following < 0 or seen > count:
+            return False
+        last = following
+    if seen != count:
+        return False
+    qx, qy = _crossing(x, y, radius, edge, last, False)
+    dx, dy = qx - px, qy - py
+    long = np.sqrt(dx * dx + dy * dy)
+    if long < MIN_CHORD * radius:
+        return False
+    nx, ny = dy / long, -dx / long
+    least = min(nx * px + ny * py, nx * qx + ny * qy)
+    for i in range(count):
+        e = some[i]
+        if e != first:
+            least = min(least, nx * edge[e, 0] + ny * edge[e, 1])
+    line[0], line[1], line[2] = nx, ny, least
+    return True
+
+
+@njit(**COMPILED_CALLERS_ONLY)
 def add_rows(
-    x, y, turn, half, swing, of_b, p_edge, p_disc, p_kid, q_edge, q_disc, q_kid, stack, nodes, some, first, rows, m
+    x, y, turn, half, swing, of_b, p_edge, p_disc, p_kid, q_edge, q_disc, q_kid, stack, nodes, some, first, line, rows, m
 ):  # fmt: skip
     """Append rows a . z <= b, z in [-1, 1]^3 the motions of the box, of the corners p of one body against edges q of the other.
 
@@ -120,16 +177,25 @@ def add_rows(
                 waiting += 2
             continue
         count = edges_within(zx, zy, reach, q_edge, q_disc, q_kid, stack, some)
-        if count == 0 or count > MAX_EDGES or not free_side_is_convex(q_edge, some, count, tiny):
+        if count == 0 or count > MAX_EDGES:
             continue
+        convex = free_side_is_convex(q_edge, some, count, tiny)
+        if not convex:
+            if not supporting_line(zx, zy, reach, q_edge, some, count, line):
+                continue
+            count = 1
         for k in range(count):
             if m == len(rows):
                 return m
-            e = some[k]
-            ex, ey = q_edge[e, 2] - q_edge[e, 0], q_edge[e, 3] - q_edge[e, 1]
-            long = np.sqrt(ex * ex + ey * ey)
-            nx, ny = ey / long, -ex / long
-            room = nx * (zx - q_edge[e, 0]) + ny * (zy - q_edge[e, 1])
+            if convex:
+                e = some[k]
+                ex, ey = q_edge[e, 2] - q_edge[e, 0], q_edge[e, 3] - q_edge[e, 1]
+                long = np.sqrt(ex * ex + ey * ey)
+                nx, ny = ey / long, -ex / long
+                room = nx * (zx - q_edge[e, 0]) + ny * (zy - q_edge[e, 1]) + tiny
+            else:
+                nx, ny = line[0], line[1]
+                room = nx * zx + ny * zy - line[2] + tiny
             if of_b:
                 gx, gy, gt = nx, ny, ny * (zx - x) - nx * (zy - y)
                 room += far * swing * swing / 2
@@ -181,7 +247,13 @@ def linear_program_maximum(c0, c1, c2, rows, m, active, inverse):
             max(c0 * b[0, 1] + c1 * b[1, 1] + c2 * b[2, 1], 0.0),
             max(c0 * b[0, 2] + c1 * b[1, 2] + c2 * b[2, 2], 0.0),
         )
-        best = min(best, c0 * z0 + c1 * z1 + c2 * z2)
+        value = 0.0
+        left0, left1, left2 = c0, c1, c2
+        for k in range(3):
+            value += y[k] * a[k, 3]
+            left0, left1, left2 = left0 - y[k] * a[k, 0], left1 - y[k] * a[k, 1], left2 - y[k] * a[k, 2]
+        # weak duality over the cube: it holds for whatever multipliers rounding has left
+        best = min(best, value + abs(left0) + abs(left1) + abs(left2))
         worst, r0, r1, r2, r3 = 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(m):
             behind = rows[k, 0] * z0 + rows[k, 1] * z1 + rows[k, 2] * z2 - rows[k, 3]
@@ -203,12 +275,18 @@ def linear_program_maximum(c0, c1, c2, rows, m, active, inverse):
             return best + margin
         leaves, ratio = -1, np.inf
         norm = abs(r0) + abs(r1) + abs(r2)
+        low, weight = r3, norm + abs(r3)
+        left0, left1, left2 = r0, r1, r2
         for i in range(3):
             alpha = r0 * b[0, i] + r1 * b[1, i] + r2 * b[2, i]
             length = abs(a[i, 0]) + abs(a[i, 1]) + abs(a[i, 2])
             if alpha * length > 1e-9 * norm and y[i] / alpha < ratio:
                 leaves, ratio = i, y[i] / alpha
-        if leaves < 0:
-            return -np.inf if worst > SURE_VIOLATION else best + margin
+            if alpha < 0.0:
+                low, weight = low - alpha * a[i, 3], weight - alpha * (length + abs(a[i, 3]))
+                left0, left1, left2 = left0 - alpha * a[i, 0], left1 - alpha * a[i, 1], left2 - alpha * a[i, 2]
+        if leaves < 0:  # Farkas: the rows add up to one that no point of the cube fulfils
+            sure = low < -(abs(left0) + abs(left1) + abs(left2)) - SURE_VIOLATION * weight
+            return -np.inf if sure else best + margin
         active[leaves, 0], active[leaves, 1], active[leaves, 2], active[leaves, 3] = r0, r1, r2, r3
     return best + margin

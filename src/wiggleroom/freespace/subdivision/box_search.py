@@ -16,6 +16,8 @@ FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 """How the search ended: with a free path to a goal, with the proof that there is none, without room or time, or to go on."""
 SPLIT_VISITS = 100
 """Splitting a box takes about as long as going over so many."""
+NO_GOAL = (0.31, 0.53, 0.79)
+"""Any goal will do where rows are only asked whether they contradict each other: one that no row is likely to share."""
 
 
 @njit(**OPTIONS)
@@ -176,7 +178,7 @@ def split_box(
     pieces = np.empty((128, 4))
     some = np.empty(MAX_EDGES + 1, dtype=np.int64)
     one = np.empty(1, dtype=np.int64)
-    rows, active, inverse = np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
+    line, rows, active, inverse = np.empty(3), np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
     first[n] = count
     side = 0.5 ** (level[n] + 1)
     half, swing = scale[0] * side, scale[1] * side
@@ -191,48 +193,18 @@ def split_box(
             x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
         )
         upper[m] = objective_bound(asked, x, y, turn, half, swing)
-        if state[m] != MIXED or asked[5] == np.inf:
+        if state[m] != MIXED:
             continue
         found = add_rows(
-            x,
-            y,
-            turn,
-            half,
-            swing,
-            True,
-            b_edge,
-            b_disc,
-            b_kid,
-            a_edge,
-            a_disc,
-            a_kid,
-            stack,
-            nodes,
-            some,
-            one,
-            rows,
-            0,
-        )
+            x, y, turn, half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line, rows, 0,
+        )  # fmt: skip
         found = add_rows(
-            x,
-            y,
-            turn,
-            half,
-            swing,
-            False,
-            a_edge,
-            a_disc,
-            a_kid,
-            b_edge,
-            b_disc,
-            b_kid,
-            stack,
-            nodes,
-            some,
-            one,
-            rows,
-            found,
-        )
+            x, y, turn, half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line, rows, found,
+        )  # fmt: skip
+        if asked[5] == np.inf:  # nothing is asked but whether any motion in the box is free
+            if found and linear_program_maximum(*NO_GOAL, rows, found, active, inverse) == -np.inf:
+                state[m] = FORBIDDEN
+            continue
         slope, bend = slope_and_curvature_bound(asked, turn)
         most = linear_program_maximum(half * asked[0], half * asked[1], swing * slope, rows, found, active, inverse)
         if most == -np.inf:
