@@ -3,6 +3,10 @@
 `python -m benchmarks.spatial_overlaps 200 1` judges 200 assemblies from seed 1, families in turn; every other one of those whose parts
 are made of boxes is also asked whether it comes apart, and all states on the escape paths are judged. The judge makes its own shapes from
 the numbers that the assembly was drawn with; it shares neither pieces nor axes nor way-points' neighbours with the program.
+
+Every third one has random roles besides: locked freedoms, which must stand still at every moment looked at, parts that are glued and
+must lie to each other as at rest (between way-points to 1e-4 of the size), and a pull at a point away from the reference point.
+`python -m benchmarks.spatial_overlaps 1 7001 35` judges assembly 35 of seed 7001 alone.
 """
 
 from __future__ import annotations
@@ -11,6 +15,7 @@ import itertools
 import sys
 import time
 from collections import Counter
+from dataclasses import replace
 
 import fcl
 import numpy as np
@@ -27,6 +32,7 @@ from wiggleroom.spatial.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_model import (
+    AXES,
     Boxes,
     Plate,
     SpatialDrawing,
@@ -257,8 +263,8 @@ ALSO_APART = (burr, crate, finger_box, joints)
 class Judge:
     """Collisions of parts that lie where their corners say, moved about their reference points."""
 
-    def __init__(self, shapes, reference, fixed):
-        self.reference, self.fixed = reference, fixed
+    def __init__(self, shapes, reference, fixed, glued=()):
+        self.reference, self.fixed, self.glued = reference, fixed, glued
         self.corners = [[points - r for points in pieces] for pieces, r in zip(shapes, reference, strict=True)]
         self.shapes = [[convex(points - r) for points in pieces] for pieces, r in zip(shapes, reference, strict=True)]
 
@@ -273,7 +279,7 @@ class Judge:
             high.append(np.array([c.max(axis=0) for c in moved]))
         deepest = 0.0
         for i, j in itertools.combinations(range(len(place)), 2):
-            if self.fixed[i] and self.fixed[j]:
+            if (self.fixed[i] and self.fixed[j]) or (i, j) in self.glued:
                 continue
             meets = ((low[i][:, None] <= high[j][None]) & (high[i][:, None] >= low[j][None])).all(axis=2)
             for p, q in np.argwhere(meets).tolist():
@@ -293,6 +299,37 @@ def between(start, end, share):
     return np.hstack([start[:, :3] + share * (end[:, :3] - start[:, :3]), moved])
 
 
+def with_roles(rng, drawing):
+    """The drawing with locked freedoms of a free part, and sometimes with two other parts glued."""
+    free = [k for k, p in enumerate(drawing.parts) if not p.fixed]
+    order = rng.permutation(free).tolist()
+    parts = list(drawing.parts)
+    locked = frozenset(rng.choice(AXES, int(rng.integers(1, 5)), replace=False).tolist())
+    parts[order[0]] = replace(parts[order[0]], lock=locked)
+    glue = ()
+    if len(order) > 2 and rng.random() < 0.5:
+        glue = ((parts[order[1]].name, parts[order[2]].name),)
+    return replace(drawing, parts=tuple(parts), glue=glue)
+
+
+def broken_role(drawing, reference, waypoints):
+    """Largest motion of what is locked [mm or rad], and of glued parts against each other [mm], at way-points and between them."""
+    worst = np.zeros(2)
+    names = [p.name for p in drawing.parts]
+    for one, other in [*itertools.pairwise(waypoints), (waypoints[-1], waypoints[-1])]:
+        for share in np.linspace(0, 1, BETWEEN, endpoint=False):
+            motion = between(one, other, share)
+            broken = [abs(m[AXES.index(axis)]) for p, m in zip(drawing.parts, motion, strict=True) for axis in p.lock]
+            for group in drawing.glue:
+                a, b = (names.index(n) for n in group)
+                R = Rotation.from_rotvec(motion[a, 3:])
+                arm = reference[b] - reference[a]
+                broken.append(np.abs(motion[b, :3] - motion[a, :3] - R.apply(arm) + arm).max())
+                broken.append((R.inv() * Rotation.from_rotvec(motion[b, 3:])).magnitude())
+            worst[int(share > 0)] = max(worst[int(share > 0)], *broken)
+    return worst
+
+
 def worst_on(judge, waypoints):
     """Deepest overlap along a path, its end included."""
     worst = judge.depth(waypoints[-1])
@@ -302,32 +339,46 @@ def worst_on(judge, waypoints):
     return worst
 
 
-def main(count: int, seed: int) -> None:
-    rng = np.random.default_rng(seed)
+def main(count: int, seed: int, first: int) -> None:
     seen: Counter = Counter()
     began = time.process_time()
-    for number in range(count):
+    for number in range(first, first + count):
+        rng = np.random.default_rng((seed, number))
         family = FAMILIES[number % len(FAMILIES)]
         drawing, shapes = family(rng)
         free = [p.name for p in drawing.parts if not p.fixed]
         name, direction = free[rng.integers(len(free))], tuple(rng.normal(size=3))
+        if number // len(FAMILIES) % 3 == 2:
+            drawing = with_roles(rng, drawing)
         goal = SpatialTurn(name, direction) if rng.random() < 0.3 else SpatialPull(name, direction)
         where = f"assembly {number} ({family.__name__}) of seed {seed}"
         try:
             assembly = assemble_spatial(drawing)
+            if number // len(FAMILIES) % 3 == 2 and isinstance(goal, SpatialPull):
+                at = assembly.reference[[p.name for p in drawing.parts].index(name)]
+                goal = replace(goal, point=tuple((at + rng.normal(size=3) * 0.2 * assembly.size).tolist()))
             answer = flex_spatial(assembly, goal)
         except InputError as problem:
             seen[f"{family.__name__} refused: {str(problem)[:60]}"] += 1
             continue
-        judge = Judge(shapes, assembly.reference, [p.fixed for p in drawing.parts])
-        worst = worst_on(judge, answer.waypoints if answer.path == "checked" else answer.waypoints[-1:])
+        names = [p.name for p in drawing.parts]
+        glued = [tuple(sorted(names.index(n) for n in group)) for group in drawing.glue]
+        judge = Judge(shapes, assembly.reference, [p.fixed for p in drawing.parts], glued)
+        waypoints = answer.waypoints if answer.path == "checked" else answer.waypoints[-1:]
+        worst = worst_on(judge, waypoints)
+        if drawing.glue or any(p.lock for p in drawing.parts):
+            broken = broken_role(drawing, assembly.reference, waypoints)
+            reach = max(assembly.size, np.abs(waypoints[..., :3]).max())
+            if broken[0] > 1e-9 * reach or broken[1] > (1e-4 if drawing.glue else 1e-9) * reach:
+                seen["BROKEN ROLES"] += 1
+                print(f"{where}: {goal} moves what is locked or glued by {broken}", flush=True)
         seen[f"{family.__name__} {answer.verdict} {answer.path}"] += 1
         seen["iterations"] += answer.iterations
         if worst > SHALLOW:
             seen["OVERLAPS"] += 1
-            print(f"{where}: {goal} overlaps by {worst:g} mm")
+            print(f"{where}: {goal} overlaps by {worst:g} mm", flush=True)
         if answer.path != "checked" or answer.verdict == "stopped":
-            print(f"{where}: {goal} {answer.verdict}, way {answer.path}")
+            print(f"{where}: {goal} {answer.verdict}, way {answer.path}", flush=True)
         if family in ALSO_APART and number // len(FAMILIES) % 2:
             found = check_spatial(assembly)
             seen[f"{family.__name__} check: {found.verdict}"] += 1
@@ -342,10 +393,12 @@ def main(count: int, seed: int) -> None:
                 if deep > SHALLOW:
                     seen["OVERLAPS ON A WAY OUT"] += 1
                     print(f"{where}: way out of {escape.parts} overlaps by {deep:g} mm")
+        if (number - first) % 50 == 49:
+            print(f"{number - first + 1} judged, {time.process_time() - began:.0f} s", flush=True)
     for key, value in sorted(seen.items()):
         print(f"{value:6d} {key}")
     print(f"{time.process_time() - began:.0f} s of processor time")
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    main(int(sys.argv[1]), *(int(sys.argv[k]) if len(sys.argv) > k else default for k, default in ((2, 1), (3, 0))))

@@ -13,7 +13,7 @@ import socket
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from email.message import Message
 from pathlib import Path
 
@@ -304,11 +304,50 @@ def test_processes_may_not_take_all_memory() -> None:
     assert resource.RLIM_INFINITY != int(done.stdout) <= whole / 2
 
 
-@pytest.mark.parametrize(("option", "text"), [("ignore", "a,b"), ("gap_of", "a,b:0.1")])
-def test_serve_says_which_options_it_does_not_take(option, text):
+TRAY = {
+    "format": "wiggleroom/2",
+    "gap": 0.2,
+    "unit": "cm",
+    "parts": [
+        {"name": "west", "boxes": [[-0.2, 0, 0, 0, 1, 1]], "fixed": True},
+        {"name": "east", "boxes": [[1, 0, 0, 1.2, 1, 1]], "fixed": True},
+        {"name": "block", "boxes": [[0, 0, 0, 1, 1, 1]], "lock": ["y", "z", "rx", "ry", "rz"]},
+    ],
+    "gaps": [{"parts": ["west", "block"], "gap": 0.03}],
+}
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_pages_begin_with_gaps_of_joints_and_pairs_to_ignore(tmp_path: Path, space: bool) -> None:
     from wiggleroom.cli.options import QuestionOptions
     from wiggleroom.cli.serve_command import first_request
-    from wiggleroom.errors import InputError
 
-    with pytest.raises(InputError, match="is not taken; write"):
-        first_request("examples/drawings/pyjigsaw_4x5.svg", QuestionOptions(**{option: (text,)}))
+    file = tmp_path / ("tray.json" if space else "chain.json")
+    file.write_bytes(json.dumps(TRAY).encode() if space else CHAIN)
+    part, gap_of = ("block", "block,east:0.7") if space else ("b2", "b1,b2:0.03")
+    asked = QuestionOptions(gap=0.2 if space else None, gap_of=(gap_of,), ignore=("west,block",) if space else ())
+    served = Served(first_request(str(file), replace(asked, pull=(f"{part}:+x",))))
+    try:
+        with served.visit() as one:
+            one.design = one.until(0, "opened")["design"]
+            reply = one.ask("flex")
+            saved = tmp_path / "saved.json"
+            saved.write_bytes(base64.b64decode(one.ask("save", what="assembly", of="flex")["data"]))
+    finally:
+        served.close()
+    again = wr.flex(wr.read(saved), wr.Pull(part, (1, 0, 0) if space else (1, 0)))
+    assert reply["objective"] == pytest.approx(again.objective, abs=1e-7)
+    assert f"--gap-of {gap_of}" in reply["command"]
+    if space:  # the block meets the east wall, at the gap of that joint
+        assert reply["objective"] == pytest.approx(0.7, abs=1e-7)
+        assert "--ignore west,block" in reply["command"]
+        assert json.loads(saved.read_text())["gaps"][1]["gap"] == pytest.approx(0.07)
+    else:
+        assert reply["objective"] == pytest.approx(wr.flex(wr.read(file, gap=0.03), wr.Pull(part, (1, 0))).objective)
+
+
+def test_joints_of_parts_that_are_not_there_are_refused(served: Served) -> None:
+    with served.visit() as one:
+        reply = one.open("chain.json", CHAIN, gaps=[["b1", "b9", 0.1]])
+    assert reply["kind"] == "failed"
+    assert any('gaps: there is no part "b9"' in line for line in reply["findings"])

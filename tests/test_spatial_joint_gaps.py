@@ -163,12 +163,13 @@ def test_steps_stay_where_they_are_when_a_part_gets_looser() -> None:
     floor = {"name": "floor", "boxes": [[-10, -10, -4, 20, 20, 0]], "fixed": True}
     post = {"name": "post", "boxes": [[0, -4, 0, 4, 14, 10]], "fixed": True}
     block = {"name": "block", "boxes": [[5, 0, 0, 10, 10, 10]], "lock": ["y", "rx", "ry", "rz"]}
-    assembly = spatial(floor, post, block, gap=0.2, gaps=[joint("floor", "post", 0.05)])
+    wall = {"name": "wall", "boxes": [[12, -4, 0, 14, 14, 10]], "fixed": True}  # else it may fall off the floor
+    assembly = spatial(floor, post, block, wall, gap=0.2, gaps=[joint("floor", "post", 0.05)])
     pull = [wr.Pull("block", (0, 0, -1), weight=5.0), wr.Pull("block", (-1, 0, 0))]
     found = wr.rank(assembly, pull)
     assert sound(found.answer).objective == pytest.approx(5 * 0.2 + 1.1, abs=1e-7)
     assert dict(zip(assembly.names, found.looser, strict=True)) == pytest.approx(
-        {"floor": 2.5, "post": 0, "block": 3.0}
+        {"floor": 2.5, "post": 0, "block": 3.0, "wall": 0}
     )
     assert found.looser == pytest.approx(wr.rank(assembly, pull, by="differences").looser, rel=1e-4, abs=1e-6)
 

@@ -7,6 +7,7 @@ import itertools
 import fcl
 import numpy as np
 import pytest
+from benchmarks import spatial_overlaps
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
@@ -152,3 +153,22 @@ def test_a_lock_decides_whether_a_part_can_be_taken_out() -> None:
     assert wr.check(spatial(floor, cap | {"lock": ["ry"]})).verdict == "comes apart"
     held = wr.check(spatial(floor, cap | {"lock": ["z", "ry"]}))
     assert held.verdict == "interlocked"
+
+
+def test_glued_parts_stay_together_between_way_points() -> None:
+    """A thin peg turns in its hole and swings a block along that is glued to it, far away: half way the block is where the peg has it."""
+    hole = [[-5.2, -3], [-5.2, 3], [5.2, 3], [5.2, -3]]
+    frame = {"name": "frame", "outline": square(20), "holes": [hole], "thickness": 4, "fixed": True}
+    peg = {"name": "peg", "boxes": [[-5, -0.5, -1, 5, 0.5, 5]]}
+    block = {"name": "block", "boxes": [[60, -1, 5.5, 62, 1, 6.5]]}
+    covers = [{"name": f"cover {z}", "boxes": [[-20, -20, z, 20, 20, z + 1]], "fixed": True} for z in (-2.5, 5.5)]
+    found = wr.flex(spatial(frame, peg, block, *covers, glue=[["peg", "block"]]), wr.Turn("peg", (0, 0, 1)))
+    assert found.objective > 0.4
+    reference = found.assembly.reference
+    arm = reference[2] - reference[1]
+    for one, other in itertools.pairwise(found.waypoints):
+        for share in (0.0, 0.5):
+            middle = spatial_overlaps.between(one, other, share)
+            R = Rotation.from_rotvec(middle[1, 3:])
+            seen = R.inv().apply(middle[2, :3] + arm - middle[1, :3])
+            assert np.abs(seen - arm).max() < (1e-4 if share else 1e-9) * 62

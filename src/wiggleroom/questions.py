@@ -106,9 +106,10 @@ def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **opti
     0.0261
     """
     if isinstance(assembly, SpatialAssembly):
+        from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
         from wiggleroom.spatial.spatial_flex import flex_spatial
 
-        return flex_spatial(assembly, spatial_goals(goals), **options)
+        return with_cross_section_bound(flex_spatial(assembly, spatial_goals(goals), **options), options.get("stop"))
     from wiggleroom.maximise import flex as flex_planar
 
     return flex_planar(assembly, goals, **options)  # type: ignore[arg-type]

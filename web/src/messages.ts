@@ -35,6 +35,8 @@ export interface OpenRequest {
   skip?: string[];
   join?: number | null;
   solid?: string[];
+  gaps?: [string, string, number][] | null;
+  ignore?: [string, string][] | null;
   design?: Design | null;
 }
 

@@ -47,7 +47,7 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
     how = file.flattening
     if file.flatten is not None and (how is None or file.flatten != chord_error(gap, how.at_no_gap, how.finest)):
         found += ["--flatten", repr(file.flatten)]
-    found += ["--gap", f"{gap:.12g}"]
+    found += ["--gap", f"{gap:.12g}", *file.joints]
     for part in design.fixed:
         if part not in before:
             found += _option("--fix", part)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 import numpy as np
@@ -18,7 +18,7 @@ from msgspec.structs import replace
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.layers import ReadOptions
-from wiggleroom.drawing.model import Drawing, Flattening
+from wiggleroom.drawing.model import Drawing, Flattening, JointGap
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.page_messages import design_message, drawing_message
@@ -27,6 +27,8 @@ from wiggleroom.schema.requests import GoalEntry, OpenRequest
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_model import SpatialDrawing
+
+AnyDrawing = TypeVar("AnyDrawing", Drawing, "SpatialDrawing")
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +55,8 @@ class File:
         Of a drawing, as it is: it may be a cutting sheet.
     options : ReadOptions
         What is read of a drawing.
+    joints : tuple of str
+        Options of commands that say gaps of joints and pairs to ignore that are not in the file.
     """
 
     name: str
@@ -64,6 +68,7 @@ class File:
     text: str = ""
     data: bytes = b""
     options: ReadOptions = dataclasses.field(default_factory=ReadOptions)
+    joints: tuple[str, ...] = ()
 
 
 def opened(request: OpenRequest) -> File:
@@ -83,14 +88,22 @@ def opened(request: OpenRequest) -> File:
             path.write_bytes(request.data)
         if b"wiggleroom/2" in request.data and _is_in_space(path):
             return _in_space(path, request)
-        drawing = _read(path, request)
+        drawing, joints = _with_joints(_read(path, request), request)
     how = drawing.flattening
     flatten = request.flatten if how is None else how.error
     if path.suffix.lower() == ".json":
         flatten = None
     same = dataclasses.replace(drawing, flattening=None)  # outlines on screen stay as they are while the gap is dragged
     return File(
-        name, request.path or name, same, request.unit, flatten, how, data=request.data, options=_options(request)
+        name,
+        request.path or name,
+        same,
+        request.unit,
+        flatten,
+        how,
+        data=request.data,
+        options=_options(request),
+        joints=joints,
     )
 
 
@@ -129,6 +142,8 @@ def first_open(
             skip=how.skip,
             join=how.join,
             solid=how.solid,
+            gaps=_gaps_of(drawing),
+            ignore=list(drawing.ignore),
             design=design,
         )
     )
@@ -173,10 +188,38 @@ def _in_space(path: Path, request: OpenRequest) -> File:
         other.write_bytes(data)
     from wiggleroom.spatial.spatial_file import read_spatial  # slow to import, and of no use to drawings
 
-    drawing = read_spatial(path, alone=not request.beside)
+    drawing, joints = _with_joints(read_spatial(path, alone=not request.beside), request)
     if request.gap is not None:
         drawing = dataclasses.replace(drawing, gap=request.gap)
-    return File(path.name, request.path or path.name, drawing, text=path.read_text(encoding="utf-8-sig"))
+    text = path.read_text(encoding="utf-8-sig")
+    return File(path.name, request.path or path.name, drawing, text=text, joints=joints)
+
+
+def _with_joints(drawing: AnyDrawing, request: OpenRequest) -> tuple[AnyDrawing, tuple[str, ...]]:
+    """The drawing with gaps of joints and pairs to ignore as the request says, and the options of commands that say so.
+
+    Raises
+    ------
+    InputError
+        If it names parts that are not there.
+    """
+    from wiggleroom.assembly.statements import unknown
+
+    gaps = drawing.gaps if request.gaps is None else tuple(JointGap((a, b), gap) for a, b, gap in request.gaps)
+    ignore = drawing.ignore if request.ignore is None else tuple(request.ignore)
+    names = {p.name: None for p in drawing.parts}
+    pairs = [("gaps", joint.parts) for joint in gaps] + [("ignore", pair) for pair in ignore]
+    wrong = [f"{what}: {unknown(name, names)}" for what, pair in pairs for name in pair if name not in names]
+    if wrong:
+        raise InputError(wrong)
+    said = [word for pair in ignore if pair not in drawing.ignore for word in ("--ignore", ",".join(pair))]
+    said += [word for j in gaps if j not in drawing.gaps for word in ("--gap-of", f"{','.join(j.parts)}:{j.gap:.12g}")]
+    return dataclasses.replace(drawing, gaps=gaps, ignore=ignore), tuple(said)
+
+
+def _gaps_of(drawing: Drawing | SpatialDrawing) -> list[tuple[str, str, float]]:
+    """Gaps of single joints, as a request says them."""
+    return [(*joint.parts, joint.gap) for joint in drawing.gaps]
 
 
 def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
@@ -193,6 +236,8 @@ def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
             path=str(path),
             data=data,
             beside={name: (path.parent / name).read_bytes() for name in files},
+            gaps=_gaps_of(drawing),
+            ignore=list(drawing.ignore),
             design=spatial_design(drawing),
         )
     )

@@ -15,6 +15,7 @@ from wiggleroom.app.open_requests import saved_name
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing import write_drawing
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.json_results import flex_result, to_json
 from wiggleroom.report.pages import page_of_answer
@@ -102,7 +103,9 @@ def _write_in_space(document: Document, request: SaveRequest, path: Path, out: R
 
     design = request.design
     if request.what == "assembly":
-        path.write_text(designed_file(document.file.text, design), encoding="utf-8")
+        file = document.file
+        assert not isinstance(file.drawing, Drawing)
+        path.write_text(designed_file(file.text, file.drawing, design), encoding="utf-8")
         return
     if request.what in ("stills", "cut-svg", "cut-dxf") or request.of == "plan":
         message = f"{request.what}: is of drawings; {document.file.name} is an assembly in space"

@@ -170,8 +170,8 @@ def largest_part(assembly: SpatialAssembly) -> int:
     return int(np.argmax([m.volume for m in assembly.made]))
 
 
-def designed_file(text: str, design: Design) -> str:
-    """The text of a file of format wiggleroom/2 with the gap, the roles and the question of a design.
+def designed_file(text: str, drawing: SpatialDrawing, design: Design) -> str:
+    """The text of a file of format wiggleroom/2 with the gap, the roles and the question of a design, and the drawing's joints.
 
     Raises
     ------
@@ -193,8 +193,10 @@ def designed_file(text: str, design: Design) -> str:
         if not part["fixed"]:
             del part["fixed"]
     content["glue"] = design.glue
+    content["ignore"] = [list(pair) for pair in drawing.ignore]
+    content["gaps"] = [{"parts": list(joint.parts), "gap": joint.gap / mm} for joint in drawing.gaps]
     content["pull"] = [_entry(goal, mm) for goal in design.goals if isinstance(goal, GoalEntry)]
-    for key in ("glue", "pull"):
+    for key in ("glue", "ignore", "gaps", "pull"):
         if not content[key]:
             del content[key]
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"

@@ -70,15 +70,8 @@ def first_request(file: str, asked: QuestionOptions) -> bytes:
     from wiggleroom.app.open_requests import first_open, first_open_in_space
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.drawing.dimension import is_spatial_file
-    from wiggleroom.errors import InputError
 
-    in_space = is_spatial_file(file)
-    for option, given, field in (("ignore", asked.ignore, "ignore"), ("gap-of", asked.gap_of, "gaps")):
-        if given:
-            where = "the file" if in_space else f"an assembly file, as wiggleroom convert --{option} does,"
-            message = f'serve: --{option} is not taken; write "{field}" in {where} and open that'
-            raise InputError(message)
-    if in_space:
+    if is_spatial_file(file):
         return first_open_in_space(Path(file), read_in_space(file, asked).drawing)
     drawing = asked_drawing(file, asked)
     return first_open(Path(file), drawing, asked.unit, asked.flatten, asked.gap, read_options(asked))

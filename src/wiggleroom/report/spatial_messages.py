@@ -16,6 +16,7 @@ from wiggleroom.report.spatial_path import along_path, with_quaternions
 from wiggleroom.report.spatial_table import (
     check_sentence,
     departure_words,
+    spatial_bound_sentence,
     spatial_certainty,
     spatial_headline,
     spatial_sentence,
@@ -144,7 +145,7 @@ def spatial_sure(answer: SpatialAnswer) -> list[tuple[str, str]]:
         ("found", found.strip()),
         ("verdict", f"{answer.verdict.value}: {spatial_sentence(answer)}"),
         ("checked", f"{spatial_certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
-        ("at most", "no bound is worked out in space"),
+        ("at most", spatial_bound_sentence(answer)),
         ("search", "one climb from rest; a higher hill may remain unfound"),
         ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.answer_words import few, number, short, spatial_ask, spatial_towards
+from wiggleroom.report.answer_words import few, number, rounded_up, short, spatial_ask, spatial_towards, unit
 from wiggleroom.report.table import columns, fixed
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wiggleroom.disassembly.largest_gap import LargestGap
 
 _MOST_PARTS, _MOST_CONTACTS = 12, 8
-_COLOURS = {Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
+_COLOURS = {Verdict.PROVEN: "green", Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
 _SENTENCES = {
     Verdict.OPTIMAL: "the optimality conditions hold, contacts balance the pull",
     Verdict.STATIONARY: "the optimality conditions of first order hold, but there is a direction that curves upwards",
@@ -55,6 +55,13 @@ def spatial_certainty(answer: SpatialAnswer) -> str:
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
     return f"no overlap, way from rest {answer.path}"
+
+
+def spatial_bound_sentence(answer: SpatialAnswer) -> str:
+    """Say what no motion exceeds, and why; or why nothing is known."""
+    if answer.at_most is not None:
+        return f"{rounded_up(answer.at_most)} {unit(answer.goals)}, as a cross-section shows".replace(" ,", ",")
+    return "no bound was found; one is worked out only where all parts are locked to one plane"
 
 
 def spatial_table(answer: SpatialAnswer) -> Group:
@@ -96,7 +103,9 @@ def spatial_table(answer: SpatialAnswer) -> Group:
         page += [held, Text()]
     spent = ", ".join(f"{stage} {seconds:.2f}" for stage, seconds in answer.seconds.items())
     overlap = f"deepest overlap {number(answer.deepest_overlap, 2)} mm"
+    most = [] if answer.at_most is None else [f"at most:  {spatial_bound_sentence(answer)}"]
     sure = [
+        *most,
         f"checked:  {spatial_certainty(answer)}; {overlap}",
         f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
         f"seconds:  {spent}",

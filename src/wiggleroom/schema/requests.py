@@ -69,7 +69,7 @@ class OpenRequest(Request, tag="open", kw_only=True):
     """Read a drawing, or one of the samples.
 
     With a design, that one stands in place of what the drawing asks. `path` is what commands call it. `beside` holds files that the
-    drawing names; only the command line gives them.
+    drawing names; only the command line gives them. `gaps` of joints and pairs to `ignore` stand in place of the drawing's.
     """
 
     name: Annotated[str, Meta(max_length=255)]
@@ -84,6 +84,8 @@ class OpenRequest(Request, tag="open", kw_only=True):
     skip: tuple[str, ...] = ()
     join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     solid: tuple[str, ...] = ()
+    gaps: list[tuple[str, str, Annotated[float, Meta(ge=0, le=1e9)]]] | None = None
+    ignore: list[tuple[str, str]] | None = None
     design: Design | None = None
 
 

@@ -50,6 +50,54 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
 
 
 @njit(**OPTIONS)
+def distance(P, NP, EP, Q, NQ, EQ, axis):
+    """Distance of two convex pieces [mm], negative where they overlap; `axis` (3,) becomes the normal of the plane with most room.
+
+    Arguments are those of `separation`. Where corners or edges are nearest, their connection has more room than any axis of that theorem:
+    it runs from corner to corner, or from there across an edge.
+    """
+    best = separation(P, NP, EP, Q, NQ, EQ, axis)
+    if best <= 0:
+        return best
+    v, w = np.empty(3), np.empty(3)
+    ep, eq = len(EP), len(EQ)
+    for i in range(len(P)):
+        for j in range(len(Q)):
+            for k in range(3):
+                v[k] = Q[j, k] - P[i, k]
+            if v[0] * v[0] + v[1] * v[1] + v[2] * v[2] <= best * best:
+                continue
+            for t in range(1 + ep + eq):
+                w[:] = v
+                if t > 0:
+                    e = EP[t - 1] if t <= ep else EQ[t - 1 - ep]
+                    along = v[0] * e[0] + v[1] * e[1] + v[2] * e[2]
+                    for k in range(3):
+                        w[k] -= along * e[k]
+                length = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+                if length <= best:
+                    continue
+                # the connection parts the pieces at its ends where both are there the foremost corners
+                w /= length
+                top = P[i, 0] * w[0] + P[i, 1] * w[1] + P[i, 2] * w[2]
+                for m in range(len(P)):
+                    s = P[m, 0] * w[0] + P[m, 1] * w[1] + P[m, 2] * w[2]
+                    if s > top + 1e-9 * length:
+                        top = 1e300
+                        break
+                    top = max(top, s)
+                if top == 1e300:
+                    continue
+                bottom = 1e300
+                for m in range(len(Q)):
+                    bottom = min(bottom, Q[m, 0] * w[0] + Q[m, 1] * w[1] + Q[m, 2] * w[2])
+                if bottom - top > best * (1 + 1e-9):
+                    best = bottom - top
+                    axis[0], axis[1], axis[2] = w[0], w[1], w[2]
+    return best
+
+
+@njit(**OPTIONS)
 def turned(V, R, T):
     """Points V (k, 3) turned by R (3, 3) and moved by T (3,)."""
     out = np.empty_like(V)

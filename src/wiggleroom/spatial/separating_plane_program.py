@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.separating_axis import separation, turned
+from wiggleroom.spatial.separating_axis import distance, turned
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -262,13 +262,13 @@ def build_planes(
 
 
 def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: Floats) -> tuple[float, Floats]:
-    """Separation of two pieces [mm], and the second one's corners in the first one's frame; `axis` (3,) becomes the best one there."""
+    """Distance of two pieces [mm], and the second one's corners in the first one's frame; `axis` (3,) becomes the best one there."""
     i, pi, j, pj = who
     P, Q = bodies.pieces[i][pi], bodies.pieces[j][pj]
     Psi = np.ascontiguousarray(pose.R[i].T @ pose.R[j])
     other, zero = turned(Q.corners, Psi, pose.R[i].T @ (pose.T[j] - pose.T[i])), np.zeros(3)
     normals, edges = turned(Q.normals, Psi, zero), turned(Q.edges, Psi, zero)
-    return separation(P.corners, P.normals, P.edges, other, normals, edges, axis), other
+    return distance(P.corners, P.normals, P.edges, other, normals, edges, axis), other
 
 
 def beside_rest(program: SeparatingPlaneProgram, seed: int = 0, share: float = 1e-2) -> SeparatingPlanePoint:

@@ -67,6 +67,8 @@ class SpatialAnswer(Drawable):
         Deepest overlap of any two parts at `motion`, by booleans of the solids.
     leaves, turns : tuple of names
         Parts that move away or turn without limit.
+    at_most : float or None
+        A value that no motion can exceed; only where all parts move in one plane.
     warm_start : HeldMotion or None
         The program and the forces that hold the motion, where it ends.
     """

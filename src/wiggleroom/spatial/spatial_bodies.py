@@ -46,6 +46,19 @@ class Grouping:
         arm = self.arm[first]
         return SpatialPose(self.bodies.at + motion[first, :3] - np.einsum("pij,pj->pi", R, arm) + arm, R)
 
+    def strain(self, start: Floats, end: Floats) -> float:
+        """How far parts of one body shift against each other at most [mm] between two motions (parts, 6) of a path.
+
+        Their reference points go straight while the body turns, so that they leave their arcs by the height of these.
+        """
+        shared = np.bincount(self.body_of)[self.body_of] > 1
+        if not shared.any():
+            return 0.0
+        turned = np.einsum("nji,njk->nik", exponential(start[shared, 3:]), exponential(end[shared, 3:]))
+        angle = np.linalg.norm(logarithm(turned), axis=1)
+        height = np.linalg.norm(self.arm[shared], axis=1) * (1 - np.cos(angle / 2))
+        return 2 * float(height.max())
+
 
 def grouped(assembly: SpatialAssembly) -> Grouping:
     """Bodies of an assembly at rest.

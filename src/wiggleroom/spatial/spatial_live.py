@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, go_on
+from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
 from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram, build_planes
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
@@ -140,7 +141,7 @@ class SpatialLive:
         StoppedError
             If it was asked to stop.
         """
-        answer = flex_spatial(self.ready, tuple(goals), stop=stop, progress=progress)
+        answer = with_cross_section_bound(flex_spatial(self.ready, tuple(goals), stop=stop, progress=progress), stop)
         go_on(stop)
         if answer.path == "checked" and answer.collision_free:
             self._end = (self.ready, tuple(goals), answer.motion)

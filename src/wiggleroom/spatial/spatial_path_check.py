@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 MOST_HALVINGS = 9
+MOST_STRAIN = 1e-5
+"""Glued parts shift against each other by at most this share of the size between two way-points."""
 MOST_LIFTS, ENOUGH_LIFT = 6, 0.2
 """Corrections of a point half way, until no row is below this share of the mean of both ends."""
 
@@ -62,7 +64,8 @@ def _join(
 ) -> bool:
     """Add motions from one point to another; False, with those as far as it is free, where that fails."""
     end = ready.grouping.part_motion(other.pose)
-    if not ready.checker.overlaps(motions[-1], end):
+    rigid = ready.grouping.strain(motions[-1], end) <= MOST_STRAIN * ready.size
+    if rigid and not ready.checker.overlaps(motions[-1], end):
         motions.append(end)
         return True
     if left == 0:
