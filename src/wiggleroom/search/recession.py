@@ -19,8 +19,8 @@ FAR = 1e4
 NEAR = 1e-6
 """What comes nearer to a circle than this share of its radius is taken along by what turns in it."""
 MIN_SLOPE = 1e-3
-"""An objective is unbounded where it grows by this share of its slope times the distance or the turn; on a line by nearly as much again over
-twice the distance."""
+"""An objective is unbounded where it grows by this share of its slope times the distance or the turn, and on a line by nearly as much again
+over twice the distance."""
 
 
 def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -> Floats | None:
