@@ -74,7 +74,7 @@ def test_the_path_is_shared_out_by_its_length() -> None:
 
 @pytest.mark.parametrize("shape", [(2, 3), (0, 5, 3), (2, 4, 3), (2, 5, 2)])
 def test_a_path_of_another_shape_is_refused(shape: tuple[int, ...], tmp_path: Path) -> None:
-    with pytest.raises(wr.InputError, match="way-points"):
+    with pytest.raises(wr.InputError, match="waypoints"):
         film(row(5).assembly, np.zeros(shape), tmp_path / "a.svg")
     with pytest.raises(wr.InputError, match="finite"):
         film(row(5).assembly, np.full((2, 5, 3), np.nan), tmp_path / "a.svg")

@@ -152,7 +152,7 @@ def test_large_grids_move_far_and_safely(columns, rows, joint, least):
     answer = witness(assembly)
     assert answer.path == "checked"
     assert answer.objective >= least
-    # judged apart: no two parts share material at way-points and in between
+    # judged apart: no two parts share material at waypoints and in between
     outlines = [shapely.union_all([shapely.Polygon(r.outer, r.holes) for r in part.regions]) for part in assembly.parts]
     for one, other in zip(answer.waypoints[:-1:6], answer.waypoints[1::6], strict=False):
         for share in (0.0, 0.5, 1.0):

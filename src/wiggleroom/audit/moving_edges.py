@@ -1,4 +1,4 @@
-"""Edges of two parts that move: whether any of them cross between way-points.
+"""Edges of two parts that move: whether any of them cross between waypoints.
 
 Two segments do not cross where both ends of one lie on the same side of the line through the other, or both beyond the
 same end of it. Seen from a part that turns by a while the other turns past it by b and is carried from D by D', a
@@ -338,7 +338,7 @@ def sweep(
 
 @njit(**OPTIONS)
 def swept_boxes(pose, k0, k1, first, corner, reach, out):
-    """Boxes (n, 4) [mm] round what every part sweeps between way-points k0 and k1 of its poses (n, k, 3)."""
+    """Boxes (n, 4) [mm] round what every part sweeps between waypoints k0 and k1 of its poses (n, k, 3)."""
     for p in range(len(out)):
         low_x, low_y, high_x, high_y, aside = np.inf, np.inf, -np.inf, -np.inf, 0.0
         for k in range(k0, k1 + 1):

@@ -36,7 +36,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 WAYPOINT_SPACING = 0.5
-"""Way-points are kept where a body has moved by this many clearances since the last."""
+"""Waypoints are kept where a body has moved by this many clearances since the last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +166,7 @@ def answer_from(
 
 
 def thinned(bodies: Bodies, motions: Sequence[Floats], clearance: float) -> Floats:
-    """Way-points (k, n, 3) far enough apart to be worth keeping; the first and the last always."""
+    """Waypoints (k, n, 3) far enough apart to be worth keeping; the first and the last always."""
     kept = [motions[0]]
     for motion in motions[1:-1]:
         step = np.abs(motion - kept[-1])

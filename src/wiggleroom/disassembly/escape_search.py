@@ -32,7 +32,7 @@ MAX_STATES = 12
 NOVELTY_DISTANCE = 3.0
 """A place is new where some neighbours lie otherwise than in all places before by more than this multiple of the clearance."""
 EXIT_TESTS = 8
-"""At most this many way-points of an answer are tested for a straight escape path."""
+"""At most this many waypoints of an answer are tested for a straight escape path."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +136,7 @@ def escape_path(
     looks: int | None = None,
     stop: Stop | None = None,
 ) -> tuple[Floats, TranslationEscape] | None:
-    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
+    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its waypoints are looked at, or all."""
     last = len(motions) - 1
     for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
         found = translation_escape(ready.bodies, motions[k], ground, ready.ignored, ready.size, group, stop)

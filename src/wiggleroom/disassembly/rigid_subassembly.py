@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_TURN_STEP = 0.02
-"""Way-points are no further apart than this [rad]."""
+"""Waypoints are no further apart than this [rad]."""
 MAX_SPLITS = 4
 BOXES_FOR_ENCLOSED = 4000
 """Boxes judged at most where it is known already that a body does not leave."""

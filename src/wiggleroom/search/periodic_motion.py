@@ -51,7 +51,7 @@ ARRIVAL = 0.3
 MIN_TURN = 0.3
 """Gears are looked at more closely where one that is asked for turns by this share of its pitch."""
 PLACES_IN_A_TURN = 64
-"""Way-points of a turn in place."""
+"""Waypoints of a turn in place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +61,11 @@ class PeriodicMotion:
     Parameters
     ----------
     motions : (k, n, 3) float64 [mm, mm, rad]
-        Way-points of the bodies, from rest to one period on.
+        Waypoints of the bodies, from rest to one period on.
     waypoints : (k, parts, 3) float64 [mm, mm, rad]
         The same of the parts.
     first : int
-        The way-point at which the period begins.
+        The waypoint at which the period begins.
     turn : (n,) float64 [rad]
         How far each body is turned in a period.
     gain : float

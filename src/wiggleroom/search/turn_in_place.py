@@ -26,7 +26,7 @@ MIN_CORNERS = 12
 ANGLES = 720
 """Turns that are compared."""
 TURN_STEP = 0.1
-"""Way-points of the turn are at most so far apart [rad]."""
+"""Waypoints of the turn are at most so far apart [rad]."""
 
 
 def turned_in_place(ready: Prepared, objective: Objective) -> Start | None:

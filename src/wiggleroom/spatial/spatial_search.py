@@ -199,7 +199,7 @@ class SpatialSearch:
     def _missed(
         self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
     ) -> tuple[Ints, list[SeparatingPlanePoint]]:
-        """Pairs of pieces outside the program that come near where some of them meet, and the way-points where none do.
+        """Pairs of pieces outside the program that come near where some of them meet, and the waypoints where none do.
 
         Where they meet at the end, the way is not looked at.
         """

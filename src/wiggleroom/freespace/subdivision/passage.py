@@ -109,7 +109,7 @@ def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
 def waypoints_through(
     path: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
 ) -> Floats:
-    """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
+    """Waypoints: rest, middles of boxes and of the faces between them, turns unwrapped."""
     box, half = middle[path].copy(), 0.5 ** level[path]
     for k in range(1, len(box)):
         box[k, 2] += 2 * np.round((box[k - 1, 2] - box[k, 2]) / 2)
