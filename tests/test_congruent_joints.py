@@ -73,9 +73,9 @@ def test_other_gaps_are_other_joints() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_strips_lie_in_their_bodies_and_have_no_edges_without_direction(seed: int) -> None:
-    ground = survey(random_assembly(seed))
-    for a, b, clearance in zip(ground.near.a, ground.near.b, ground.near.clearance, strict=True):
-        whole = PairMaterial(ground.geometry[a], ground.geometry[b], float(clearance))
+    surveyed = survey(random_assembly(seed))
+    for a, b, clearance in zip(surveyed.near.a, surveyed.near.b, surveyed.near.clearance, strict=True):
+        whole = PairMaterial(surveyed.geometry[a], surveyed.geometry[b], float(clearance))
         strips = CongruentJoint(whole).strips
         for strip, body in ((strips.a, whole.a), (strips.b, whole.b)):
             assert strip.is_valid
@@ -109,6 +109,6 @@ def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
 
 
 def test_panels_with_one_joint_need_one_region() -> None:
-    ground = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
-    joints, regions = outer_regions(ground, lambda: False)
+    surveyed = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
+    joints, regions = outer_regions(surveyed, lambda: False)
     assert (len(joints.a), len(regions)) == (24, 1)

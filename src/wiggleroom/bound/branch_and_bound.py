@@ -64,7 +64,7 @@ class BranchAndBound:
 
     Parameters
     ----------
-    ground : Survey
+    surveyed : Survey
     joints : JointConstraints
     regions : list
     goal : PointMotion
@@ -79,7 +79,7 @@ class BranchAndBound:
         What local windows have shown.
     """
 
-    ground: Survey
+    surveyed: Survey
     joints: JointConstraints
     regions: list[OuterRegion | CagingSurface]
     goal: PointMotion
@@ -90,7 +90,7 @@ class BranchAndBound:
     windows: list[WindowProof] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        bodies = self.ground.bodies
+        bodies = self.surveyed.bodies
         held = bodies.fixed | np.isfinite(first_ranges(bodies.fixed, self.joints, self.regions).far)
         self.joints = self.joints.some(held[self.joints.a] & held[self.joints.b])
         self.cuts = RegionCuts([*self.regions])
@@ -100,14 +100,14 @@ class BranchAndBound:
             bodies.rest[:, :2],
             self.joints,
             turn_differences(self.joints, self.regions),
-            self.ground.clearance,
+            self.surveyed.clearance,
         )
         self.weights = goal_weights(self.goal, len(bodies.fixed))
         self.cutoff = Cutoff(self.weights, self.cut)
 
     def first(self) -> AngleRanges:
         """Ranges at the start, after a look at local windows where there are many bodies."""
-        bodies = self.ground.bodies
+        bodies = self.surveyed.bodies
         ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
         held = int(np.isfinite(ranges.far).sum())
         if held > MANY_BODIES:

@@ -36,16 +36,16 @@ PIVOT_REACH = 3.0
 
 
 def outer_regions(
-    ground: Survey, over: Callable[[], bool], certify: bool = False
+    surveyed: Survey, over: Callable[[], bool], certify: bool = False
 ) -> tuple[JointConstraints, list[OuterRegion | CagingSurface]]:
     """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done.
 
     With `certify` they are caging surfaces, which a certificate can show.
     """
-    them, a, b = ground.bodies, ground.near.a, ground.near.b
+    them, a, b = surveyed.bodies, surveyed.near.a, surveyed.near.b
     first, label = classes(them, a, b, relative_pose(them, a, b), CONGRUENCE_TOLERANCE)
     made = [
-        material_of(them, ground.geometry, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
+        material_of(them, surveyed.geometry, int(a[k]), int(b[k]), float(surveyed.near.clearance[k]))
         for k in first.tolist()
         if not over()
     ]

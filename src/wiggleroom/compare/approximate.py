@@ -107,17 +107,17 @@ class End:
 def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None = None) -> Approximation:
     """Make an assembly ready; raises as `wiggleroom.prepare` does."""
     began = time.perf_counter()
-    ground = survey(assembly)
-    them = ground.bodies
+    surveyed = survey(assembly)
+    them = surveyed.bodies
     found = None
     if isinstance(model, Hull):
-        pairs = hulls_meet(them, ground.geometry, ignored=ground.ignored)
+        pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored)
         found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
         if found is None:
             finding = f"{assembly.drawing.source or 'the assembly'}: no free space was found round rest; parts touch"
             raise InputError(finding)
     return Approximation(
-        assembly, model, them, ground.ignored, ground.clearance, ground.size, (ground.near.a, ground.near.b), found,
+        assembly, model, them, surveyed.ignored, surveyed.clearance, surveyed.size, (surveyed.near.a, surveyed.near.b), found,
         time.perf_counter() - began,
     )  # fmt: skip
 

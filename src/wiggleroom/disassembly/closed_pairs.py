@@ -67,8 +67,8 @@ def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> ClosedPairs:
         Bodies that stand.
     around : Enclosed
     """
-    ground = np.flatnonzero(fixed)
-    standing = [(int(ground[0]), int(k)) for k in ground]
+    fixed_bodies = np.flatnonzero(fixed)
+    standing = [(int(fixed_bodies[0]), int(k)) for k in fixed_bodies]
     pairs = [(int(a), int(b)) for a, b in around.pairs]
     still = [(a, b) for a, b in pairs if around.held[a] and around.held[b]]
     none = np.zeros((0, 2), dtype=np.int64)

@@ -131,15 +131,22 @@ def disassemble(
         left, alive = so_far.left, so_far.alive
         around = None
         try:
-            ground = survey(left)
-            around = enclosed(ground.bodies, ground.geometry, ground.ignored, stop)
-            begin = enclosed_links(ground.bodies.fixed, around)
+            surveyed = survey(left)
+            around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, stop)
+            begin = enclosed_links(surveyed.bodies.fixed, around)
             if begin.all_tied:
                 stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
                 return _ended(so_far, stage, around)
-            aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
+            aims = np.unique([surveyed.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
             stage = next_stage(
-                left, ground, begin, effort, aims.astype(np.int64), stop, tell, _of_bodies(holding_cost, so_far, ground)
+                left,
+                surveyed,
+                begin,
+                effort,
+                aims.astype(np.int64),
+                stop,
+                tell,
+                _of_bodies(holding_cost, so_far, surveyed),
             )
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
@@ -149,7 +156,7 @@ def disassemble(
         so_far.turned += stage.turned
         if stage.path is None:
             return _ended(so_far, stage, around)
-        bodies = ground.bodies
+        bodies = surveyed.bodies
         who = np.array([p for b in stage.who for p in bodies.members[b]])
         path = np.repeat(so_far.motion[None], len(stage.path), 0)
         path[:, alive] += of_parts(left, bodies, stage.path)
@@ -168,11 +175,11 @@ def disassemble(
             return _ended(so_far, Stage(end, Certainty.PROVEN, NO_BODIES, None, NO_BODIES), around)
 
 
-def _of_bodies(holding_cost: HoldingCost | None, so_far: _Progress, ground: Survey) -> Callable[[Ints], int] | None:
+def _of_bodies(holding_cost: HoldingCost | None, so_far: _Progress, surveyed: Survey) -> Callable[[Ints], int] | None:
     """The burden of bodies that leave from where all are now."""
     if holding_cost is None:
         return None
-    alive, members = so_far.alive, ground.bodies.members
+    alive, members = so_far.alive, surveyed.bodies.members
     there = np.zeros(len(so_far.motion), dtype=np.bool_)
     there[alive] = True
     motion = so_far.motion

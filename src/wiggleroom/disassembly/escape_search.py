@@ -76,7 +76,7 @@ def search_for_escape(
     ----------
     ready : Prepared
     ground : int
-        Body that stands.
+        The fixed body; others that are fixed belong to its group.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
     nearly : list of TranslationEscape

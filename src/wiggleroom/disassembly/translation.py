@@ -70,7 +70,7 @@ def translation_escapes(
     motion : (n, 3) float64 [mm, mm, rad]
         Where they are.
     ground : int
-        The body that stands; all fixed bodies stand with it.
+        The fixed body; all that are fixed belong to its group.
     ignored : (k,) int64
         Keys a * n + b of pairs that never collide.
     size : float [mm]

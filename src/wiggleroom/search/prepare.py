@@ -76,13 +76,13 @@ class Prepared(Displayable):
         return objective(self.assembly, self.bodies, goals, (near // n, near % n))
 
 
-def prepare(assembly: Assembly, *, ground: Survey | None = None, stop: Stop | None = None) -> Prepared:
+def prepare(assembly: Assembly, *, surveyed: Survey | None = None, stop: Stop | None = None) -> Prepared:
     """Find the pairs that can meet and work out their cells round rest, congruent pairs once.
 
     Parameters
     ----------
     assembly : Assembly
-    ground : Survey, optional
+    surveyed : Survey, optional
         Of the same assembly, where it was made already.
     stop : optional
         Anything with `is_set()`, asked now and then.
@@ -96,16 +96,16 @@ def prepare(assembly: Assembly, *, ground: Survey | None = None, stop: Stop | No
     InputError
         If nothing can move.
     """
-    ground = ground or survey(assembly)
-    them, geometry, near = ground.bodies, ground.geometry, ground.near
+    surveyed = surveyed or survey(assembly)
+    them, geometry, near = surveyed.bodies, surveyed.geometry, surveyed.near
     a, b = near.a, near.b
     go_on(stop)
     first, label = classes(them, a, b, relative_pose(them, a, b))
-    facing = _facing(geometry[a[first]], geometry[b[first]], ground.clearance)[label]
+    facing = _facing(geometry[a[first]], geometry[b[first]], surveyed.clearance)[label]
     go_on(stop)
     cells = cells_at(assembly, them, a[facing], b[facing], near.clearance[facing], stop)
     corners = a[~facing] * len(geometry) + b[~facing]
-    return Prepared(assembly, them, ground.ignored, ground.clearance, ground.size, cells, corners)
+    return Prepared(assembly, them, surveyed.ignored, surveyed.clearance, surveyed.size, cells, corners)
 
 
 @dataclass(frozen=True, eq=False)

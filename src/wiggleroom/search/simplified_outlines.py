@@ -54,9 +54,9 @@ def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | 
     return None
 
 
-def prepare_outlines(assembly: Assembly, ground: Survey | None = None, stop: Stop | None = None) -> Prepared:
+def prepare_outlines(assembly: Assembly, surveyed: Survey | None = None, stop: Stop | None = None) -> Prepared:
     """The assembly made ready: with fewer corners where its outlines have more than they need, else as it is; raises as `prepare` does."""
-    return prepare_simplified(assembly, stop=stop) or prepare(assembly, ground=ground, stop=stop)
+    return prepare_simplified(assembly, stop=stop) or prepare(assembly, surveyed=surveyed, stop=stop)
 
 
 def refined_at_contacts(ready: Prepared, answer: Answer) -> Prepared:
