@@ -14,7 +14,7 @@ from wiggleroom.bound.congruent_joints import CongruentJoint, congruent_joints
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.freespace.outer.outer_region import outer_region, pivot_of
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.search.prepare import survey
 
 TAB = np.array(
@@ -46,7 +46,7 @@ def pair(height: float = 1.0, head: float = 0.35, gap: float = 0.01) -> PairMate
 
 def moved(material: PairMaterial, angle: float, shift: tuple[float, float]) -> PairMaterial:
     """The pair elsewhere."""
-    a, b = (shapely.transform(g, lambda p: turn(p, angle) + shift) for g in (material.a, material.b))
+    a, b = (shapely.transform(g, lambda p: rotated(p, angle) + shift) for g in (material.a, material.b))
     return PairMaterial(a, b, material.clearance)
 
 
@@ -103,7 +103,7 @@ def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
             continue
         # the motion of the pivot, from that of b's origin
         arm = pivot - apart
-        tau = corners + turn(arm, float(phi)) - arm
+        tau = corners + rotated(arm, float(phi)) - arm
         points, _ = region.points(phi - 1e-9, phi + 1e-9)
         assert ((points[:, :2] @ normals.T).max(0) >= (tau @ normals.T).max(0) - 1e-9).all()
 

@@ -19,7 +19,7 @@ from wiggleroom.report import scene as scenes
 from wiggleroom.report.film import film, film_of_answer
 from wiggleroom.report.film_timing import TimedPath, ease_in_out
 from wiggleroom.report.scene import Scene, scene
-from wiggleroom.report.write_picture import draw
+from wiggleroom.report.write_picture import write_picture
 from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -86,7 +86,7 @@ def test_other_endings_are_refused(tmp_path: Path) -> None:
     with pytest.raises(wr.InputError, match=r"\.gif"):
         film(case.assembly, case.waypoints, tmp_path / "a.avi")
     with pytest.raises(wr.InputError, match=r"\.html"):
-        draw(case, tmp_path / "a.pdf")
+        write_picture(case, tmp_path / "a.pdf")
 
 
 def animated(svg: str) -> list[ElementTree.Element]:

@@ -17,7 +17,7 @@ from tests.oracle import blocks, closed_forms
 from tests.oracle.closed_forms import frame, rectangle, regular
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn, W
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, followed
 
 CLOSE = 1e-6

@@ -36,7 +36,7 @@ from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.trigonometric_envelopes import envelope, support
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.outer.outer_facets import facets
-from wiggleroom.freespace.outer.outer_region import refined
+from wiggleroom.freespace.outer.outer_region import with_narrower_intervals
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Bound
 from wiggleroom.search.prepare import survey
@@ -161,7 +161,7 @@ def test_outer_regions_hold_all_true_slices(seed):
     low, high = region.turns
     assert low <= truth.low
     assert high >= truth.high
-    for outer in (region, refined(region, np.arange(len(region.low)))):
+    for outer in (region, with_narrower_intervals(region, np.arange(len(region.low)))):
         for phi in np.linspace(truth.low, truth.high, 23):
             corners = truth.corners(phi)
             arm, c, s = pivot - (1.0, 0.0), math.cos(phi), math.sin(phi)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
-from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
+from wiggleroom.audit.moving_edges import inside_each_other, mark_doubtful_pieces, swept_boxes
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.batches import in_batches
 
@@ -130,7 +130,7 @@ def _sweep(
         if stop is not None and stop.is_set():
             return None
         met = np.zeros_like(doubtful)
-        sweep(
+        mark_doubtful_pieces(
             a[some], b[some], poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run,
             parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, met, first[some],
         )  # fmt: skip

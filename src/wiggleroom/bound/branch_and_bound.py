@@ -32,8 +32,8 @@ from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges
 from wiggleroom.bound.window_bounds import WindowProof, bounded_windows
 from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
-from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS, FINE_NORMALS, holding
-from wiggleroom.freespace.outer.outer_region import OuterRegion, refined
+from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS, FINE_NORMALS, intervals_at_facets
+from wiggleroom.freespace.outer.outer_region import OuterRegion, with_narrower_intervals
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
@@ -221,13 +221,13 @@ class BranchAndBound:
             if not isinstance(region, OuterRegion):  # sharp from the start
                 continue
             accuracy = FINEST_BLUR * region.material.clearance
-            wanted.setdefault(kind, []).append(holding(region, program.at.cuts[p], which, accuracy))
+            wanted.setdefault(kind, []).append(intervals_at_facets(region, program.at.cuts[p], which, accuracy))
         done = False
         for kind, found in wanted.items():
             these = np.unique(np.concatenate(found))
             region = self.cuts.regions[kind]
             if len(these) and isinstance(region, OuterRegion) and not self.clock.is_set():
-                self.cuts.replace(kind, refined(region, these))
+                self.cuts.replace(kind, with_narrower_intervals(region, these))
                 done = True
         return done
 

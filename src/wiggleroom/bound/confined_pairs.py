@@ -21,7 +21,7 @@ from wiggleroom.bound.outer_regions import JointPlacement, links_about, material
 from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_cuts
 from wiggleroom.freespace.outer.outer_region import Confinement, OuterRegion, confined_region
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
@@ -59,7 +59,7 @@ def shift_boxes(
         a, b = int(joints.a[k]), int(joints.b[k])
         body, arm, sign = (b, joints.arm_b[k], 1.0) if fixed[a] else (a, joints.arm_a[k], -1.0)
         region = regions[int(joints.kind[k])]
-        tau = sign * turn(region.corner[:, :2], np.full(len(region.corner), joints.axes[k]))
+        tau = sign * rotated(region.corner[:, :2], np.full(len(region.corner), joints.axes[k]))
         # the pivot's shift; seen from a body that turns itself, it lies in axes that have turned
         slack = _swing(np.zeros(2), ranges, body) if fixed[a] else _swing(np.abs(tau).max(0), ranges, body)
         slack = slack + _swing(arm, ranges, body) + 4 * region.material.margin
@@ -112,7 +112,7 @@ def _confinement(pair: _OpenPair, least: Floats, most: Floats, ranges: AngleRang
     slack = _swing(np.maximum(np.abs(least), np.abs(most)), ranges, pair.a) + 4 * pair.material.margin
     box = shapely.box(*(least - slack), *(most + slack))
     axes = float(pair.link.axes[0])
-    return Confinement(shapely.transform(box, lambda p: turn(p, np.full(len(p), -axes))), *turns)
+    return Confinement(shapely.transform(box, lambda p: rotated(p, np.full(len(p), -axes))), *turns)
 
 
 def _first_shift(pair: _OpenPair, boxes: ShiftBoxes, ranges: AngleRanges) -> tuple[Floats, Floats]:

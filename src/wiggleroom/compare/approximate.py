@@ -24,7 +24,7 @@ from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import hulls_meet
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.answer import Answer
@@ -126,7 +126,7 @@ def reference_points(assembly: Assembly, bodies: Bodies) -> Floats:
     """Reference point (n, 2) [mm] of every body in its own frame: that of its part, the centroid where several are glued."""
     single = np.array([len(m) == 1 for m in bodies.members])
     part = np.array([m[0] for m in bodies.members])
-    arm = turn(assembly.rest[part, :2] - bodies.rest[:, :2], -bodies.rest[:, 2])
+    arm = rotated(assembly.rest[part, :2] - bodies.rest[:, :2], -bodies.rest[:, 2])
     return np.where(single[:, None], arm, 0.0)
 
 

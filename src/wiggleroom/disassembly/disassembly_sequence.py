@@ -13,7 +13,7 @@ from wiggleroom.disassembly.closed_pairs import enclosed_links
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
 from wiggleroom.disassembly.escape import NO_BODIES, EscapeEffort, Stage, next_stage
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.remaining import displaced, without
+from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
@@ -166,7 +166,7 @@ def disassemble(
         so_far.motion = path[-1]
         effort = replace(effort, passages=PassagesByGap())  # the others lie elsewhere now
         stay = np.setdiff1d(np.arange(len(alive)), who)
-        so_far.left = without(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
+        so_far.left = without_parts(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
         so_far.alive = alive[stay]
         wanted -= set(names[alive[who]])
         alone = len(np.unique(bodies.body_of[stay])) < 2 or all(p.fixed for p in so_far.left.parts)

@@ -13,23 +13,29 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
-from wiggleroom.disassembly.clearance import distances
+from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
 from wiggleroom.disassembly.enclosure import enclosed_by_held
-from wiggleroom.disassembly.escape_search import EXIT_TESTS, MAX_QUESTIONS, ask, escape_path, search_for_escape
+from wiggleroom.disassembly.escape_search import (
+    EXIT_TESTS,
+    MAX_QUESTIONS,
+    answer_or_none,
+    escape_path,
+    search_for_escape,
+)
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.remaining import displaced, without
+from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
 from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, SlideSearch, Tilt, slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import Stop, WiggleroomError
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared, Survey
-from wiggleroom.search.simplified_outlines import prepare_outlines
+from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -185,7 +191,7 @@ def _with_largest_clearance(
         path = np.zeros((2, len(surveyed.bodies.fixed), 3))
         path[1, escape.who, :2] = 2 * surveyed.size * escape.direction
         there = np.ones(path.shape[1], dtype=np.bool_)
-        apart = distances(surveyed.bodies, path, there, surveyed.ignored, surveyed.clearance)
+        apart = least_distances(surveyed.bodies, path, there, surveyed.ignored, surveyed.clearance)
         along = np.abs(axes @ escape.direction).max() > 1 - 1e-9
         return round(float(apart[escape.who].min()) / surveyed.clearance, 6), bool(along)
 
@@ -220,7 +226,7 @@ def _beyond_slides(
     ground = int(np.flatnonzero(bodies.fixed)[0])
     still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
     tell(Progress("free spaces"))
-    ready = simpler = prepare_outlines(assembly, surveyed, stop)
+    ready = simpler = prepare_walls(assembly, surveyed, stop)
     if simpler.simplified:  # what holds larger parts need not hold these: proofs are about the outlines as they are
         ready = replace(simpler, bodies=bodies, simplified=0.0)
     known, tries = _rigid(ready, begin, effort, stop)
@@ -270,7 +276,7 @@ def _from_tilt(
     ground = int(np.flatnonzero(bodies.fixed)[0])
     moved = displaced(assembly, of_parts(assembly, bodies, before.states)[-1])
     try:
-        ready = prepare_outlines(moved, stop=stop)
+        ready = prepare_walls(moved, stop=stop)
     except WiggleroomError:
         return 0, None
     name = assembly.names[bodies.members[tilt.who][0]]
@@ -278,7 +284,7 @@ def _from_tilt(
     for sense in ("ccw", "cw"):
         if stop is not None and stop.is_set():
             break
-        answer = ask(ready, (Turn(name, sense),), None, stop)
+        answer = answer_or_none(ready, (Turn(name, sense),), None, stop)
         asked += 1
         if answer is None or answer.path != "checked":
             continue
@@ -323,7 +329,7 @@ def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> Closed
     if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.ignored, 0.0, stop)):
         return known
     others = np.flatnonzero(known.group[bodies.body_of] != fixed_group)
-    far = furthest(without(ready.assembly, others), FRAME_SECONDS, stop)
+    far = furthest(without_parts(ready.assembly, others), FRAME_SECONDS, stop)
     inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.ignored, far, stop)
     return replace(known, group=np.where(np.isin(known.group, known.group[inside]), fixed_group, known.group))
 

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import Stop, WiggleroomError
-from wiggleroom.geometry.neighbours import neighbours, placed, relative_pose
+from wiggleroom.geometry.neighbours import neighbours
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
@@ -102,7 +104,7 @@ def search_for_escape(
                 return EscapeSearch(None, None, False, False, questions, unanswered)
             questions += 1
             tell(Progress("search", questions))
-            answer = ask(ready, goals, start, stop)
+            answer = answer_or_none(ready, goals, start, stop)
             if answer is None or answer.path != "checked":
                 unanswered += 1
                 continue
@@ -120,7 +122,7 @@ def search_for_escape(
     return EscapeSearch(None, None, True, len(places) > MAX_STATES, questions, unanswered)
 
 
-def ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
+def answer_or_none(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
     """The answer to one question, or None where the engine gave up."""
     try:
         return witness(ready, goals, start=start, periods=False, stop=stop)

@@ -17,7 +17,7 @@ from wiggleroom.disassembly.translation_blocking import leaving
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.slices import edges_of
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

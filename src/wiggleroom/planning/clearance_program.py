@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import coo_array
 
-from wiggleroom.disassembly.clearance import distances
+from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.geometry.bodies import Bodies
 
 Floats = NDArray[np.float64]
@@ -83,7 +83,7 @@ class ClearanceProblem:
 
     def least(self, path: Floats) -> float:
         """Exact least clearance of a path (k, n, 3), up to a share of the size [mm]."""
-        apart = distances(self.bodies, path, self.there, self.ignored, 0.1 * self.size)
+        apart = least_distances(self.bodies, path, self.there, self.ignored, 0.1 * self.size)
         return float(apart[self.moving.who].min(initial=0.1 * self.size))
 
     def pieces(self, path: Floats) -> Floats:

@@ -23,7 +23,7 @@ from wiggleroom.search.incumbent import PathSegment, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import CLIMB
 from wiggleroom.search.path_check import CheckedPath, check_path
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.symmetric_cover import symmetric_cover
 from wiggleroom.verdict import SolverStatus
 
@@ -122,7 +122,7 @@ def _cover_repeats(
     if (np.abs(best.motion[:, 2]) < MIN_TURN * 2 * np.pi / orders)[weights != 0].all():
         return None
     try:
-        wider = prepare(cover[0], stop=search.stop)
+        wider = prepare_as_drawn(cover[0], stop=search.stop)
     except (InputError, StoppedError):  # the cover touches
         return None
     climb = LocalSearch(wider, wider.objective(asked), search.solve, search.policy, search.stop, search.tell)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.separating_axis import distance, turned
+from wiggleroom.spatial.separating_axis import distance, posed_points
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -266,8 +266,8 @@ def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: 
     i, pi, j, pj = who
     P, Q = bodies.pieces[i][pi], bodies.pieces[j][pj]
     Psi = np.ascontiguousarray(pose.R[i].T @ pose.R[j])
-    other, zero = turned(Q.corners, Psi, pose.R[i].T @ (pose.T[j] - pose.T[i])), np.zeros(3)
-    normals, edges = turned(Q.normals, Psi, zero), turned(Q.edges, Psi, zero)
+    other, zero = posed_points(Q.corners, Psi, pose.R[i].T @ (pose.T[j] - pose.T[i])), np.zeros(3)
+    normals, edges = posed_points(Q.normals, Psi, zero), posed_points(Q.edges, Psi, zero)
     return distance(P.corners, P.normals, P.edges, other, normals, edges, axis), other
 
 

@@ -33,7 +33,7 @@ MOST_LIFTS, ENOUGH_LIFT = 6, 0.2
 """Corrections of a point half way, until no row is below this share of the mean of both ends."""
 
 
-def refined(
+def free_path(
     ready: SpatialPrepared, program: SeparatingPlaneProgram, points: Sequence[SeparatingPlanePoint]
 ) -> tuple[Floats, bool]:
     """Motions (k, n, 6) of the parts along a path through legal points, as far as every piece of it is free.
