@@ -39,7 +39,7 @@ def audited(assembly, names, samples):
 def test_families(name, below):
     space = audited(*family(name, below), 50_000)
     assert space.closed == (name != "finger")
-    assert space.rows == (space.cells.kind < 2).sum()
+    assert space.rows == space.cells.is_wall.sum()
 
 
 @pytest.mark.slow
