@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.separating_plane_program import (
+    DISTANCE_RATIO,
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     best_axis,
@@ -148,7 +149,14 @@ class SpatialSearch:
         """The program, and its solution from beside rest, twists up to a limit [rad]."""
         ready, horizon = self.ready, HORIZON * self.ready.size
         pieces = self._working_set() if damped else self.pieces
-        program = build_planes(ready.grouping.bodies, self.objective, pieces, length=ready.clearance, rest=self.begin)
+        program = build_planes(
+            ready.grouping.bodies,
+            self.objective,
+            pieces,
+            length=ready.clearance,
+            rest=self.begin,
+            distance_ratio=1.0 if damped else DISTANCE_RATIO,
+        )
         if self.solver == "ipopt":
             from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
 
