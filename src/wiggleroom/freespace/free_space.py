@@ -222,9 +222,7 @@ def free_space(
     return _polyhedron(assembly, them, rows, (a, b), wanted)
 
 
-def free_slices(
-    assembly: Assembly, a: str, b: str, count: int = 40, *, reach: float | None = None, stop: Stop | None = None
-) -> FreeSlices:
+def free_slices(assembly: Assembly, a: str, b: str, count: int = 40, *, stop: Stop | None = None) -> FreeSlices:
     """Exact slices of the free space of two parts, its two ends among them, without the cells that fill it.
 
     Parameters, errors: see `free_space`.
@@ -236,7 +234,7 @@ def free_slices(
     >>> len(found.slices), found.closed, round(found.slices[2].area, 6)
     (5, True, 0.0004)
     """
-    them, rows, material, usual = _pair(assembly, a, b, reach)
+    them, rows, material, usual = _pair(assembly, a, b, None)
     space, relation = _marched(assembly, them, rows, (a, b), material, usual, stop)
     low, high = space.ends
     found = []

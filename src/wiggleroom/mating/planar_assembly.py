@@ -16,7 +16,7 @@ from wiggleroom.mating.contour_matching import PlanarPose, contact
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet
 from wiggleroom.mating.flanks import inset
 from wiggleroom.mating.planar_search import (
-    LEAST_CONTACT,
+    MIN_CONTACT,
     PlanarSearch,
     first_names,
     grow_body,
@@ -236,7 +236,7 @@ def _joints(
             contour = work.contours[row]
             inner = shapely.distance(hull.exterior, shapely.points(pose.of(contour.points))) > work.tolerance
             away = contour.salient & ~met[row] & inner
-            if away.sum() * contour.step > LEAST_CONTACT * work.window:
+            if away.sum() * contour.step > MIN_CONTACT * work.window:
                 still[row] = contour.points[away] + centres[row]
     return joints, still
 
