@@ -228,7 +228,7 @@ def _how(step: Step) -> str:
         ]
         if straight:
             return "in " + ", then ".join(straight) + (f", turned by {number(turn, 2)}°" if turn > SLIGHT_TURN else "")
-    return f"on a way of {len(step.path)} points"
+    return f"on a path of {len(step.path)} points"
 
 
 def searched_sentence(found: Plan) -> str:

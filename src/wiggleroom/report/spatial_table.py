@@ -54,7 +54,7 @@ def spatial_certainty(answer: SpatialAnswer) -> str:
     """Say what was checked about the motion."""
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
-    return f"no overlap, way from rest {answer.path}"
+    return f"no overlap, path from rest {answer.path}"
 
 
 def spatial_bound_sentence(answer: SpatialAnswer) -> str:
@@ -153,17 +153,17 @@ def departure_words(found: SpatialDisassembly, escape: SpatialEscape) -> str:
     who = f"{few(escape.parts)} {'leaves' if len(escape.parts) == 1 else 'leave together'}"
     if len(escape.path) == 2:
         return f"{who} straight in {towards}"
-    return f"{who} on a way of {len(escape.path)} points, at last in {towards}"
+    return f"{who} on a path of {len(escape.path)} points, at last in {towards}"
 
 
 def check_sentence(found: SpatialDisassembly) -> str:
     """Say what the verdict rests on."""
     if found.verdict is Separability.COMES_APART:
-        return "every step of the way checked for overlap"
+        return "every step of the path checked for overlap"
     if found.verdict is Separability.UNKNOWN:
         return "some questions were not answered"
     return (
         "proven"
         if found.certainty is Certainty.PROVEN
-        else "searched, every planned question was answered and no way was found"
+        else "searched, every planned question was answered and no path out was found"
     )

@@ -1,7 +1,7 @@
 """Does an assembly of boxes come apart by moves of whole steps: an exhaustive search on the lattice of its coordinates.
 
 Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every path by whole steps is a path of the parts as
-made, which are smaller. Where the search ends without a way out, none exists by whole steps; turns, and what the gaps allow besides,
+made, which are smaller. Where the search ends without a path out, none exists by whole steps; turns, and what the gaps allow besides,
 are not seen.
 """
 
@@ -171,7 +171,7 @@ class LatticeSearch:
     Parameters
     ----------
     offsets : tuple of (n, 3) int64
-        Steps of all bodies from rest on, to where some go on for ever; empty where no way was found.
+        Steps of all bodies from rest on, to where some go on for ever; empty where no path out was found.
     axis, sign : int
         The direction in which they go on.
     complete : bool
@@ -185,7 +185,7 @@ class LatticeSearch:
 
 
 def lattice_search(found: Lattice, stop: Stop | None) -> LatticeSearch:
-    """Look for a way out by whole steps, breadth first."""
+    """Look for a path out by whole steps, breadth first."""
     n = len(found.stands)
     rest = np.zeros((n, 3), dtype=np.int64)
     groups, leaves = np.zeros((n, 6, n), dtype=bool), np.zeros((n, 6), dtype=bool)

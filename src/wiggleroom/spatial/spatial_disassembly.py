@@ -1,4 +1,4 @@
-"""Does it come apart, in space: which parts leave, in which order, along which way."""
+"""Does it come apart, in space: which parts leave, in which order, along which path."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class SpatialDisassembly(Drawable):
 def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every: bool = True) -> SpatialDisassembly:
     """Whether some parts can be moved without limit away from the others.
 
-    Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first way out is enough.
+    Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first path out is enough.
 
     Raises
     ------
@@ -177,7 +177,7 @@ class _Stage:
         return None
 
     def _by_steps(self) -> tuple[list[int], Floats] | None:
-        """A way out by whole steps, for parts made of boxes; notes where there is none."""
+        """A path out by whole steps, for parts made of boxes; notes where there is none."""
         grid = lattice(self.ready)
         if grid is None:
             return None
@@ -256,7 +256,7 @@ class _Stage:
         return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
 
     def _pulled(self, path: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
-        """Pull every body in every direction from the end of a path: a way out, or else new places are added."""
+        """Pull every body in every direction from the end of a path: a path out, or else new places are added."""
         ready = self.ready
         bodies = ready.grouping.bodies
         begin = ready.grouping.pose_of(path[-1])

@@ -209,7 +209,7 @@ class SpatialSearch:
     ) -> tuple[Ints, list[SeparatingPlanePoint]]:
         """Pairs of pieces outside the program that come near where some of them meet, and the waypoints where none do.
 
-        Where they meet at the end, the way is not looked at.
+        Where they meet at the end, the path is not looked at.
         """
         known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in program.pieces.tolist()}
         nothing = np.zeros((0, 4), dtype=np.int64)
