@@ -14,7 +14,7 @@ from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.errors import Stop
 from wiggleroom.mating.contour_matching import PlanarPose, contact
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet
-from wiggleroom.mating.flanks import inset
+from wiggleroom.mating.panel_outline import inset
 from wiggleroom.mating.planar_search import (
     MIN_CONTACT,
     PlanarSearch,

@@ -23,7 +23,7 @@ from wiggleroom.mating.contour_matching import (
     sampled,
 )
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR
-from wiggleroom.mating.flanks import inset
+from wiggleroom.mating.panel_outline import inset
 
 Floats = NDArray[np.float64]
 
