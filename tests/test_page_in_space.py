@@ -77,7 +77,7 @@ def saved(page: Any, words: str) -> bytes:
 def test_it_opens_answers_and_turns_by_mouse_and_keys(browser: Any, lid: Served) -> None:
     with visiting(browser, lid) as page:
         answered(page, "block moves 0.4 mm in +x")
-        assert "no overlap, way from rest checked" in page.locator(".facts").first.inner_text()
+        assert "no overlap, path from rest checked" in page.locator(".facts").first.inner_text()
         before = picture(page)
         x, y = middle(page)
         page.mouse.move(x - 350, y + 200)

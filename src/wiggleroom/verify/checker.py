@@ -1,9 +1,8 @@
 """Whether a certificate proves what it says.
 
-Read this file, then `certificate_structure`, `caging_check`, `known_ranges`, `ball_bounds`, `claim` and `ball_arithmetic`: that is all.
-What they rest on:
-python-flint (ball arithmetic), numpy, that coordinates are as given in the file, and that parts are rigid. Nothing is shared with
-the code that found the proof.
+Read this file, then `certificate_structure`, `caging_check`, `chord_check`, `known_ranges`, `ball_bounds`, `claim` and
+`ball_arithmetic`: that is all. What they rest on: python-flint (ball arithmetic), numpy, that coordinates are as given in the file,
+and that parts are rigid. Nothing is shared with the code that found the proof.
 """
 
 from __future__ import annotations
@@ -18,8 +17,9 @@ from flint import arb, ctx
 
 from wiggleroom.verify.ball_arithmetic import Point, Refused, exact, less, need, point, size, turned
 from wiggleroom.verify.ball_bounds import RangedCase
-from wiggleroom.verify.caging_check import Material, check_caging_surface
+from wiggleroom.verify.caging_check import check_caging_surface
 from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read_certificate
+from wiggleroom.verify.chord_check import Material
 from wiggleroom.verify.claim import Claim, claim_of, sentence
 from wiggleroom.verify.known_ranges import Case, Enclosure
 from wiggleroom.verify.work_limit import EXACT, WorkLimit

@@ -1,4 +1,4 @@
-"""What regions, pairs and windows say of turns and shifts before any multiplier does: shortest ways to fixed bodies, rounded outwards."""
+"""What regions, pairs and windows say of turns and shifts before any multiplier does: shortest paths to fixed bodies, rounded outwards."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Case:
             self.known.append((a, b, float(turns[0]), float(turns[-1])))
 
     def first(self, low: list, high: list, far: list, names: list[str]) -> None:
-        """Refuse first ranges that nothing shows: turns and shifts add up along ways to a fixed body."""
+        """Refuse first ranges that nothing shows: turns and shifts add up along paths to a fixed body."""
         steps = self._steps()
         up, down = self._shortest(steps[0]), self._shortest(steps[1])
         shifts = []
@@ -95,7 +95,7 @@ class Case:
         return up, down
 
     def _shortest(self, steps: list[tuple[int, int, float]], start: list[float] | None = None) -> list[float]:
-        """Length of the shortest way to each body along steps (from, to, length >= 0), from a fixed one or with a `start`; rounded up."""
+        """Length of the shortest path to each body along steps (from, to, length >= 0), from a fixed one or with a `start`; rounded up."""
         self.work.spend(4 * len(steps) + EXACT)
         out: list[list[tuple[int, float]]] = [[] for _ in self.fixed]
         for one, end, length in steps:
