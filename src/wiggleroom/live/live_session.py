@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -45,6 +45,15 @@ MAX_TARGET_DISTANCE = 3.0
 """A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
 
 
+@dataclass(frozen=True, eq=False)
+class _AmongFew:
+    """Where `body` was brought while `count` bodies were free to move, not settled."""
+
+    body: int
+    count: int
+    state: State
+
+
 class Live:
     """One drawing whose design is changed and whose parts are dragged, with answers at once.
 
@@ -72,6 +81,7 @@ class Live:
         self._designs = PreparedDesigns(drawing.drawing if isinstance(drawing, Assembly) else drawing)
         self._now: GapDesign | None = None
         self._state: State | None = None
+        self._among_few: _AmongFew | None = None
         self._ends = KnownEnds()
 
     def design(
@@ -107,6 +117,7 @@ class Live:
         new, old = self._designs.design(gap, extra or {}, fixed, glue), self._now
         if new is not old:
             self._state = None if self._state is None or old is None else kept(self._state, old, new)
+            self._among_few = None
             self._now = new
         return new.assembly
 
@@ -123,15 +134,15 @@ class Live:
     @contextmanager
     def aside(self) -> Iterator[None]:
         """Drags in here leave no trace: the next one begins where the last one before ended."""
-        before = self._state
+        before = self._state, self._among_few
         try:
             yield
         finally:
-            self._state = before
+            self._state, self._among_few = before
 
     def rest(self) -> None:
         """Put all parts back to rest: the next drag begins there."""
-        self._state = None
+        self._state = self._among_few = None
 
     def drag(
         self,
@@ -159,8 +170,8 @@ class Live:
             These goals; by default what the drawing asks for.
         within : int, optional
             Number of bodies that may move, those that the part pushes first; all others stand where they are. The motion is one
-            of the whole assembly, but not settled where others that stand hold the part; then the next drag begins where
-            this one did. By default all may move.
+            of the whole assembly, but not settled where others that stand hold the part; then the next drag of this part among
+            as many or fewer goes on from there, and one among more begins where this one did. By default all may move.
         seconds : float
             After that time the best safe motion so far is returned, not settled; asking again goes on from there.
         stop : optional
@@ -181,10 +192,16 @@ class Live:
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
         state, until = self._begun(start, goals), TimeBudget(seconds, stop)
-        near = None if within is None else dragged_among_few(ready, term, aim, state, within, until)
+        few, body = self._among_few if start == "here" else None, int(term.points.body[0])
+        near = None
+        if within is not None:
+            going_on = few is not None and few.body == body and within <= few.count
+            near = dragged_among_few(ready, term, aim, few.state if few and going_on else state, within, until)
         after, search, settled = near or dragged(ready, term, state, float(away @ away), until)
-        # pressed against what could give way, few parts are a bad place for all to begin at
-        self._state = after if near is None or settled else state
+        # pressed against what could give way, few parts are a bad place for more to begin at
+        self._state, self._among_few = after, None
+        if near is not None and within is not None and not settled:
+            self._state, self._among_few = state, _AmongFew(body, within, after)
         motion = of_parts(ready.assembly, ready.bodies, after.motion[None])[0]
         x, y = np.add(grip, term.points.moved(after.motion)[0]).tolist()
         reached = (x, y)
@@ -257,7 +274,7 @@ class Live:
         asked = self._asked(goals)
         old, self._now = self._design, self._designs.prove(self._design, stop)
         if self._now is not old:
-            self._state = None
+            self._state = self._among_few = None
         answer = witness(self.ready, asked, stop=stop, progress=progress)
         found = answer.warm_start
         if found is not None and answer.objective == found.value and answer.collision_free:  # else it was cut back
