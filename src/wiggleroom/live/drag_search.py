@@ -53,11 +53,12 @@ def dragged_among_few(
         return None
     short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
     if settled and short > ARRIVAL_TOLERANCE * ready.clearance:
-        settled = not near.held.intersection(name for contact in holding(search, 1.0) for name in contact.parts)
+        contacts = holding_contacts(search, 1.0)
+        settled = not near.held.intersection(name for contact in contacts for name in contact.parts)
     return after, search, settled
 
 
-def holding(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
+def holding_contacts(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     """Contacts that hold the best motion, forces in this unit."""
     found = search.best
     if found is None or found.solution.status is not SolverStatus.CONVERGED:
