@@ -53,8 +53,8 @@ def dragged_among_few(
         return None
     short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
     if settled and short > ARRIVAL_TOLERANCE * ready.clearance:
-        contacts = holding_contacts(search, 1.0)
-        settled = not near.held.intersection(name for contact in contacts for name in contact.parts)
+        held = holding_contacts(search, 1.0)
+        settled = not near.held.intersection(name for contact in held for name in contact.parts)
     return after, search, settled
 
 
