@@ -243,13 +243,13 @@ def _climbed(assembly: Assembly, goals: tuple[Goal, ...], seed: int) -> Case:
 
 def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[float]:
     """Bounds that are asked for too little; infinite where joints do not close."""
-    ground = survey(assembly)
-    goal = objective(assembly, ground.bodies, goals)
-    links, closed = outer_regions(ground, lambda: False)
-    ranges = first_ranges(ground.bodies.fixed, links, closed)
+    surveyed = survey(assembly)
+    goal = objective(assembly, surveyed.bodies, goals)
+    links, closed = outer_regions(surveyed, lambda: False)
+    ranges = first_ranges(surveyed.bodies.fixed, links, closed)
     regions = [region for region in closed if isinstance(region, OuterRegion)]
-    links, regions, ranges = confined_pairs(ground, links, regions, ranges, ProcessorTime(CONFINED_SECONDS).is_set)
-    if not isinstance(goal, PointMotion) or not (ground.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
+    links, regions, ranges = confined_pairs(surveyed, links, regions, ranges, ProcessorTime(CONFINED_SECONDS).is_set)
+    if not isinstance(goal, PointMotion) or not (surveyed.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
     found = []
     for cut, seconds, many in (
@@ -258,7 +258,7 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
     ):
         branch_and_bound.MANY_BODIES, before = many, branch_and_bound.MANY_BODIES
         bounding = BranchAndBound(
-            ground, links, [*regions], goal, cut, Deadline(None, ProcessorTime(seconds)), lambda *_: None
+            surveyed, links, [*regions], goal, cut, Deadline(None, ProcessorTime(seconds)), lambda *_: None
         )
         found.append(bounding.run(narrowed(bounding.first(), ranges.low, ranges.high), cut))
         branch_and_bound.MANY_BODIES = before
@@ -268,12 +268,12 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
 
 def _certified(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[float]:
     """What certificates state that were asked for too little, with and without windows; all of them must verify."""
-    ground = survey(assembly)
-    goal = objective(assembly, ground.bodies, goals)
+    surveyed = survey(assembly)
+    goal = objective(assembly, surveyed.bodies, goals)
     clock = Deadline(None, ProcessorTime(CERTIFIED_SECONDS))
-    links, regions = outer_regions(ground, clock.is_set, certify=True)
-    ranges = first_ranges(ground.bodies.fixed, links, regions)
-    if not isinstance(goal, PointMotion) or not (ground.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
+    links, regions = outer_regions(surveyed, clock.is_set, certify=True)
+    ranges = first_ranges(surveyed.bodies.fixed, links, regions)
+    if not isinstance(goal, PointMotion) or not (surveyed.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
     found = []
     for many in (branch_and_bound.MANY_BODIES, 0):
@@ -281,12 +281,12 @@ def _certified(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> lis
         branch_and_bound.MANY_BODIES, before = many, branch_and_bound.MANY_BODIES
         cut = SHARES[-1] * truth
         clock = Deadline(None, ProcessorTime(WINDOW_SECONDS))
-        bounding = BranchAndBound(ground, links, [*regions], goal, cut, clock, lambda *_: None, proof)
+        bounding = BranchAndBound(surveyed, links, [*regions], goal, cut, clock, lambda *_: None, proof)
         ranges = bounding.first()
         bounding.run(ranges, cut)
         branch_and_bound.MANY_BODIES = before
         surfaces = [r for r in regions if isinstance(r, CagingSurface)]
-        paper = certificate(ground, assembly, bounding.joints, surfaces, goal, ranges, cut, bounding.windows, proof)
+        paper = certificate(surveyed, assembly, bounding.joints, surfaces, goal, ranges, cut, bounding.windows, proof)
         if not np.isfinite(paper["at_most"]):
             continue
         judged = verify(json.loads(json.dumps(paper)))

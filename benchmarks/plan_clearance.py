@@ -1,7 +1,7 @@
 """Clearances of plans beside a long random search: `python -m benchmarks.plan_clearance [TRIALS]` prints a line for each puzzle.
 
 The search knows outlines and the two ends of a step alone, and measures by general polygon geometry at dense samples. It begins with the
-step's own way and with straight and bent ones between its ends, and keeps whatever random change of way-points widens the
+step's own way and with straight and bent ones between its ends, and keeps whatever random change of waypoints widens the
 narrowest place. No path has more room than there is where it begins: that ends the search early.
 """
 
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 TRIALS = 1500
 POINTS, SAMPLES = 8, 6
-"""Way-points besides the first, and poses looked at on every piece."""
+"""Waypoints besides the first, and poses looked at on every piece."""
 TOLD = 0.1
 """Plans say clearances up to this share of the drawing's size."""
 BENT = 3
@@ -104,7 +104,7 @@ def widest(assembly: Assembly, step: Step, trials: int, seed: int = 0) -> float:
 
 
 def _resampled(path: Floats) -> Floats:
-    """The path with about the wanted number of way-points; those it has are kept."""
+    """The path with about the wanted number of waypoints; those it has are kept."""
     out = [path[:1]]
     each = max(1, POINTS // (len(path) - 1))
     for one, other in pairwise(path):

@@ -128,12 +128,12 @@ def multiplication_speed() -> float:
 
 def factor_operations(assembly: Assembly) -> float:
     """Floating-point operations of one factorisation of the condensed matrix."""
-    ground = survey(assembly)
-    bodies = ground.bodies
+    surveyed = survey(assembly)
+    bodies = surveyed.bodies
     free = np.flatnonzero(~bodies.fixed)
     slot = np.full(len(bodies.fixed), -1)
     slot[free] = np.arange(len(free))
-    found = pattern(ground.near.a, ground.near.b, slot, bodies.rest[free, :2])
+    found = pattern(surveyed.near.a, surveyed.near.b, slot, bodies.rest[free, :2])
     return FrontalPlan(found.at, found.indptr, found.indices, 3).operations
 
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from wiggleroom.assembly import patterns
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import objective
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import SOLVERS, solver_named
 from wiggleroom.solve.kkt_conditions import conditions
 
@@ -39,9 +39,9 @@ class Run:
 def program(nx: int, ny: int) -> tuple[Program, float]:
     """First program of a grid of tee blocks, and the grid's size [mm]."""
     assembly = patterns.grid(nx, ny, gap=GAP)
-    ready = prepare(assembly)
+    ready = prepare_as_drawn(assembly)
     goal = objective(assembly, ready.bodies, assembly.goals)
-    return build(ready.bodies, ready.cells, goal, length=ready.clearance), ready.size
+    return build_program(ready.bodies, ready.cells, goal, length=ready.clearance), ready.size
 
 
 def run(name: str, of: Program, size: float) -> Run:

@@ -2,10 +2,10 @@
 
 `python -m benchmarks.spatial_overlaps 200 1` judges 200 assemblies from seed 1, families in turn; every other one of those whose parts
 are made of boxes is also asked whether it comes apart, and all states on the escape paths are judged. The judge makes its own shapes from
-the numbers that the assembly was drawn with; it shares neither pieces nor axes nor way-points' neighbours with the program.
+the numbers that the assembly was drawn with; it shares neither pieces nor axes nor waypoints' neighbours with the program.
 
 Every third one has random roles besides: locked freedoms, which must stand still at every moment looked at, parts that are glued and
-must lie to each other as at rest (between way-points to 1e-4 of the size), and a pull at a point away from the reference point.
+must lie to each other as at rest (between waypoints to 1e-4 of the size), and a pull at a point away from the reference point.
 `python -m benchmarks.spatial_overlaps 1 7001 35` judges assembly 35 of seed 7001 alone.
 """
 
@@ -45,7 +45,7 @@ from wiggleroom.spatial.spatial_model import (
 SHALLOW = 1e-6
 """Overlaps that are shallower count as touching for the library."""
 BETWEEN = 4
-"""Moments looked at between two way-points."""
+"""Moments looked at between two waypoints."""
 
 
 def convex(points: np.ndarray) -> fcl.Convex:
@@ -313,7 +313,7 @@ def with_roles(rng, drawing):
 
 
 def broken_role(drawing, reference, waypoints):
-    """Largest motion of what is locked [mm or rad], and of glued parts against each other [mm], at way-points and between them."""
+    """Largest motion of what is locked [mm or rad], and of glued parts against each other [mm], at waypoints and between them."""
     worst = np.zeros(2)
     names = [p.name for p in drawing.parts]
     for one, other in [*itertools.pairwise(waypoints), (waypoints[-1], waypoints[-1])]:

@@ -132,7 +132,7 @@ def _never(assembly: Assembly) -> set[frozenset[int]]:
 
 
 def between(waypoints: Motion, stride: float = np.inf) -> Motion:
-    """Way-points (k, n, 3) and at least `BETWEEN` points on every straight piece, `stride` [mm] apart at most."""
+    """Waypoints (k, n, 3) and at least `BETWEEN` points on every straight piece, `stride` [mm] apart at most."""
     pieces = []
     for a, b in itertools.pairwise(waypoints):
         far = np.hypot(*(b - a)[:, :2].T).max()

@@ -11,15 +11,15 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import objective
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 
 
 def first_program(assembly: Assembly, goals: Sequence[Goal] = ()) -> Program:
     """The program of the first round: one cell a pair, grown at rest."""
-    ready = prepare(assembly)
-    return build(
+    ready = prepare_as_drawn(assembly)
+    return build_program(
         ready.bodies, ready.cells, objective(assembly, ready.bodies, goals or assembly.goals), length=ready.clearance
     )
 

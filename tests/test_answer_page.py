@@ -19,7 +19,7 @@ from tests.standalone import frames, told
 from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.model import Part, Pull
 from wiggleroom.report.pages import page_of_answer
-from wiggleroom.report.write_picture import draw
+from wiggleroom.report.write_picture import write_picture
 from wiggleroom.search.answer import Bound
 
 NASTY = "<img src=x onerror=alert(1)></script><b>&\"'"
@@ -255,7 +255,7 @@ def test_a_page_of_five_thousand_parts_opens_and_plays(opened: Any) -> None:
 
 @pytest.mark.slow
 def test_a_moving_svg_moves_in_the_browser(browser: Any, tmp_path: Path) -> None:
-    draw(row(3, lift=0.5), tmp_path / "way.film.svg")
+    write_picture(row(3, lift=0.5), tmp_path / "way.film.svg")
     at = browser.new_page()
     at.goto((tmp_path / "way.film.svg").as_uri())
     where = """t => {

@@ -128,7 +128,7 @@ def test_a_run_that_is_stopped_says_so() -> None:
     found = accuracy.accuracy(100, stop=stop)
     assert found.cut
     assert all(r["published"] for r in found.records)
-    assert interlock.interlock(stop=stop).cut
+    assert interlock.interlock_table(stop=stop).cut
     assert chains.chains(stop=stop).cut
 
 
@@ -225,7 +225,7 @@ def test_all_columns_fit_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(interlock, "METHODS", dict.fromkeys(interlock.METHODS, lambda *_: LOCKED))
     console = Console(width=80, record=True, file=io.StringIO())
-    console.print(bench_table(interlock.interlock()))
+    console.print(bench_table(interlock.interlock_table()))
     said = console.export_text()
     head = said[: said.index("──")]
     assert all(word in head for name in interlock.METHODS for word in name.replace(",", " ").split())
@@ -237,7 +237,7 @@ def test_a_method_that_refuses_is_not_right(monkeypatch: pytest.MonkeyPatch) -> 
         raise wr.InputError("no contacts to look at")
 
     monkeypatch.setattr(interlock, "METHODS", {"sour": refuses})
-    found = interlock.interlock()
+    found = interlock.interlock_table()
     assert [r["right"] for r in found.records] == [False] * len(PUZZLES)
     assert found.records[0]["says"] == "refused: no contacts to look at"
 

@@ -9,7 +9,7 @@ import shapely
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, MAX_ROWS, add_rows, linear_program_maximum
-from wiggleroom.freespace.subdivision.disc_tree import solid
+from wiggleroom.freespace.subdivision.disc_tree import disc_tree
 from wiggleroom.geometry.jit_options import OPTIONS, njit
 
 
@@ -41,7 +41,7 @@ def test_rows_hold_at_free_motions(joint, gap, shift):
     rng = np.random.default_rng(0)
     shapes = [moved(shapely.Polygon(p.regions[0].outer), p.at) for p in wr.patterns.chain(2, joint, gap).parts]
     one, other = (moved(shape, (*shift, 0.0)) for shape in shapes)
-    a, b = solid(one, np.zeros(2)), solid(other, np.zeros(2))
+    a, b = disc_tree(one, np.zeros(2)), disc_tree(other, np.zeros(2))
     looked_at = 0
     for _ in range(700):
         free = rng.normal(size=3) * np.exp(rng.uniform(-7, 0.5))

@@ -12,8 +12,9 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.cells.cells import grow_cells, select
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.neighbours import placed, relative_pose
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION
 
 
@@ -35,7 +36,7 @@ def test_a_tip_over_a_notch_of_its_angle_has_a_cell_that_holds_no_overlap(depth,
     a, b = np.array([0]), np.array([1])
     cells, good = grow_cells(them, a, b, relative_pose(them, a, b), np.full(1, clearance))
     assert good.all()
-    program = build(them, select(cells, a), ZERO_MOTION, length=clearance)
+    program = build_program(them, select(cells, a), ZERO_MOTION, length=clearance)
     rng, inside = np.random.default_rng(1), 0
     for scale in (0.02, 0.2, 1.0):
         for _ in range(400):

@@ -22,7 +22,7 @@ import flint
 
 from wiggleroom.verify.ball_bounds import highest
 from wiggleroom.verify.caging_check import Refused, check_caging_surface, check_inside, point
-from wiggleroom.verify.checker import read, verify
+from wiggleroom.verify.checker import read_certificate, verify
 
 
 def sealed(content):
@@ -74,7 +74,7 @@ def test_more_certificates_verify(kind):
 def refused(text):
     """Whether the file of a certificate does not verify; one that is no JSON any more does not either."""
     try:
-        return not verify(read(text)).proven
+        return not verify(read_certificate(text)).proven
     except (ValueError, Refused):
         return True
 

@@ -14,7 +14,7 @@ from wiggleroom.bound.congruent_joints import CongruentJoint, congruent_joints
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.freespace.outer.outer_region import outer_region, pivot_of
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.search.prepare import survey
 
 TAB = np.array(
@@ -46,7 +46,7 @@ def pair(height: float = 1.0, head: float = 0.35, gap: float = 0.01) -> PairMate
 
 def moved(material: PairMaterial, angle: float, shift: tuple[float, float]) -> PairMaterial:
     """The pair elsewhere."""
-    a, b = (shapely.transform(g, lambda p: turn(p, angle) + shift) for g in (material.a, material.b))
+    a, b = (shapely.transform(g, lambda p: rotated(p, angle) + shift) for g in (material.a, material.b))
     return PairMaterial(a, b, material.clearance)
 
 
@@ -73,9 +73,9 @@ def test_other_gaps_are_other_joints() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_strips_lie_in_their_bodies_and_have_no_edges_without_direction(seed: int) -> None:
-    ground = survey(random_assembly(seed))
-    for a, b, clearance in zip(ground.near.a, ground.near.b, ground.near.clearance, strict=True):
-        whole = PairMaterial(ground.geometry[a], ground.geometry[b], float(clearance))
+    surveyed = survey(random_assembly(seed))
+    for a, b, clearance in zip(surveyed.near.a, surveyed.near.b, surveyed.near.clearance, strict=True):
+        whole = PairMaterial(surveyed.geometry[a], surveyed.geometry[b], float(clearance))
         strips = CongruentJoint(whole).strips
         for strip, body in ((strips.a, whole.a), (strips.b, whole.b)):
             assert strip.is_valid
@@ -103,12 +103,12 @@ def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
             continue
         # the motion of the pivot, from that of b's origin
         arm = pivot - apart
-        tau = corners + turn(arm, float(phi)) - arm
+        tau = corners + rotated(arm, float(phi)) - arm
         points, _ = region.points(phi - 1e-9, phi + 1e-9)
         assert ((points[:, :2] @ normals.T).max(0) >= (tau @ normals.T).max(0) - 1e-9).all()
 
 
 def test_panels_with_one_joint_need_one_region() -> None:
-    ground = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
-    joints, regions = outer_regions(ground, lambda: False)
+    surveyed = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
+    joints, regions = outer_regions(surveyed, lambda: False)
     assert (len(joints.a), len(regions)) == (24, 1)

@@ -55,7 +55,7 @@ def test_the_key_has_the_clearance_of_each_pocket(joint):
 
 @pytest.mark.parametrize("joint", sorted(set(JOINTS) - {"t"}))
 def test_labels_stand_on_the_pieces(joint):
-    sheet = coupon.comb(joint, coupon.steps(-0.3, 0.3, 0.05))
+    sheet = coupon.comb(joint, coupon.gap_steps(-0.3, 0.3, 0.05))
     pieces = shapely.union_all(list(shapes(sheet).values()))
     assert {"-0.30", "0.00", "0.30", joint, "gap mm", "key"} <= {label.text for label in sheet.labels}
     drawn = [strokes_of(label) for label in sheet.labels]
@@ -107,10 +107,10 @@ def test_a_joint_of_ones_own():
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: coupon.steps(0, 1, 0), "in steps of 0"),
-        (lambda: coupon.steps(1, 0, 0.1), "a start below the stop"),
-        (lambda: coupon.steps(0, float("nan"), 0.1), "nan"),
-        (lambda: coupon.steps(0, 1, 1e-6), "take at most"),
+        (lambda: coupon.gap_steps(0, 1, 0), "in steps of 0"),
+        (lambda: coupon.gap_steps(1, 0, 0.1), "a start below the stop"),
+        (lambda: coupon.gap_steps(0, float("nan"), 0.1), "nan"),
+        (lambda: coupon.gap_steps(0, 1, 1e-6), "take at most"),
         (lambda: coupon.comb("glue", GAPS), 'no joint "glue"'),
         (lambda: coupon.comb("tee", GAPS, pitch=-1), "pitch is -1"),
         (lambda: coupon.comb("tee", [50.0]), "cut the comb to pieces"),

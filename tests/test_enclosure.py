@@ -15,7 +15,7 @@ from tests.flexing import part_at
 from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.disassembly.enclosure import holds
+from wiggleroom.disassembly.enclosure import cages
 from wiggleroom.drawing.model import Drawing
 
 box = shapely.box
@@ -173,7 +173,7 @@ def test_no_flood_leaves_what_is_said_to_hold(seed):
     body = shapely.union(turned, neck)
     if body.intersects(socket):
         pytest.skip("does not fit")
-    if holds(socket, body):
+    if cages(socket, body):
         assert not _flooded(socket, body, 0.1)
     elif mouth > 1.5:
         assert _flooded(socket, body, 0.1)
@@ -213,7 +213,7 @@ def test_a_disc_is_held_exactly_where_it_is_wider_than_its_mouth(seed):
     disc = shapely.Polygon(np.column_stack([np.cos(turn), np.sin(turn)]) / np.cos(np.pi / count))
     for share, held in ((1.001, True), (0.999, False)):
         body = affinity.scale(disc, share * half, share * half, origin=(0, 0))
-        assert holds(claw, body) == held
+        assert cages(claw, body) == held
 
 
 @pytest.mark.parametrize("place", [3.0, 3.8])

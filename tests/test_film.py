@@ -19,7 +19,7 @@ from wiggleroom.report import scene as scenes
 from wiggleroom.report.film import film, film_of_answer
 from wiggleroom.report.film_timing import TimedPath, ease_in_out
 from wiggleroom.report.scene import Scene, scene
-from wiggleroom.report.write_picture import draw
+from wiggleroom.report.write_picture import write_picture
 from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -74,7 +74,7 @@ def test_the_path_is_shared_out_by_its_length() -> None:
 
 @pytest.mark.parametrize("shape", [(2, 3), (0, 5, 3), (2, 4, 3), (2, 5, 2)])
 def test_a_path_of_another_shape_is_refused(shape: tuple[int, ...], tmp_path: Path) -> None:
-    with pytest.raises(wr.InputError, match="way-points"):
+    with pytest.raises(wr.InputError, match="waypoints"):
         film(row(5).assembly, np.zeros(shape), tmp_path / "a.svg")
     with pytest.raises(wr.InputError, match="finite"):
         film(row(5).assembly, np.full((2, 5, 3), np.nan), tmp_path / "a.svg")
@@ -86,7 +86,7 @@ def test_other_endings_are_refused(tmp_path: Path) -> None:
     with pytest.raises(wr.InputError, match=r"\.gif"):
         film(case.assembly, case.waypoints, tmp_path / "a.avi")
     with pytest.raises(wr.InputError, match=r"\.html"):
-        draw(case, tmp_path / "a.pdf")
+        write_picture(case, tmp_path / "a.pdf")
 
 
 def animated(svg: str) -> list[ElementTree.Element]:

@@ -9,7 +9,7 @@ import shapely
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble, read
 from wiggleroom.assembly.findings import findings, role_findings
-from wiggleroom.assembly.overlaps import overlaps_at_rest, width
+from wiggleroom.assembly.overlaps import overlap_width, overlaps_at_rest
 from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
 from wiggleroom.errors import InputError
@@ -61,9 +61,9 @@ def test_a_rounding_error_round_a_corner_is_no_overlap():
 
 
 def test_width_is_the_smallest():
-    assert width(shapely.Polygon([(0, 0), (1, 0), (0.5, 0.1)])) == pytest.approx(0.1)
+    assert overlap_width(shapely.Polygon([(0, 0), (1, 0), (0.5, 0.1)])) == pytest.approx(0.1)
     turned = shapely.affinity.rotate(shapely.box(0, 0, 5, 0.25), 31)
-    assert width(turned) == pytest.approx(0.25)
+    assert overlap_width(turned) == pytest.approx(0.25)
 
 
 def test_a_part_inside_another_overlaps_and_one_in_a_hole_does_not():

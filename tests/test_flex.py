@@ -17,7 +17,7 @@ from tests.oracle import blocks, closed_forms
 from tests.oracle.closed_forms import frame, rectangle, regular
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn, W
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, followed
 
 CLOSE = 1e-6
@@ -183,7 +183,7 @@ def test_block_between_two_plates_turns_without_end_where_they_are_wide_apart():
 @pytest.mark.parametrize("point", [(0.0, 0.0), (-30.0, 20.0), (-300.0, 200.0)], ids=str)
 @pytest.mark.parametrize("joint", ["tee", "round", "hook"])
 def test_path_is_free_wherever_the_reference_points_are(joint, point):
-    """Outlines drawn in assembly coordinates, "at" left out: the path between way-points must be free for these motions too."""
+    """Outlines drawn in assembly coordinates, "at" left out: the path between waypoints must be free for these motions too."""
     answer = wr.flex(assemble(about(chain(joint, 6, 0.03).drawing, point)))
     check_safe(answer)
 

@@ -27,7 +27,7 @@ from wiggleroom.cli.verify_drawing import drawn_by
 from wiggleroom.drawing.assembly_writer import write_assembly
 from wiggleroom.verify.caging_check import Refused
 from wiggleroom.verify.certificate_structure import check_structure
-from wiggleroom.verify.checker import read, verify
+from wiggleroom.verify.checker import read_certificate, verify
 from wiggleroom.verify.claim import claim_of
 from wiggleroom.verify.claim_comparison import difference
 
@@ -568,7 +568,7 @@ def test_another_text_is_refused(honest: Content, name: str) -> None:
     changed = TEXTS[name](text)
     assert changed != text
     try:
-        assert not verify(read(changed)).proven
+        assert not verify(read_certificate(changed)).proven
     except (Refused, ValueError) as why:
         assert len(str(why).splitlines()) <= 1
 

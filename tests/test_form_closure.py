@@ -15,7 +15,7 @@ from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.form_closure.blocking_graph import blocking, blocking_graph
 from wiggleroom.form_closure.mobility import cone, opening, tight_verdict
 from wiggleroom.form_closure.point_contacts import point_contacts
-from wiggleroom.form_closure.self_stress import SelfStress, holds
+from wiggleroom.form_closure.self_stress import SelfStress, prove_form_closure
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -230,18 +230,18 @@ def test_convex_tiles_in_a_frame(seed):
 def test_a_proof_that_was_tampered_with_fails():
     found = wr.tight_verdict(tiles(1, 12, frame=True))
     (lock,) = found.locks
-    assert holds(found.contacts, [lock])
+    assert prove_form_closure(found.contacts, [lock])
     for k in (0, len(lock.force) // 2):
         force = lock.force.copy()
         force[k] *= 1000  # a small imbalance would prove as much: the check knows how much is harmless
-        assert not holds(found.contacts, [SelfStress(lock.contact, force)])
+        assert not prove_form_closure(found.contacts, [SelfStress(lock.contact, force)])
         force[k] = -lock.force[k]
-        assert not holds(found.contacts, [SelfStress(lock.contact, force)])
-    assert not holds(found.contacts, [])
-    assert not holds(found.contacts, [SelfStress(lock.contact[1:], lock.force[1:])])
+        assert not prove_form_closure(found.contacts, [SelfStress(lock.contact, force)])
+    assert not prove_form_closure(found.contacts, [])
+    assert not prove_form_closure(found.contacts, [SelfStress(lock.contact[1:], lock.force[1:])])
     slide = wr.tight_verdict(slot("through slot"))
     everything = SelfStress(np.arange(len(slide.contacts.a)), np.ones(len(slide.contacts.a)))
-    assert not holds(slide.contacts, [everything])  # in balance, but of low rank
+    assert not prove_form_closure(slide.contacts, [everything])  # in balance, but of low rank
     assert not replace(slide, motion=slide.motion[:, [1, 0, 2]]).verify()
 
 

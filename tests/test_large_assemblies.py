@@ -7,12 +7,13 @@ import shapely
 
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
-from wiggleroom.geometry.neighbours import placed, relative_pose
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
 from wiggleroom.program.distance_program import build_distances
-from wiggleroom.program.nonlinear_program import build
-from wiggleroom.search.prepare import prepare
+from wiggleroom.program.nonlinear_program import build_program
+from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.multifrontal import FrontalPlan, Multifrontal
 
@@ -69,7 +70,7 @@ def test_multifrontal_solves(block, shape):
 def program(request):
     """Distances of a small grid, at rest and somewhat beside it."""
     assembly = wr.patterns.grid(3, 2, joint=request.param, gap=0.02)
-    ready = prepare(assembly)
+    ready = prepare_as_drawn(assembly)
     n = len(ready.bodies.fixed)
     a, b = np.triu_indices(n, 1)
     near = near_vertices(ready.bodies, a, b, np.zeros((n, 3)), *np.full((2, len(a)), 0.1), 0.05)
@@ -123,7 +124,7 @@ def test_condensed_matrix_has_the_curvature_where_it_is_convex(program):
 
 def test_listed_corners_are_all_that_are_near():
     assembly = wr.patterns.grid(2, 2, joint="tee", gap=0.02)
-    ready = prepare(assembly)
+    ready = prepare_as_drawn(assembly)
     bodies, reach = ready.bodies, 0.15
     a, b = np.triu_indices(4, 1)
     near = near_vertices(bodies, a, b, np.zeros((4, 3)), np.full(len(a), reach), np.full(len(a), 0.06), 0.03)
@@ -152,7 +153,7 @@ def test_large_grids_move_far_and_safely(columns, rows, joint, least):
     answer = witness(assembly)
     assert answer.path == "checked"
     assert answer.objective >= least
-    # judged apart: no two parts share material at way-points and in between
+    # judged apart: no two parts share material at waypoints and in between
     outlines = [shapely.union_all([shapely.Polygon(r.outer, r.holes) for r in part.regions]) for part in assembly.parts]
     for one, other in zip(answer.waypoints[:-1:6], answer.waypoints[1::6], strict=False):
         for share in (0.0, 0.5, 1.0):
@@ -171,8 +172,8 @@ def test_large_grids_move_far_and_safely(columns, rows, joint, least):
 def test_solutions_on_two_threads_are_those_of_the_matrix():
     """Subtrees are solved on threads of their own; what they leave for nodes above is put together."""
     assembly = wr.patterns.grid(24, 20, joint="tee", gap=0.02)
-    ready = prepare(assembly)
-    program = build(ready.bodies, ready.cells, ready.objective(assembly.goals), length=ready.clearance)
+    ready = prepare_as_drawn(assembly)
+    program = build_program(ready.bodies, ready.cells, ready.objective(assembly.goals), length=ready.clearance)
     rng = np.random.default_rng(3)
     at = program.linearise(np.zeros(len(program.scale)))
     weight, right = rng.random(program.rows) + 0.1, rng.standard_normal(len(program.scale))

@@ -24,7 +24,7 @@ from wiggleroom.freespace.models.hull import pair_hull
 from wiggleroom.freespace.slices import pair_outlines
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program import contact_functions as kernel
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import objective
 from wiggleroom.report.answer_words import verdict_sentence
 from wiggleroom.report.json_results import flex_result
@@ -191,7 +191,7 @@ def test_ball_of_lemma_1_is_not_halved_where_a_corner_is_nearest(angle: float, m
 def test_faces_in_a_program_have_exact_derivatives() -> None:
     made = chain("hook", 0.02, 4, 0.5)
     ready = approximate(made, wr.Hull("joint"))
-    of = build(ready.bodies, ready.faces, objective(made, ready.bodies, made.goals), length=ready.clearance)
+    of = build_program(ready.bodies, ready.faces, objective(made, ready.bodies, made.goals), length=ready.clearance)
     assert (of.kind == kernel.FACE).all()
     random = np.random.default_rng(3)
     motion = np.zeros((4, 3))

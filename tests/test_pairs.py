@@ -15,10 +15,13 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_pose
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.neighbours import neighbours
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import objective
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 
 REACH = 0.03
 NONE = np.zeros(0, dtype=np.int64)
@@ -125,7 +128,7 @@ def test_frames_and_places_do_not_change_shapes_and_classes(name):
     poses = [relative_pose(them, a, b) for them in (one, other)]
     np.testing.assert_allclose(poses[0][:, :2], poses[1][:, :2], atol=1e-9)
     np.testing.assert_allclose(np.exp(1j * poses[0][:, 2]), np.exp(1j * poses[1][:, 2]), atol=1e-9)
-    labels = [classes(them, a, b, pose)[1] for them, pose in zip((one, other), poses, strict=True)]
+    labels = [congruence_classes(them, a, b, pose)[1] for them, pose in zip((one, other), poses, strict=True)]
     same = [label[:, None] == label[None, :] for label in labels]
     np.testing.assert_array_equal(*same)
 
@@ -139,7 +142,7 @@ def test_copies_in_all_frames_share_shapes_and_classes_in_one_assembly():
     them = bodies(Assembly(both, Drawing(both)))
     assert set(them.shape) == {0}
     pose = relative_pose(them, np.array([0, 2]), np.array([1, 3]))
-    first, label = classes(them, np.array([0, 2]), np.array([1, 3]), pose)
+    first, label = congruence_classes(them, np.array([0, 2]), np.array([1, 3]), pose)
     assert len(first) == 1
     assert label.tolist() == [0, 0]
 
@@ -203,7 +206,7 @@ def test_edges_have_material_on_their_left():
 def test_a_grid_of_tees_has_four_classes_of_pairs(nx, ny, change):
     them = bodies(change(patterns.grid(nx, ny)))
     near = neighbours(them, placed(them), REACH, ignored=NONE)
-    first, label = classes(them, near.a, near.b, relative_pose(them, near.a, near.b))
+    first, label = congruence_classes(them, near.a, near.b, relative_pose(them, near.a, near.b))
     beside, above, diagonal = (nx - 1) * ny, nx * (ny - 1), (nx - 1) * (ny - 1)
     assert len(first) == 4
     assert sorted(np.bincount(label)) == sorted([beside, above, diagonal, diagonal])
@@ -216,15 +219,15 @@ def test_a_grid_of_tees_has_four_classes_of_pairs(nx, ny, change):
 def test_different_pieces_are_different_classes():
     them = bodies(patterns.jigsaw(4, 4))
     near = neighbours(them, placed(them), REACH, ignored=NONE)
-    assert len(classes(them, near.a, near.b, relative_pose(them, near.a, near.b))[0]) == len(near.a)
+    assert len(congruence_classes(them, near.a, near.b, relative_pose(them, near.a, near.b))[0]) == len(near.a)
 
 
 def test_turning_once_round_is_the_same_class():
     them = bodies(patterns.chain(3))
     a, b = np.array([0, 1, 0, 0]), np.array([1, 2, 1, 1])
     pose = relative_pose(them, a, b) + np.array([[0, 0, 0], [0, 0, 2 * np.pi], [0, 0, -2 * np.pi], [0, 0, 1e-3]])
-    assert classes(them, a, b, pose)[1][:3].tolist() == [0, 0, 0]
-    assert classes(them, a, b, pose)[1][3] != 0
+    assert congruence_classes(them, a, b, pose)[1][:3].tolist() == [0, 0, 0]
+    assert congruence_classes(them, a, b, pose)[1][3] != 0
 
 
 @each
@@ -258,12 +261,12 @@ def test_fixed_pairs_are_left_out():
 
 @anywhere
 def test_the_cell_of_one_pair_serves_its_whole_class(change):
-    ready = prepare(change(patterns.grid(5, 4)))
+    ready = prepare_as_drawn(change(patterns.grid(5, 4)))
     them, cells = ready.bodies, ready.cells
-    _, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
+    _, label = congruence_classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     assert len(cells.a) > 20
     goal = objective(ready.assembly, them, ready.assembly.goals)
-    rows = build(them, cells, goal, length=1.0).values(np.zeros(3 * int((~them.fixed).sum())))
+    rows = build_program(them, cells, goal, length=1.0).values(np.zeros(3 * int((~them.fixed).sum())))
     for k in range(label.max() + 1):
         one, *others = [rows[cells.row[p] : cells.row[p + 1]] for p in np.flatnonzero(label == k)]
         assert one.min() > 0.001

@@ -63,9 +63,9 @@ def test_pairs_are_tied_as_without_it(joint: str) -> None:
     passages = PassagesByGap()
     for gap in (0.02, 0.05, 0.03, 0.01):
         ready = ready_at(gap, joint, 3)
-        ground = survey(ready.assembly)
-        around = enclosed(ground.bodies, ground.geometry, ground.ignored, None)
-        begin = enclosed_links(ground.bodies.fixed, around)
+        surveyed = survey(ready.assembly)
+        around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, None)
+        begin = enclosed_links(surveyed.bodies.fixed, around)
         alone, among = (closed_pairs(ready, begin, known) for known in (PassagesByGap(), passages))
         assert np.array_equal(alone.group, among.group)
         assert np.array_equal(alone.held, among.held)

@@ -26,7 +26,7 @@ def made_of(tmp_path: Path, *parts: Json, **more: object) -> Assembly:
 
 
 def waypoints_of(count: int, who: int, *motions: tuple[float, float, float]) -> np.ndarray:
-    """Way-points of one of some parts, from rest."""
+    """Waypoints of one of some parts, from rest."""
     out = np.zeros((len(motions) + 1, count, 3))
     out[1:, who] = motions
     return out

@@ -10,7 +10,7 @@ import wiggleroom as wr
 
 pytest.importorskip("pymunk")
 
-from wiggleroom.bench.physics import convex_pieces, pulled_to_rest
+from wiggleroom.bench.physics import convex_polygons, pulled_to_rest
 
 from .oracle.blocks import JOINTS, block
 from .oracle.chain import stored
@@ -20,7 +20,7 @@ from .oracle.chain import stored
 def test_pieces_are_convex_and_fill_the_part(joint):
     shape = block(joint, 0.02)
     shape = shape.difference(shapely.Point(0, 0).buffer(0.1, 3))  # a hole as well
-    pieces = [shapely.Polygon(p) for p in convex_pieces(shape)]
+    pieces = [shapely.Polygon(p) for p in convex_polygons(shape)]
     assert all(p.area == pytest.approx(p.convex_hull.area, rel=1e-9) for p in pieces)
     assert sum(p.area for p in pieces) == pytest.approx(shape.area, rel=1e-9)
     assert shapely.union_all(pieces).symmetric_difference(shape).area < 1e-9

@@ -19,7 +19,7 @@ from wiggleroom.report.leaving_picture import way_out
 from wiggleroom.report.picture import picture
 from wiggleroom.report.png import png
 from wiggleroom.report.read_picture import picture_of_reading
-from wiggleroom.report.text import width
+from wiggleroom.report.text import text_width
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 
@@ -42,7 +42,7 @@ def said(svg: str) -> str:
 def box(text: ElementTree.Element) -> tuple[float, float, float, float]:
     """Left, top, right, bottom of a text element, by an upper estimate of its width."""
     size, x, y = (float(text.get(k, "0")) for k in ("font-size", "x", "y"))
-    wide = width(text.text or "", size)
+    wide = text_width(text.text or "", size)
     left = (
         x - wide / 2 if text.get("fill") is None else x - wide if text.get("text-anchor") == "end" else x
     )  # names are centred and take their colour from the group
@@ -234,7 +234,7 @@ def test_text_shows_without_any_font_on_the_machine() -> None:
     style = "svg { font-family: 'Wiggle Sans', sans-serif }"
     with as_file(files("wiggleroom.report") / "fonts" / "wiggle-sans.ttf") as font:
         bare = svg_to_bytes(
-            svg_string=svg, width=1600, font_files=[str(font)], skip_system_fonts=True, style_sheet=style
+            svg_string=svg, text_width=1600, font_files=[str(font)], skip_system_fonts=True, style_sheet=style
         )
     assert bytes(bare) == drawn  # no font of the system took part
 

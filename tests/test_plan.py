@@ -23,7 +23,7 @@ from benchmarks.plan_families import (
 
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
-from wiggleroom.disassembly.clearance import distances
+from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.slide_space import lattice_unit
 from wiggleroom.report.plan_results import plan_result
 from wiggleroom.schema.plan_schema import PlanResult
@@ -282,7 +282,7 @@ def test_swept_distances_are_those_of_dense_samples(turn):
         path = np.zeros((2, 2, 3))
         path[:, 1, :2] = random.uniform(-10, 15, (2, 2))
         path[:, 1, 2] = random.uniform(-turn, turn, 2)
-        got = distances(bodies, path, np.ones(2, dtype=bool), np.zeros(0, dtype=np.int64), 30.0)[0, 1]
+        got = least_distances(bodies, path, np.ones(2, dtype=bool), np.zeros(0, dtype=np.int64), 30.0)[0, 1]
         from wiggleroom.geometry.rigid_motions import of_parts
 
         _, truth = nearest(assembly, of_parts(assembly, bodies, path), np.ones(2, dtype=bool), {1}, 200)

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from wiggleroom.assembly import patterns
 from wiggleroom.drawing.model import Closer, Pull, Towards, Translation, Turn, W
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.objectives import TERMS, objective
 from wiggleroom.program.retraction import Retraction

@@ -36,7 +36,7 @@ from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.trigonometric_envelopes import envelope, support
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.outer.outer_facets import facets
-from wiggleroom.freespace.outer.outer_region import refined
+from wiggleroom.freespace.outer.outer_region import with_narrower_intervals
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Bound
 from wiggleroom.search.prepare import survey
@@ -52,15 +52,15 @@ ROUNDING = 1e-12
 def bound_of(assembly, goals, cut, seconds):
     """What a proof says that looks for motions worth more than `cut`, whatever the truth is."""
     clock = Deadline(seconds, None)
-    ground = survey(assembly)
-    goal = objective(assembly, ground.bodies, goals)
+    surveyed = survey(assembly)
+    goal = objective(assembly, surveyed.bodies, goals)
     assert isinstance(goal, PointMotion)
-    links, regions = outer_regions(ground, clock.is_set)
-    ranges = first_ranges(ground.bodies.fixed, links, regions)
-    held = ground.bodies.fixed[goal.body] | np.isfinite(ranges.far[goal.body])
+    links, regions = outer_regions(surveyed, clock.is_set)
+    ranges = first_ranges(surveyed.bodies.fixed, links, regions)
+    held = surveyed.bodies.fixed[goal.body] | np.isfinite(ranges.far[goal.body])
     if not held.all():
         return math.inf
-    return BranchAndBound(ground, links, regions, goal, cut, clock, lambda *_: None).run(ranges, cut)
+    return BranchAndBound(surveyed, links, regions, goal, cut, clock, lambda *_: None).run(ranges, cut)
 
 
 # -- never below the truth -------------------------------------------------------------------------------------------
@@ -154,14 +154,14 @@ def test_outer_regions_hold_all_true_slices(seed):
     joint, gap = blocks.JOINTS[seed], (0.01, 0.03)[seed % 2]
     made = blocks.block(joint, gap)
     assembly = assemble(row_of([made, made]), gap=0.0)
-    ground = survey(assembly)
-    links, (region,) = outer_regions(ground, lambda: False)
-    pivot = ground.bodies.rest[0, :2] + links.arm_a[0]
+    surveyed = survey(assembly)
+    links, (region,) = outer_regions(surveyed, lambda: False)
+    pivot = surveyed.bodies.rest[0, :2] + links.arm_a[0]
     truth = Slices(made, made, (1.0, 0.0))
     low, high = region.turns
     assert low <= truth.low
     assert high >= truth.high
-    for outer in (region, refined(region, np.arange(len(region.low)))):
+    for outer in (region, with_narrower_intervals(region, np.arange(len(region.low)))):
         for phi in np.linspace(truth.low, truth.high, 23):
             corners = truth.corners(phi)
             arm, c, s = pivot - (1.0, 0.0), math.cos(phi), math.sin(phi)
@@ -202,9 +202,9 @@ def test_any_multipliers_give_a_bound(seed, wide):
     rng = np.random.default_rng(seed)
     assembly = wr.patterns.grid(3, 2, joint="tee", gap=0.02)
     answer = wr.flex(assembly, wr.Pull(assembly.names[-1], rng.standard_normal(2)))
-    ground = survey(assembly)
-    them = ground.bodies
-    joints, regions = outer_regions(ground, lambda: False)
+    surveyed = survey(assembly)
+    them = surveyed.bodies
+    joints, regions = outer_regions(surveyed, lambda: False)
     turns = turn_differences(joints, regions)
     ranges = first_ranges(them.fixed, joints, regions, turns)
     ranges = replace(ranges, low=wide * ranges.low, high=wide * ranges.high)
@@ -249,10 +249,10 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
     from wiggleroom.bound.local_windows import deviation, windows
 
     assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
-    ground = survey(assembly)
-    them = ground.bodies
-    joints, regions = outer_regions(ground, lambda: False)
-    (window, *_) = windows(them.rest[:, :2], joints, ground.clearance, 2)
+    surveyed = survey(assembly)
+    them = surveyed.bodies
+    joints, regions = outer_regions(surveyed, lambda: False)
+    (window, *_) = windows(them.rest[:, :2], joints, surveyed.clearance, 2)
     far = np.array([regions[k].far for k in joints.kind])
     assert deviation(window, joints, far) < 1e-11
     rng, shift = np.random.default_rng(seed), 1e-6
@@ -274,11 +274,11 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
 def test_windows_are_alike_where_their_joints_are_whatever_the_outlines():
     from wiggleroom.bound.local_windows import windows
 
-    ground = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
-    joints, _ = outer_regions(ground, lambda: False)
-    (window, *_) = windows(ground.bodies.rest[:, :2], joints, ground.clearance, 2)
+    surveyed = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
+    joints, _ = outer_regions(surveyed, lambda: False)
+    (window, *_) = windows(surveyed.bodies.rest[:, :2], joints, surveyed.clearance, 2)
     assert len(window.placements) > 4
-    assert len({tuple(ground.bodies.shape[row].tolist()) for row in window.placements}) > 1
+    assert len({tuple(surveyed.bodies.shape[row].tolist()) for row in window.placements}) > 1
 
 
 @pytest.mark.parametrize("reach", [1, 2])
@@ -289,12 +289,12 @@ def test_neighbourhoods_cut_no_motion_that_is_worth_enough(reach, monkeypatch):
     monkeypatch.setattr(neighbourhood_tightening, "REACH", reach)
     assembly = wr.patterns.grid(4, 3, joint="tee", gap=0.02)
     answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)))
-    ground = survey(assembly)
-    them = ground.bodies
-    joints, regions = outer_regions(ground, lambda: False)
+    surveyed = survey(assembly)
+    them = surveyed.bodies
+    joints, regions = outer_regions(surveyed, lambda: False)
     turns = turn_differences(joints, regions)
     ranges = first_ranges(them.fixed, joints, regions, turns)
-    linkage = Linkage(them.fixed, them.radius, them.rest[:, :2], joints, turns, ground.clearance)
+    linkage = Linkage(them.fixed, them.radius, them.rest[:, :2], joints, turns, surveyed.clearance)
     program = RelaxationInRanges(linkage, RegionCuts([*regions]), ranges)
     weights = goal_weights(objective(assembly, them, answer.goals), len(them.fixed))
     most, multipliers, *_ = program.largest(weights, lambda: False, interior=True)

@@ -10,7 +10,7 @@ import wiggleroom as wr
 from tests.flexing import box
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.live.reachable import reach
+from wiggleroom.live.reachable import reachable_region
 
 HOLE = np.array([[-6.0, -5.0], [-6.0, 5.0], [6.0, 5.0], [6.0, -5.0]])
 
@@ -24,7 +24,7 @@ def disc_in_frame() -> wr.Assembly:
 
 def test_a_disc_is_reached_wherever_it_fits():
     """Its middle goes 2 mm to either side and 1 mm up and down, in closed form."""
-    found = reach(wr.Live(disc_in_frame()), "disc", (0.0, 0.0))
+    found = reachable_region(wr.Live(disc_in_frame()), "disc", (0.0, 0.0))
     assert found.exact
     assert not found.open
     assert found.region.bounds == pytest.approx((-2, -1, 2, 1), abs=0.02)
@@ -36,7 +36,7 @@ def test_of_two_bodies_all_that_drags_reach_is_shaded(joint):
     assembly = wr.patterns.chain(2, joint=joint, gap=0.02)
     live, random = wr.Live(assembly), np.random.default_rng(1)
     grip = (1.3, 0.2)
-    region = reach(live, "b2", grip).region
+    region = reachable_region(live, "b2", grip).region
     for _ in range(20):
         angle, far = random.uniform(0, 2 * np.pi), random.uniform(0.005, 0.3)
         target = (grip[0] + far * np.cos(angle), grip[1] + far * np.sin(angle))
@@ -49,7 +49,7 @@ def test_of_more_bodies_every_corner_was_reached_and_the_session_stays():
     live = wr.Live(assembly)
     x, y, _ = assembly.rest[3]
     before = live.drag("b4", (x, y), (x, y + 0.05), start="rest", seconds=30)
-    found = reach(live, "b4", (x, y))
+    found = reachable_region(live, "b4", (x, y))
     assert not found.exact
     after = live.drag("b4", (x, y), before.reached, seconds=30)
     assert after.distance < 0.01 * assembly.gap
@@ -64,4 +64,4 @@ def test_what_leaves_is_said():
     loose = assemble(Drawing((box("stands", 0, 0, 5, 5), box("goes", 5.5, 0, 9, 5))), gap=0.0)
     live = wr.Live(loose)
     live.design(fixed=["stands"])
-    assert reach(live, "goes", (7.0, 2.0)).open
+    assert reachable_region(live, "goes", (7.0, 2.0)).open

@@ -18,7 +18,7 @@ from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
 from wiggleroom.report.json_results import flex_result
 from wiggleroom.search.incumbent import start_at_rest
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.state_tree import ClimbTree
 from wiggleroom.verdict import Verdict
 
@@ -119,7 +119,7 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
 
 
 def test_tree_keeps_new_states_only():
-    ready = prepare(bent_corridor(wr.Pull("peg", (0, 1))))
+    ready = prepare_as_drawn(bent_corridor(wr.Pull("peg", (0, 1))))
     tree = ClimbTree(start_at_rest(ready), ready.bodies.radius, ready.clearance)
     still = np.zeros((2, 3))
     assert tree.known(still) == 0

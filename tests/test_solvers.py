@@ -12,7 +12,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.assembly import patterns
 from wiggleroom.errors import InputError, MissingExtraError
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import SOLVERS, interior_point, ipopt, solver_named
 from wiggleroom.solve.kkt_conditions import conditions
 
@@ -324,5 +324,5 @@ def test_conditions_see_what_is_wrong():
 
 
 def test_prepared_assemblies_serve_both_solvers():
-    ready = prepare(patterns.chain(3))
+    ready = prepare_as_drawn(patterns.chain(3))
     assert wr.flex(ready, solver="ipopt").objective == pytest.approx(wr.flex(ready).objective, rel=1e-6)

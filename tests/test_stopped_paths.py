@@ -33,7 +33,7 @@ def grid() -> wr.Assembly:
 
 
 def deepest_area(assembly: wr.Assembly, waypoints: np.ndarray) -> float:
-    """Largest area [mm2] that two parts share at a way-point or half way between two, by general polygon geometry."""
+    """Largest area [mm2] that two parts share at a waypoint or half way between two, by general polygon geometry."""
     states = np.concatenate([waypoints, (waypoints[1:] + waypoints[:-1]) / 2])
     most = 0.0
     for motion in states:

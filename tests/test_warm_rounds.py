@@ -11,12 +11,12 @@ from wiggleroom.audit import path_audit
 from wiggleroom.drawing.model import Region
 from wiggleroom.freespace.cells.cells import grow_cells
 from wiggleroom.geometry.batches import in_batches
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.maximise import witness
-from wiggleroom.program.nonlinear_program import build
-from wiggleroom.search.prepare import prepare
+from wiggleroom.program.nonlinear_program import build_program
+from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
+from wiggleroom.solve.carried_multipliers import even_multipliers, pair_wrenches
 from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.newton_step import Iterate, max_step, newton
@@ -24,12 +24,12 @@ from wiggleroom.solve.newton_step import Iterate, max_step, newton
 
 @pytest.fixture(scope="module")
 def ready():
-    return prepare(wr.patterns.grid(6, 5, joint="tee", gap=0.02))
+    return prepare_as_drawn(wr.patterns.grid(6, 5, joint="tee", gap=0.02))
 
 
 @pytest.fixture(scope="module")
 def program(ready):
-    return build(ready.bodies, ready.cells, ready.objective(ready.assembly.goals), length=ready.clearance)
+    return build_program(ready.bodies, ready.cells, ready.objective(ready.assembly.goals), length=ready.clearance)
 
 
 def iterate(program, rng, spread):
@@ -81,9 +81,9 @@ def test_new_walls_push_as_the_old_ones_did(ready, program):
     seed = relative_pose(bodies, cells.a, cells.b, program.motion(solution.inner))
     grown, good = grow_cells(bodies, cells.a, cells.b, seed, np.full(len(seed), ready.clearance))
     assert good.all()
-    other = build(bodies, grown, program.objective, length=program.length)
+    other = build_program(bodies, grown, program.objective, length=program.length)
     there = other.linearise(solution.inner)
-    forces = wrenches(at, solution.inner_lam)
+    forces = pair_wrenches(at, solution.inner_lam)
     lam = even_multipliers(
         there, solution.inner_mu * interior_point.barrier_unit(at), forces, np.full(other.rows, np.nan)
     )

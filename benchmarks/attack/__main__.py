@@ -3,7 +3,7 @@
 Assembly number k is of family k modulo their count. `flex` and `check` are asked about it, and their ends, paths, verdicts and values are
 judged by polygons of shapely and by a short search of its own, see oracle.py and search.py, which import nothing of the package. Asked
 again with the same DIR it goes on where it was stopped. What is wrong is written there: the assembly, what is wrong with the answer,
-and the better path where there is one (the number of way-points, then one a line: dx dy turn of all parts [mm, mm, rad]).
+and the better path where there is one (the number of waypoints, then one a line: dx dy turn of all parts [mm, mm, rad]).
 """
 
 from __future__ import annotations

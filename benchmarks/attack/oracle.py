@@ -107,7 +107,7 @@ class Ground:
         return self.overlap_on(np.stack([motion, motion]))
 
     def overlap_on(self, waypoints: Floats, levels: int = MOST_LEVELS, without: Collection[str] = ()) -> Overlap | None:
-        """The first overlap that is found along straight motion between way-points (k, n, 3) of all parts but some, or None."""
+        """The first overlap that is found along straight motion between waypoints (k, n, 3) of all parts but some, or None."""
         for i, j in self.pairs:
             if self.names[i] in without or self.names[j] in without:
                 continue

@@ -22,7 +22,7 @@ MOST_AWAY = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """A state reached from rest: way-points (k, n, 3) and the goal's value at the last."""
+    """A state reached from rest: waypoints (k, n, 3) and the goal's value at the last."""
 
     path: list[Floats]
     value: float

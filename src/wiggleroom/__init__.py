@@ -225,9 +225,9 @@ __all__ = [
 
 
 def _draw(found: Any, path: Any) -> None:
-    from wiggleroom.report.write_picture import draw  # slow to import, and not always needed
+    from wiggleroom.report.write_picture import write_picture  # slow to import, and not always needed
 
-    draw(found, path)
+    write_picture(found, path)
 
 
 def _mime_bundle(found: Any) -> dict[str, str]:

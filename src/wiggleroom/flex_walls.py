@@ -26,8 +26,8 @@ from wiggleroom.search.loop import LocalSearch, Progress
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion
-from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.search.simplified_outlines import contact_places, prepare_simplified
+from wiggleroom.search.prepare import Prepared, prepare_as_drawn
+from wiggleroom.search.prepare_walls import contact_places, prepare_simplified
 from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.solution import Solution
@@ -126,7 +126,7 @@ def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
         query.tell(replace(progress, objective=progress.objective / frame.scale))
 
     try:
-        own = prepare(frame.assembly, stop=query.stop)
+        own = prepare_as_drawn(frame.assembly, stop=query.stop)
     except (InputError, StoppedError):
         return None
     found = with_quick_bound(_climbed(own, replace(query, goals=frame.goals, tell=told)), query.stop)

@@ -24,7 +24,7 @@ from wiggleroom.freespace.models.pair_models import PairModel, Walls, model_name
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.simplified_outlines import prepare_outlines
+from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.solve import solver_named
 from wiggleroom.verdict import Verdict
 
@@ -78,7 +78,7 @@ def prepare(
     require_planar(assembly, "prepare")
     wanted = model_named(model)
     if isinstance(wanted, Walls):
-        return PreparedModel(**vars(prepare_outlines(assembly, stop=stop)))
+        return PreparedModel(**vars(prepare_walls(assembly, stop=stop)))
     return ApproximateModel(**vars(approximate(assembly, wanted, stop)))
 
 

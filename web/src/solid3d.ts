@@ -18,9 +18,9 @@ interface SolidPart {
 
 interface SolidScene {
   parts: SolidPart[];
-  /** When each way-point is reached, from 0 to 1. */
+  /** When each waypoint is reached, from 0 to 1. */
   times: number[];
-  /** Way-points, parts: displacement [mm] and quaternion x, y, z, w, float32. */
+  /** Waypoints, parts: displacement [mm] and quaternion x, y, z, w, float32. */
   motions: string;
   contacts: { point: Triple; normal: Triple; share: number }[];
   centre: Triple;
@@ -33,7 +33,7 @@ function floats(text: string): Float32Array {
   return new Float32Array(fromBase64(text).buffer);
 }
 
-/** Index of the way-point before a time, and how far it is to the next. */
+/** Index of the waypoint before a time, and how far it is to the next. */
 export function between(times: readonly number[], t: number): [number, number] {
   let k = 0;
   while (k < times.length - 2 && times[k + 1]! < t) k += 1;
@@ -61,7 +61,7 @@ function start(data: SolidScene): void {
   const one = new Quaternion();
   const other = new Quaternion();
 
-  /** Places the parts; positions go straight between way-points, turns about one constant axis. */
+  /** Places the parts; positions go straight between waypoints, turns about one constant axis. */
   function place(): void {
     const [k, share] = between(data.times, Number(slider.value));
     const apart = Number(explode.value);

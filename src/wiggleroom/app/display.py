@@ -13,7 +13,7 @@ from wiggleroom.app.dimension_messages import Outlines, shapes_of
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSlices
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.schema.replies import Pose
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Display:
         assembly, motion = self._shown
         a, b = (assembly.names.index(name) for name in space.parts)
         rest, now = assembly.rest, assembly.rest + motion
-        tau = turn(now[b, :2] - now[a, :2], -now[a, 2]) - turn(rest[b, :2] - rest[a, :2], -rest[a, 2])
+        tau = rotated(now[b, :2] - now[a, :2], -now[a, 2]) - rotated(rest[b, :2] - rest[a, :2], -rest[a, 2])
         phi = motion[b, 2] - motion[a, 2]
         pivot = tau + swing(space, np.array([phi]))[0]
         return float(pivot[0]), float(pivot[1]), float(np.degrees(phi))

@@ -76,13 +76,13 @@ def failed(number: int, of: str, findings: tuple[str, ...] | list[str]) -> Faile
     return Failed(id=number, of=of, findings=[" ".join(line.split()) for line in findings])
 
 
-def frame(number: int, motions: NDArray[np.float64]) -> bytes:
+def motion_frame(number: int, motions: NDArray[np.float64]) -> bytes:
     """Binary frame of motions that goes before the reply of this number: (k, n, 3) [mm, mm, rad], or in space (k, n, 7).
 
     Examples
     --------
     >>> import numpy as np
-    >>> frame(7, np.zeros((1, 2, 3)))[:16].hex(" ", 4)
+    >>> motion_frame(7, np.zeros((1, 2, 3)))[:16].hex(" ", 4)
     '07000000 01000000 02000000 00000000'
     """
     k, n, columns = motions.shape

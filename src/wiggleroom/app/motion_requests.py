@@ -159,7 +159,7 @@ def reach(document: Document, request: ReachRequest, out: Reporter) -> None:
 
     live = document.live(request.design)
     assert isinstance(live, Live)  # see `Dispatcher`
-    found = reachable.reach(live, request.part, request.grip, stop=out.stop)
+    found = reachable.reachable_region(live, request.part, request.grip, stop=out.stop)
     out.check()
     how = (
         f"free at {reachable.SLICES} turns; between them hardly more can be reached"

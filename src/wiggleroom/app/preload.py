@@ -20,7 +20,7 @@ LARGE = (11, 10)
 """Columns and rows of an assembly that is answered as large ones are."""
 
 
-def steps(stop: Stop) -> list[Callable[[], object]]:
+def preload_steps(stop: Stop) -> list[Callable[[], object]]:
     """Steps, the most needed first; those that solve end when `stop` says so."""
     return [
         *(lambda name=name: import_module(name) for name in MODULES),

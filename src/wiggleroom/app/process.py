@@ -9,7 +9,16 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder, StopOrder, block, length, result
+from wiggleroom.app.worker_protocol import (
+    Done,
+    Outgoing,
+    Ready,
+    StartOrder,
+    StopOrder,
+    framed_message,
+    message_length,
+    result,
+)
 
 MAX_PAGES = 4
 """Each page has a process of its own, and that much memory."""
@@ -41,7 +50,7 @@ class Process:
         """Give an order; raises LostError where nobody takes it."""
         assert self.child.stdin is not None
         try:
-            self.child.stdin.write(block(order))
+            self.child.stdin.write(framed_message(order))
             await self.child.stdin.drain()
         except (OSError, RuntimeError) as problem:
             raise LostError from problem
@@ -49,14 +58,14 @@ class Process:
     def stop(self, ticket: int) -> None:
         """Ask it to stop working on a ticket."""
         if self.child.stdin is not None and not self.child.stdin.is_closing():
-            self.child.stdin.write(block(StopOrder(ticket)))
+            self.child.stdin.write(framed_message(StopOrder(ticket)))
 
     async def receive(self) -> Outgoing | Done | Ready:
         """What it says next; raises LostError where it is gone."""
         assert self.child.stdout is not None
         try:
             head = await self.child.stdout.readexactly(4)
-            return result(await self.child.stdout.readexactly(length(head)))
+            return result(await self.child.stdout.readexactly(message_length(head)))
         except (asyncio.IncompleteReadError, OSError, msgspec.DecodeError) as problem:
             raise LostError from problem
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.app.messages import encode, failed, frame
+from wiggleroom.app.messages import encode, failed, motion_frame
 from wiggleroom.app.worker_protocol import Outgoing
 from wiggleroom.errors import go_on
 from wiggleroom.schema.replies import Finding, ProgressReply, Reply
@@ -47,7 +47,7 @@ class Reporter:
         """Send a reply, and before it motions, each (k, n, 3) [mm, mm, rad], or in space (k, n, 7)."""
         content.id = self.number
         if not self._quiet:
-            self._say(Outgoing(self.ticket, encode(content), [frame(self.number, m) for m in motions]))
+            self._say(Outgoing(self.ticket, encode(content), [motion_frame(self.number, m) for m in motions]))
 
     def failed(self, findings: Sequence[str], review: Sequence[Finding] = ()) -> None:
         """Say what is wrong, one line each, and everything that is wrong with the design."""

@@ -21,7 +21,7 @@ from wiggleroom.report.json_results import flex_result, to_json
 from wiggleroom.report.pages import page_of_answer
 from wiggleroom.report.separability import check_result
 from wiggleroom.report.separability_picture import Checked
-from wiggleroom.report.write_picture import draw
+from wiggleroom.report.write_picture import write_picture
 from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest
 
@@ -83,7 +83,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
         if request.what == "json":
             path.write_text(to_json(check_result(found, None, said)), encoding="utf-8")
         else:
-            draw(Checked(found), path, command=said, progress=out.counted)
+            write_picture(Checked(found), path, command=said, progress=out.counted)
         return
     if request.of == "plan":
         _write_plan(document.last_plan(design, out), request.what, path, said, out)
@@ -94,7 +94,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
     elif request.what == "html":
         path.write_text(page_of_answer(answer, document.kept_check(design)), encoding="utf-8")
     else:
-        draw(answer, path, progress=out.counted)
+        write_picture(answer, path, progress=out.counted)
 
 
 def _write_in_space(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
@@ -120,7 +120,7 @@ def _write_in_space(document: Document, request: SaveRequest, path: Path, out: R
     if request.what == "json":
         path.write_text(to_json(record), encoding="utf-8")
     else:
-        draw(found, path, command=said, progress=out.counted)
+        write_picture(found, path, command=said, progress=out.counted)
 
 
 def _write_plan(found: Plan, what: str, path: Path, said: str, out: Reporter) -> None:
@@ -137,4 +137,4 @@ def _write_plan(found: Plan, what: str, path: Path, said: str, out: Reporter) ->
             for one in sorted(Path(folder).iterdir()):
                 packed.write(one, one.name)
     else:
-        draw(found, path, command=said, progress=out.counted)
+        write_picture(found, path, command=said, progress=out.counted)

@@ -9,7 +9,7 @@ import threading
 from contextlib import suppress
 from typing import BinaryIO
 
-from wiggleroom.app.worker_protocol import Done, Ready, StartOrder, StopOrder, block, read_order
+from wiggleroom.app.worker_protocol import Done, Ready, StartOrder, StopOrder, framed_message, read_order
 from wiggleroom.errors import StoppedError
 
 KEPT_TICKETS = 4
@@ -51,15 +51,15 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
     orders = Orders(source)
 
     def say(message: object) -> None:
-        target.write(block(message))
+        target.write(framed_message(message))
         target.flush()
 
     from wiggleroom.app.dispatcher import Dispatcher
-    from wiggleroom.app.preload import steps
+    from wiggleroom.app.preload import preload_steps
     from wiggleroom.app.resource_limits import bound_memory
 
     bound_memory()
-    dispatcher, cold = Dispatcher(), steps(orders)
+    dispatcher, cold = Dispatcher(), preload_steps(orders)
     while True:
         if cold and not orders.is_set():  # work that has come goes first, and loads what it needs
             with suppress(StoppedError):

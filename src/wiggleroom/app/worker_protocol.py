@@ -63,13 +63,13 @@ _orders = msgspec.msgpack.Decoder(StartOrder | StopOrder)
 _results = msgspec.msgpack.Decoder(Outgoing | Done | Ready)
 
 
-def block(message: Any) -> bytes:
+def framed_message(message: Any) -> bytes:
     """Message as it goes through a pipe."""
     body = _encoder.encode(message)
     return _LENGTH.pack(len(body)) + body
 
 
-def length(head: bytes) -> int:
+def message_length(head: bytes) -> int:
     """Length of the block that follows these four bytes."""
     return int(_LENGTH.unpack(head)[0])
 
@@ -84,5 +84,5 @@ def read_order(source: BinaryIO) -> StartOrder | StopOrder | None:
     head = source.read(_LENGTH.size)
     if len(head) < _LENGTH.size:
         return None
-    body = source.read(length(head))
-    return _orders.decode(body) if len(body) == length(head) else None
+    body = source.read(message_length(head))
+    return _orders.decode(body) if len(body) == message_length(head) else None

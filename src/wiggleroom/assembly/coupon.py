@@ -53,7 +53,7 @@ class Coupon:
     gaps: tuple[float, ...]
 
 
-def steps(start: float, stop: float, step: float) -> tuple[float, ...]:
+def gap_steps(start: float, stop: float, step: float) -> tuple[float, ...]:
     """Gaps from `start` to `stop`, both included, `step` apart [mm].
 
     Raises
@@ -63,7 +63,7 @@ def steps(start: float, stop: float, step: float) -> tuple[float, ...]:
 
     Examples
     --------
-    >>> steps(-0.1, 0.1, 0.1)
+    >>> gap_steps(-0.1, 0.1, 0.1)
     (-0.1, 0.0, 0.1)
     """
     if not all(map(math.isfinite, (start, stop, step))) or step <= 0 or stop < start:

@@ -25,7 +25,7 @@ class Stretch:
     inward: float
 
 
-def facing(a: Loops, b: Loops, reach: float, slack: float) -> list[tuple[int, float, float]]:
+def facing_stretches(a: Loops, b: Loops, reach: float, slack: float) -> list[tuple[int, float, float]]:
     """Stretches of `a` that face `b`, as (edge, from, to) with lengths along the edge [mm].
 
     Parameters
@@ -42,7 +42,7 @@ def facing(a: Loops, b: Loops, reach: float, slack: float) -> list[tuple[int, fl
     --------
     >>> from wiggleroom.assembly.loops import chained
     >>> brick = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
-    >>> facing(chained([brick]), chained([brick + (2.0, 0.5)]), 1e-6, 1e-6)
+    >>> facing_stretches(chained([brick]), chained([brick + (2.0, 0.5)]), 1e-6, 1e-6)
     [(1, 0.5, 1.0)]
     """
     low, high, lengths = _overlaps(a, b, reach, slack)

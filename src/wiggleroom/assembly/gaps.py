@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import place
-from wiggleroom.assembly.facing import Stretch, facing, split_ring
+from wiggleroom.assembly.facing import Stretch, facing_stretches, split_ring
 from wiggleroom.assembly.loops import (
     Loops,
     chained,
@@ -166,7 +166,7 @@ def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretc
             for s, part in zip(of, pair, strict=True)
         )
         reach, slack = _reach(joint, pair, drawing.gap, size)
-        both = facing(a, b, reach, slack), facing(b, a, reach, slack)
+        both = facing_stretches(a, b, reach, slack), facing_stretches(b, a, reach, slack)
         if not all(both):
             findings.append(_apart(joint))
         for found, s, part in zip(both, of, pair, strict=True):

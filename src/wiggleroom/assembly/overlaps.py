@@ -40,7 +40,7 @@ def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     deepest: dict[tuple[int, int], float] = {}
     for k in np.flatnonzero(shapely.area(common) > 0):
         pair = int(owner[i[k]]), int(owner[j[k]])
-        depth = max(width(piece) for piece in shapely.get_parts(common[k]))
+        depth = max(overlap_width(piece) for piece in shapely.get_parts(common[k]))
         if depth > TOLERANCE * size:
             deepest[pair] = max(depth, deepest.get(pair, 0.0))
     return [(a, b, depth) for (a, b), depth in sorted(deepest.items())]
@@ -69,14 +69,14 @@ def overlap_areas(drawing: Drawing, parts: Sequence[Part]) -> list[shapely.Geome
     return found
 
 
-def width(shape: shapely.Geometry) -> float:
+def overlap_width(shape: shapely.Geometry) -> float:
     """Smallest width [mm] of a piece of overlap: that of its hull, times how much of the hull it fills.
 
     The second factor is 1 for a convex piece, and keeps a hair-thin bent one from looking thick.
 
     Examples
     --------
-    >>> width(shapely.box(0, 0, 3, 0.5))
+    >>> overlap_width(shapely.box(0, 0, 3, 0.5))
     0.5
     """
     hull = shapely.convex_hull(shape)

@@ -106,7 +106,9 @@ def jigsaw(nx: int, ny: int, gap: float = 0.01, pitch: float = 1.0, seed: int = 
     floors = [[_knob(random) if 0 < j < ny else plain for j in range(ny + 1)] for _ in range(nx)]
     walls = [[_knob(random) if 0 < i < nx else plain for _ in range(ny)] for i in range(nx + 1)]
     pieces = {
-        (i, j): _outline((floors[i][j], facing(walls[i + 1][j]), facing(floors[i][j + 1]), walls[i][j]), pitch)
+        (i, j): _outline(
+            (floors[i][j], mating_profile(walls[i + 1][j]), mating_profile(floors[i][j + 1]), walls[i][j]), pitch
+        )
         for j in range(ny)
         for i in range(nx)
     }
@@ -210,11 +212,11 @@ def block(profile: Points, sides: str, pitch: float) -> Region:
     >>> len(block(Tee().profile(), "toot", 1.0).outer)
     36
     """
-    lines = {"t": profile, "o": facing(profile), "-": profile[[0, -1]]}
+    lines = {"t": profile, "o": mating_profile(profile), "-": profile[[0, -1]]}
     return _outline(tuple(lines[side] for side in sides), pitch)
 
 
-def facing(profile: Points) -> Points:
+def mating_profile(profile: Points) -> Points:
     """Return the line of a joint as the block on its other side draws it."""
     return -profile[::-1]
 

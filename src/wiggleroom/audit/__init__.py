@@ -1,1 +1,1 @@
-"""Whether paths are free of overlap, also between way-points, judged from outlines and way-points alone."""
+"""Whether paths are free of overlap, also between waypoints, judged from outlines and waypoints alone."""

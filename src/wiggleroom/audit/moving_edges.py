@@ -1,4 +1,4 @@
-"""Edges of two parts that move: whether any of them cross between way-points.
+"""Edges of two parts that move: whether any of them cross between waypoints.
 
 Two segments do not cross where both ends of one lie on the same side of the line through the other, or both beyond the
 same end of it. Seen from a part that turns by a while the other turns past it by b and is carried from D by D', a
@@ -72,7 +72,7 @@ def positive(g, h, sag):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def holds(how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
+def separation_holds(how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
     """True where separation `how` of edges e of A and f of B holds between relative poses p and q with more than `least` to spare."""
     if how < 4:
         edge, v, sag, least, sign = e, f, sag_b, least_b, 1.0
@@ -93,12 +93,14 @@ def holds(how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direct
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def separation(e, f, p, q, sag_b, sag_a, least_b, least_a, first, corner, after, direction, length):
+def find_separation(e, f, p, q, sag_b, sag_a, least_b, least_a, first, corner, after, direction, length):
     """A separation of two edges that holds all along a piece, the one tried first if it does; -1 where none is known to."""
-    if holds(first, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
+    if separation_holds(first, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
         return first
     for how in range(SEPARATIONS):
-        if how != first and holds(how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
+        if how != first and separation_holds(
+            how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length
+        ):
             return how
     return -1
 
@@ -120,7 +122,7 @@ def near_edges(
                 continue
             for f in range(run[j], run[j + 1]):
                 for e in range(run[i], run[i + 1]):
-                    found = separation(
+                    found = find_separation(
                         e,
                         f,
                         p,
@@ -162,7 +164,7 @@ def free_piece(
         doubt = 0
         for k in range(many):
             e, f = edges[k, 0], edges[k, 1]
-            found = separation(
+            found = find_separation(
                 e, f, p0, p1, sag_b, sag_a, rounding, rounding, how[k], corner, after, direction, length
             )  # fmt: skip
             if found >= 0:
@@ -183,7 +185,7 @@ def free_piece(
             b[axis] = b0[axis] + t * (b1[axis] - b0[axis])
         relative(a, b, p)
         for k in range(doubt):  # edges that cross here need no further halving
-            if separation(
+            if find_separation(
                 edges[k, 0], edges[k, 1], p, p, 0.0, 0.0, rounding, rounding, how[k], corner, after, direction, length
             ) < 0:  # fmt: skip
                 return False
@@ -251,7 +253,7 @@ def free_long_piece(
 
 
 @njit(**OPTIONS)
-def sweep(
+def mark_doubtful_pieces(
     pair_a, pair_b, pose, rounding, corner, after, direction, length, run, first_run, run_disc, disc, reach, room,
     doubtful, first_doubt,
 ):  # fmt: skip
@@ -338,7 +340,7 @@ def sweep(
 
 @njit(**OPTIONS)
 def swept_boxes(pose, k0, k1, first, corner, reach, out):
-    """Boxes (n, 4) [mm] round what every part sweeps between way-points k0 and k1 of its poses (n, k, 3)."""
+    """Boxes (n, 4) [mm] round what every part sweeps between waypoints k0 and k1 of its poses (n, k, 3)."""
     for p in range(len(out)):
         low_x, low_y, high_x, high_y, aside = np.inf, np.inf, -np.inf, -np.inf, 0.0
         for k in range(k0, k1 + 1):

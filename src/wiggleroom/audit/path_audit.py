@@ -1,4 +1,4 @@
-"""Whether parts overlap anywhere along a path: all pairs that come near, between way-points too."""
+"""Whether parts overlap anywhere along a path: all pairs that come near, between waypoints too."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
-from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
+from wiggleroom.audit.moving_edges import inside_each_other, mark_doubtful_pieces, swept_boxes
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.batches import in_batches
 
@@ -32,13 +32,13 @@ class PathAudit:
     Parameters
     ----------
     doubtful : (k - 1,) bool
-        Pieces between way-points on which some parts may overlap.
+        Pieces between waypoints on which some parts may overlap.
     a, b : (p,) int64
         Pairs of parts, a < b, that may overlap somewhere.
     piece : (p,) int64
-        The first piece on which each of them may, -1 where they do at the first way-point.
+        The first piece on which each of them may, -1 where they do at the first waypoint.
     whole : bool
-        False where it was asked to stop before every pair was looked at: then no more than the first way-point is certain.
+        False where it was asked to stop before every pair was looked at: then no more than the first waypoint is certain.
     """
 
     doubtful: NDArray[np.bool_]
@@ -54,20 +54,20 @@ class PathAudit:
 
     @property
     def certain(self) -> int:
-        """Number of way-points up to which no two parts overlap anywhere; 0 where they overlap at the first already."""
+        """Number of waypoints up to which no two parts overlap anywhere; 0 where they overlap at the first already."""
         return int(self.piece.min(initial=len(self.doubtful) if self.whole else 0)) + 1
 
 
 def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | None = None) -> PathAudit:
-    """Judge a path from its way-points and the outlines of the parts alone.
+    """Judge a path from its waypoints and the outlines of the parts alone.
 
-    Between two way-points every part moves straight: x, y and angle of its reference point change evenly.
+    Between two waypoints every part moves straight: x, y and angle of its reference point change evenly.
 
     Parameters
     ----------
     parts : Outlines or Assembly
     motions : (k, n, 3) float64 [mm, mm, rad]
-        Way-points: motions of all parts about their reference points, from a state at which parts do not lie inside each other.
+        Waypoints: motions of all parts about their reference points, from a state at which parts do not lie inside each other.
     stop : optional
         Once it is set, the whole path is in doubt.
 
@@ -75,7 +75,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | No
     -------
     PathAudit
         `free` is said only where the outlines, moved inward by `INSET` of the drawing's size, certainly do not meet anywhere between
-        the way-points, at no pair of parts. Glued parts, fixed ones and pairs that are ignored do not count.
+        the waypoints, at no pair of parts. Glued parts, fixed ones and pairs that are ignored do not count.
 
     Notes
     -----
@@ -130,7 +130,7 @@ def _sweep(
         if stop is not None and stop.is_set():
             return None
         met = np.zeros_like(doubtful)
-        sweep(
+        mark_doubtful_pieces(
             a[some], b[some], poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run,
             parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, met, first[some],
         )  # fmt: skip
@@ -165,7 +165,7 @@ def _near(parts: AuditOutlines, poses: Floats) -> Ints:
 
 
 def _swept(parts: AuditOutlines, poses: Floats, k0: int, k1: int) -> Floats:
-    """Boxes (n, 4) [mm] round what every part sweeps from way-point k0 to k1."""
+    """Boxes (n, 4) [mm] round what every part sweeps from waypoint k0 to k1."""
     out = np.empty((len(poses), 4))
     swept_boxes(poses, k0, k1, parts.first, parts.corner, parts.reach, out)
     return out

@@ -25,9 +25,9 @@ from wiggleroom.freespace.free_space import FreeSpace, free_space
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -142,7 +142,7 @@ def of_pair(name: str, assembly: Assembly, samples: int, seed: int = 0) -> list[
     for key, hull in hulls.items():
         low, high = _span([s.region for s in hull.slices], hull.angles)
         about = np.random.default_rng(seed).uniform(low, high, (samples, 3))
-        about[:, :2] += hull.pivot - turn(np.broadcast_to(hull.pivot, (samples, 2)), about[:, 2])
+        about[:, :2] += hull.pivot - rotated(np.broadcast_to(hull.pivot, (samples, 2)), about[:, 2])
         needed = float(np.abs(about[:, :2]).max() + np.hypot(*walls.pivot) * np.abs(about[:, 2]).max())
         around = walls if walls.closed or needed <= walls.reach else free_space(assembly, *PAIR, reach=needed)
         own = _judged({key: hull}, around, assembly, about)[key]
@@ -213,7 +213,7 @@ def _hull_box(hulls: list[Polyhedron]) -> tuple[Floats, Floats]:
     """Box of relative motions that the hulls span, grown by the gap in x and y."""
     boxes = []
     for hull in hulls:
-        swing = [turn(-hull.pivot, np.array([s.angle]))[0] + hull.pivot for s in hull.slices]
+        swing = [rotated(-hull.pivot, np.array([s.angle]))[0] + hull.pivot for s in hull.slices]
         about = [shapely.transform(s.region, lambda p, d=d: p + d) for s, d in zip(hull.slices, swing, strict=True)]
         boxes.append(_span(about, hull.angles))
     low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)

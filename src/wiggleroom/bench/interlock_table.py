@@ -79,7 +79,7 @@ METHODS: dict[str, Method] = {
 """Registry: every method that is asked."""
 
 
-def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] | None = None) -> Bench:
+def interlock_table(*, stop: Stop | None = None, progress: Callable[[int, int], None] | None = None) -> Bench:
     """Ask every method about every assembly, and compare with the truth.
 
     Parameters

@@ -23,11 +23,11 @@ from wiggleroom.assembly.findings import role_findings
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError, require_extra
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.objectives import Objective, objective
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 
 Floats = NDArray[np.float64]
 
@@ -111,7 +111,7 @@ def pulled_to_rest(assembly: Assembly, pulls: Pull | Sequence[Pull] | None = Non
         wrong.append("the physics engine does not know parts that ignore each other")
     if wrong:
         raise InputError(wrong)
-    ready = prepare(assembly)
+    ready = prepare_as_drawn(assembly)
     them = ready.bodies
     goal = objective(assembly, them, asked)
     scene = _Scene(them, ready.clearance)
@@ -141,7 +141,7 @@ class _Scene:
         for n, geometry in enumerate(placed(them)):
             shape = int(them.shape[n])
             if shape not in pieces:
-                pieces[shape] = [_local(p, them.rest[n]) / unit for p in convex_pieces(geometry)]
+                pieces[shape] = [_local(p, them.rest[n]) / unit for p in convex_polygons(geometry)]
             mass = geometry.area / unit**2
             moment = sum(
                 munk.moment_for_poly(mass * _area(p) * unit**2 / geometry.area, p.tolist()) for p in pieces[shape]
@@ -195,7 +195,7 @@ def _run(scene: _Scene, goal: Objective, most: int) -> tuple[Floats, bool, int]:
     return motion, True, steps
 
 
-def convex_pieces(shape: shapely.Geometry) -> list[Floats]:
+def convex_polygons(shape: shapely.Geometry) -> list[Floats]:
     """Convex polygons (k, 2) that fill a shape, each with as much as can be joined without a dent.
 
     Triangles between the corners, then joined across edges while the union stays convex (Hertel and Mehlhorn).
@@ -203,7 +203,7 @@ def convex_pieces(shape: shapely.Geometry) -> list[Floats]:
     Examples
     --------
     >>> ell = shapely.Polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)])
-    >>> sorted(shapely.Polygon(p).area for p in convex_pieces(ell))
+    >>> sorted(shapely.Polygon(p).area for p in convex_polygons(ell))
     [1.5, 1.5]
     """
     pieces = [p for p in shapely.get_parts(shapely.constrained_delaunay_triangles(shape)) if p.area > 0]

@@ -39,7 +39,7 @@ NAME_WIDTH = 150.0
 """[px]"""
 
 
-def picture(found: Bench, command: str = "") -> str:
+def comparison_picture(found: Bench, command: str = "") -> str:
     """SVG of a comparison."""
     return PICTURES[found.name](found, command)
 

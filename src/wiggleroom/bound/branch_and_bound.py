@@ -32,8 +32,8 @@ from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges
 from wiggleroom.bound.window_bounds import WindowProof, bounded_windows
 from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
-from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS, FINE_NORMALS, holding
-from wiggleroom.freespace.outer.outer_region import OuterRegion, refined
+from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS, FINE_NORMALS, intervals_at_facets
+from wiggleroom.freespace.outer.outer_region import OuterRegion, with_narrower_intervals
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
@@ -64,7 +64,7 @@ class BranchAndBound:
 
     Parameters
     ----------
-    ground : Survey
+    surveyed : Survey
     joints : JointConstraints
     regions : list
     goal : PointMotion
@@ -79,7 +79,7 @@ class BranchAndBound:
         What local windows have shown.
     """
 
-    ground: Survey
+    surveyed: Survey
     joints: JointConstraints
     regions: list[OuterRegion | CagingSurface]
     goal: PointMotion
@@ -90,7 +90,7 @@ class BranchAndBound:
     windows: list[WindowProof] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        bodies = self.ground.bodies
+        bodies = self.surveyed.bodies
         held = bodies.fixed | np.isfinite(first_ranges(bodies.fixed, self.joints, self.regions).far)
         self.joints = self.joints.some(held[self.joints.a] & held[self.joints.b])
         self.cuts = RegionCuts([*self.regions])
@@ -100,14 +100,14 @@ class BranchAndBound:
             bodies.rest[:, :2],
             self.joints,
             turn_differences(self.joints, self.regions),
-            self.ground.clearance,
+            self.surveyed.clearance,
         )
         self.weights = goal_weights(self.goal, len(bodies.fixed))
         self.cutoff = Cutoff(self.weights, self.cut)
 
     def first(self) -> AngleRanges:
         """Ranges at the start, after a look at local windows where there are many bodies."""
-        bodies = self.ground.bodies
+        bodies = self.surveyed.bodies
         ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
         held = int(np.isfinite(ranges.far).sum())
         if held > MANY_BODIES:
@@ -221,13 +221,13 @@ class BranchAndBound:
             if not isinstance(region, OuterRegion):  # sharp from the start
                 continue
             accuracy = FINEST_BLUR * region.material.clearance
-            wanted.setdefault(kind, []).append(holding(region, program.at.cuts[p], which, accuracy))
+            wanted.setdefault(kind, []).append(intervals_at_facets(region, program.at.cuts[p], which, accuracy))
         done = False
         for kind, found in wanted.items():
             these = np.unique(np.concatenate(found))
             region = self.cuts.regions[kind]
             if len(these) and isinstance(region, OuterRegion) and not self.clock.is_set():
-                self.cuts.replace(kind, refined(region, these))
+                self.cuts.replace(kind, with_narrower_intervals(region, these))
                 done = True
         return done
 

@@ -28,7 +28,7 @@ ABOVE = 1e-12
 
 
 def certificate(
-    ground: Survey,
+    surveyed: Survey,
     assembly: Assembly,
     joints: JointConstraints,
     regions: list[CagingSurface],
@@ -39,7 +39,7 @@ def certificate(
     proof: ProofNode,
 ) -> dict[str, Any]:
     """What `wiggleroom verify` reads; lengths in mm, angles in radians."""
-    them = ground.bodies
+    them = surveyed.bodies
     used = sorted({*them.body_of.tolist()})
     held = np.isfinite(ranges.far)
     bound = max(cut, proof.bound())
@@ -47,7 +47,7 @@ def certificate(
         "format": FORMAT,
         "gap": float(assembly.gap),
         "turns": bool((goal.direction == 0).all()),
-        "at_most": float(bound + ABOVE * max(abs(bound), ground.clearance)),
+        "at_most": float(bound + ABOVE * max(abs(bound), surveyed.clearance)),
         "worth": float(cut),
         "bodies": [
             {

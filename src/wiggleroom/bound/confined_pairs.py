@@ -21,7 +21,7 @@ from wiggleroom.bound.outer_regions import JointPlacement, links_about, material
 from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_cuts
 from wiggleroom.freespace.outer.outer_region import Confinement, OuterRegion, confined_region
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
@@ -59,7 +59,7 @@ def shift_boxes(
         a, b = int(joints.a[k]), int(joints.b[k])
         body, arm, sign = (b, joints.arm_b[k], 1.0) if fixed[a] else (a, joints.arm_a[k], -1.0)
         region = regions[int(joints.kind[k])]
-        tau = sign * turn(region.corner[:, :2], np.full(len(region.corner), joints.axes[k]))
+        tau = sign * rotated(region.corner[:, :2], np.full(len(region.corner), joints.axes[k]))
         # the pivot's shift; seen from a body that turns itself, it lies in axes that have turned
         slack = _swing(np.zeros(2), ranges, body) if fixed[a] else _swing(np.abs(tau).max(0), ranges, body)
         slack = slack + _swing(arm, ranges, body) + 4 * region.material.margin
@@ -88,15 +88,15 @@ class _OpenPair:
     link: JointConstraints
 
 
-def _open_pairs(ground: Survey, joints: JointConstraints, known: Bools, over: Callable[[], bool]) -> list[_OpenPair]:
+def _open_pairs(surveyed: Survey, joints: JointConstraints, known: Bools, over: Callable[[], bool]) -> list[_OpenPair]:
     """Neighbours that are known to stay somewhere, and have no region yet."""
-    them, near = ground.bodies, ground.near
+    them, near = surveyed.bodies, surveyed.near
     closed = {frozenset(pair) for pair in zip(joints.a.tolist(), joints.b.tolist(), strict=True)}
     found = []
     for a, b, clearance in zip(near.a.tolist(), near.b.tolist(), near.clearance.tolist(), strict=True):
         if frozenset((a, b)) in closed or not (known[a] and known[b]) or over():
             continue
-        material, pivot, lever = material_of(them, ground.geometry, a, b, clearance)
+        material, pivot, lever = material_of(them, surveyed.geometry, a, b, clearance)
         place = placement(them, a, b, pivot, Congruence(0, False, 0.0, np.zeros(2)))
         link = links_about(them, np.array([a]), np.array([b]), np.zeros(1, dtype=np.int64), [place])
         found.append(_OpenPair(a, b, material, lever, place, link))
@@ -112,7 +112,7 @@ def _confinement(pair: _OpenPair, least: Floats, most: Floats, ranges: AngleRang
     slack = _swing(np.maximum(np.abs(least), np.abs(most)), ranges, pair.a) + 4 * pair.material.margin
     box = shapely.box(*(least - slack), *(most + slack))
     axes = float(pair.link.axes[0])
-    return Confinement(shapely.transform(box, lambda p: turn(p, np.full(len(p), -axes))), *turns)
+    return Confinement(shapely.transform(box, lambda p: rotated(p, np.full(len(p), -axes))), *turns)
 
 
 def _first_shift(pair: _OpenPair, boxes: ShiftBoxes, ranges: AngleRanges) -> tuple[Floats, Floats]:
@@ -136,7 +136,7 @@ def _proven_shift(
 
 
 def _joined(
-    ground: Survey,
+    surveyed: Survey,
     joints: JointConstraints,
     regions: Sequence[OuterRegion],
     found: Sequence[tuple[_OpenPair, OuterRegion]],
@@ -146,13 +146,13 @@ def _joined(
         return joints, list(regions)
     pairs = [pair for pair, _ in found]
     one, two = np.array([(pair.a, pair.b) for pair in pairs], dtype=np.int64).T
-    more = links_about(ground.bodies, one, two, len(regions) + np.arange(len(found)), [pair.place for pair in pairs])
+    more = links_about(surveyed.bodies, one, two, len(regions) + np.arange(len(found)), [pair.place for pair in pairs])
     both = {name: np.concatenate([getattr(joints, name), getattr(more, name)]) for name in vars(joints)}
     return JointConstraints(**both), [*regions, *(region for _, region in found)]
 
 
 def confined_pairs(
-    ground: Survey,
+    surveyed: Survey,
     joints: JointConstraints,
     regions: Sequence[OuterRegion],
     ranges: AngleRanges,
@@ -162,11 +162,11 @@ def confined_pairs(
 
     The ranges are narrower where that is found on the way.
     """
-    them = ground.bodies
+    them = surveyed.bodies
     fixed = them.fixed
     ranges = replace(ranges, low=np.where(fixed, 0.0, ranges.low), high=np.where(fixed, 0.0, ranges.high))
     known = np.isfinite(np.where(fixed, 0.0, ranges.far)) & np.isfinite(ranges.high - ranges.low)
-    pairs = _open_pairs(ground, joints, known, over)
+    pairs = _open_pairs(surveyed, joints, known, over)
     boxes = shift_boxes(fixed, joints, regions, ranges)
     shifts = [_first_shift(pair, boxes, ranges) for pair in pairs]
     found: dict[int, OuterRegion] = {}
@@ -183,9 +183,9 @@ def confined_pairs(
                 changed = True
         if not changed or over():
             break
-        all_joints, all_regions = _joined(ground, joints, regions, [(pairs[k], found[k]) for k in sorted(found)])
+        all_joints, all_regions = _joined(surveyed, joints, regions, [(pairs[k], found[k]) for k in sorted(found)])
         turns = turn_differences(all_joints, all_regions)
-        linkage = Linkage(fixed, them.radius, them.rest[:, :2], all_joints, turns, ground.clearance)
+        linkage = Linkage(fixed, them.radius, them.rest[:, :2], all_joints, turns, surveyed.clearance)
         try:
             program = RelaxationInRanges(linkage, RegionCuts([*all_regions]), ranges)
         except InfeasibleRanges:  # rest is always there: rounding

@@ -17,7 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -121,12 +121,12 @@ class CongruentJoint:
         first = np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]
         for j, k in zip(*np.nonzero(mine.alike(first, corners, 2 * close)), strict=True):
             angle = float(corners.heading[k] - mine.heading[first[j]])
-            shift = corners.at[k] - turn(mine.at[first[j]], angle)
-            there = turn(mine.at, angle) + shift
+            shift = corners.at[k] - rotated(mine.at[first[j]], angle)
+            there = rotated(mine.at, angle) + shift
             away, _ = corners.tree.query(there, distance_upper_bound=close)
             if np.count_nonzero(away < close) < MIN_COMMON_CORNERS * len(there):
                 continue
-            moved = [shapely.transform(g, lambda p, a=angle, s=shift: turn(p, a) + s) for g in self._inner]
+            moved = [shapely.transform(g, lambda p, a=angle, s=shift: rotated(p, a) + s) for g in self._inner]
             if shapely.covers(other.a, moved[0]) and shapely.covers(other.b, moved[1]):
                 return angle, shift
         return None

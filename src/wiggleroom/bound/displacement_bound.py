@@ -25,10 +25,10 @@ def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> fl
     True
     """
     clock = Deadline(seconds, stop)
-    ground = survey(assembly)
-    links, regions = outer_regions(ground, clock.is_set)
-    ranges = first_ranges(ground.bodies.fixed, links, regions)
+    surveyed = survey(assembly)
+    links, regions = outer_regions(surveyed, clock.is_set)
+    ranges = first_ranges(surveyed.bodies.fixed, links, regions)
     if not np.isfinite(ranges.far).all():
         return None
     turn = np.minimum(np.maximum(-ranges.low, ranges.high), np.pi)
-    return float((ranges.far + 2 * np.sin(turn / 2) * ground.bodies.radius).max())
+    return float((ranges.far + 2 * np.sin(turn / 2) * surveyed.bodies.radius).max())

@@ -30,8 +30,9 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
 from wiggleroom.geometry.bodies import Bodies, bodies
-from wiggleroom.geometry.neighbours import classes, placed, relative_pose
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose, rotated
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.incumbent import Incumbent
@@ -107,7 +108,9 @@ def quick_bound(
     them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
-    first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b), CONGRUENCE_TOLERANCE)
+    first, label = congruence_classes(
+        them, cells.a, cells.b, relative_pose(them, cells.a, cells.b), CONGRUENCE_TOLERANCE
+    )
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
     known_joints, pivots = KnownJoints(), np.zeros((len(first), 2))
@@ -172,8 +175,8 @@ def _wrenches(found: Incumbent) -> Floats:
 def _forces_of(them: Bodies, links: JointConstraints, a: Ints, b: Ints, wrench: Floats, motion: Floats) -> Floats:
     """Forces and moments (P, 3) about the pivots of links, in the world's axes, from wrenches (P, 3) of pairs `a` and `b` (P,)."""
     pose = them.rest + motion
-    point = pose[links.b, :2] + turn(links.arm_b, motion[links.b, 2])
-    w = turn(-wrench[:, :2], pose[a, 2])
+    point = pose[links.b, :2] + rotated(links.arm_b, motion[links.b, 2])
+    w = rotated(-wrench[:, :2], pose[a, 2])
     moment = -wrench[:, 2] + _cross(pose[b, :2] - point, w)
     sign = np.where(links.a == a, 1.0, -1.0)
     return sign[:, None] * np.column_stack([w, moment])
@@ -194,10 +197,10 @@ def _value(
     """
     a, b = links.a, links.b
     pose, turned = them.rest + motion, motion[:, 2]
-    arm = turn(links.arm_b, turned[b])
-    tau = turn(pose[b, :2] + arm - pose[a, :2], -turned[a]) - links.arm_a  # in the world's axes at rest
+    arm = rotated(links.arm_b, turned[b])
+    tau = rotated(pose[b, :2] + arm - pose[a, :2], -turned[a]) - links.arm_a  # in the world's axes at rest
     w, moment = forces[:, :2], forces[:, 2]
-    force = turn(w, -links.axes - turned[a])
+    force = rotated(w, -links.axes - turned[a])
     parts = _Parts(len(motion))
     parts.add(goal.body, goal.direction, goal.arm, goal.turn)
     parts.add(b, -w, links.arm_b, -moment)
@@ -209,7 +212,7 @@ def _value(
     # R(t_a) is taken at the motion's own turn; it errs by at most |tau - tau there| times this
     swing = np.where(them.fixed[a], 0.0, np.maximum(ranges.high[a] - turned[a], turned[a] - ranges.low[a]))
     astray = np.hypot(*w.T) * 2 * np.sin(np.minimum(swing, np.pi) / 2)
-    own = turn(tau, -links.axes)
+    own = rotated(tau, -links.axes)
     for kind, region in enumerate(pockets):
         mine = np.flatnonzero(links.kind == kind)
         away = region.corner[:, None, :2] - own[mine]

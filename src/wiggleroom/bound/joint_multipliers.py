@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
 from wiggleroom.bound.joint_ranges import JointRanges
 from wiggleroom.bound.trigonometric_envelopes import support
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.program.objectives import PointMotion
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ class LagrangianBound:
         at, m = self.at, multipliers
         force = m[..., :2]
         size = np.hypot(force[..., 0], force[..., 1])
-        local = turn(force, -at.turn)
+        local = rotated(force, -at.turn)
         coupled = np.abs(m[..., SINE]) + np.abs(m[..., COSINE])
         total = (
             (force * at.middle).sum(2)

@@ -16,7 +16,7 @@ from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_facets import FINE_NORMALS, Facets, facets
 from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -160,7 +160,7 @@ def joint_ranges(
             raise InfeasibleRanges(p)
         cuts.append(found)
     corners = [
-        np.column_stack([turn(cut.corner[:, :2], float(angle)), cut.corner[:, 2]])
+        np.column_stack([rotated(cut.corner[:, :2], float(angle)), cut.corner[:, 2]])
         for cut, angle in zip(cuts, joints.axes, strict=True)
     ]
     margin = np.array([cut.margin for cut in cuts])

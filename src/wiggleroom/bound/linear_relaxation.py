@@ -36,7 +36,7 @@ from wiggleroom.bound.joint_multipliers import (
 )
 from wiggleroom.bound.joint_ranges import JointRanges
 from wiggleroom.bound.trigonometric_envelopes import envelope
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -313,7 +313,7 @@ class _RowBuilder:
         count = np.array([len(cut.offset) for cut in at.cuts], dtype=np.int64)
         which = np.repeat(np.arange(len(count)), count)
         normal = np.concatenate([cut.normal for cut in at.cuts])
-        plane = turn(normal[:, :2], self.joints.axes[which])
+        plane = rotated(normal[:, :2], self.joints.axes[which])
         offset = np.concatenate([cut.offset for cut in at.cuts]) - (plane * at.middle[which]).sum(1)
         a, b = self.own[0][2][which], self.own[1][2][which]
         tilt = normal[:, 2]

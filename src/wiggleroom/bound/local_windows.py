@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import JointConstraints, TurnDifferences
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -128,7 +128,7 @@ class _Places:
         """The joints that lie where some would lie if the first of them were moved onto another one; None where one is missing."""
         axes, kind = self.joints.axes, self.joints.kind
         angle = float(axes[first] - axes[own[0]])
-        at = turn(self.pivot[own] - self.pivot[own[0]], angle) + self.pivot[first]
+        at = rotated(self.pivot[own] - self.pivot[own[0]], angle) + self.pivot[first]
         away, which = self.tree.query(at)
         turned = np.remainder(axes[which] - axes[own] - angle + np.pi, 2 * np.pi) - np.pi
         same = (away <= self.tolerance) & (kind[which] == kind[own]) & (np.abs(turned) <= ANGLE_TOLERANCE)
@@ -208,7 +208,7 @@ def deviation(window: Window, joints: JointConstraints, far: Floats) -> float:
         angle = float(joints.axes[placed[0]] - joints.axes[own[0]])
         away = np.abs(2 * np.sin((joints.axes[placed] - joints.axes[own] - angle) / 2)) * far[own]
         for arm, other in zip(arms, _arms(window, joints, placed), strict=True):
-            away += 2 * np.hypot(*(turn(arm, angle) - other).T)
+            away += 2 * np.hypot(*(rotated(arm, angle) - other).T)
         # of an arm, and of the one to the first pivot that is taken from it
         rounded = 2 * (size[own].max() + size[placed].max()) + far[own]
         most = max(most, float((away + ROUNDING_MARGIN * rounded).max()))

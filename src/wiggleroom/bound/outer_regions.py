@@ -22,8 +22,8 @@ from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surf
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of, reached_slices
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, relative_pose
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.relative_pose import relative_pose, rotated
 from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
@@ -36,16 +36,16 @@ PIVOT_REACH = 3.0
 
 
 def outer_regions(
-    ground: Survey, over: Callable[[], bool], certify: bool = False
+    surveyed: Survey, over: Callable[[], bool], certify: bool = False
 ) -> tuple[JointConstraints, list[OuterRegion | CagingSurface]]:
     """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done.
 
     With `certify` they are caging surfaces, which a certificate can show.
     """
-    them, a, b = ground.bodies, ground.near.a, ground.near.b
-    first, label = classes(them, a, b, relative_pose(them, a, b), CONGRUENCE_TOLERANCE)
+    them, a, b = surveyed.bodies, surveyed.near.a, surveyed.near.b
+    first, label = congruence_classes(them, a, b, relative_pose(them, a, b), CONGRUENCE_TOLERANCE)
     made = [
-        material_of(them, ground.geometry, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
+        material_of(them, surveyed.geometry, int(a[k]), int(b[k]), float(surveyed.near.clearance[k]))
         for k in first.tolist()
         if not over()
     ]
@@ -101,10 +101,10 @@ class JointPlacement:
 def placement(them: Bodies, a: int, b: int, pivot: Floats, held: Congruence) -> JointPlacement:
     """Placement of a joint in bodies `a` and `b`, of which `pivot` (2,) [mm] in the frame of `a` is the origin of the pair's material."""
     x, y, angle = them.rest[a]
-    at = turn(pivot + held.shift, float(angle)) + np.array([x, y])
+    at = rotated(pivot + held.shift, float(angle)) + np.array([x, y])
     one = b if held.swapped else a
     axes = float(angle + held.angle - them.rest[one, 2])
-    return JointPlacement(held.swapped, turn(at - them.rest[one, :2], -float(them.rest[one, 2])), axes)
+    return JointPlacement(held.swapped, rotated(at - them.rest[one, :2], -float(them.rest[one, 2])), axes)
 
 
 def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, places: Sequence[JointPlacement]) -> JointConstraints:
@@ -112,7 +112,7 @@ def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, places: Sequence[Joi
     swapped = np.array([p.swapped for p in places], dtype=bool)
     one, two = np.where(swapped, b, a), np.where(swapped, a, b)
     pivot = np.array([p.pivot for p in places]).reshape(-1, 2)
-    arm = turn(pivot, them.rest[one, 2])
+    arm = rotated(pivot, them.rest[one, 2])
     axes = them.rest[one, 2] + np.array([p.angle for p in places])
     return JointConstraints(one, two, kind, arm, them.rest[one, :2] + arm - them.rest[two, :2], axes)
 
@@ -125,10 +125,10 @@ def material_of(
     x, y, angle = them.rest[a]
 
     def seen(shape: shapely.Geometry) -> shapely.Geometry:
-        return shapely.transform(shape, lambda p: turn(p - pivot, np.full(len(p), -angle)))
+        return shapely.transform(shape, lambda p: rotated(p - pivot, np.full(len(p), -angle)))
 
     material = PairMaterial(seen(geometry[a]), seen(geometry[b]), clearance)
-    return material, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
+    return material, rotated((pivot - (x, y))[None], np.array([-angle]))[0], lever
 
 
 def _region(

@@ -86,14 +86,14 @@ def prove(
         finding = f"a bound is proven for the model walls only; this answer is of {answer.model}"
         raise InputError(finding)
     clock = Deadline(seconds, stop)
-    ground = survey(answer.assembly)
-    goal = objective(answer.assembly, ground.bodies, answer.goals)
+    surveyed = survey(answer.assembly)
+    goal = objective(answer.assembly, surveyed.bodies, answer.goals)
     if not isinstance(goal, PointMotion):
         raise InputError("a bound is proven for pulls, turns and w only, not for sums of squares")
     if answer.objective is None:
         return _not_proven(answer, clock, "nothing stops the motion")
     witness = answer.objective
-    aim = within * max(abs(witness), 1e-3 * ground.clearance)
+    aim = within * max(abs(witness), 1e-3 * surveyed.clearance)
 
     def tell(stage: str, most: float) -> None:
         if progress is not None:
@@ -101,20 +101,20 @@ def prove(
             progress(Progress(f"proof, {clock.spent:.0f} s: {stage}", 0, 0, shown))
 
     tell("caging surfaces" if certify else "outer regions", math.nan)
-    joints, regions = outer_regions(ground, clock.is_set, certify)
-    ranges = first_ranges(ground.bodies.fixed, joints, regions)
+    joints, regions = outer_regions(surveyed, clock.is_set, certify)
+    ranges = first_ranges(surveyed.bodies.fixed, joints, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
-    held = ground.bodies.fixed | np.isfinite(ranges.far)
+    held = surveyed.bodies.fixed | np.isfinite(ranges.far)
     if not held[asked].all():
         return _not_proven(
-            answer, clock, _why_open(answer.assembly, ground, joints, asked[~held[asked]], clock, certify)
+            answer, clock, _why_open(answer.assembly, surveyed, joints, asked[~held[asked]], clock, certify)
         )
     proof = ProofNode() if certify else None
     cut = witness + CUTOFF_SHARE * aim
 
     def bounding_of(joints: JointConstraints, regions: Sequence[OuterRegion | CagingSurface]) -> BranchAndBound:
         return BranchAndBound(
-            ground, joints, [*regions], goal, cut, clock, lambda most, doing: tell(doing, most), proof
+            surveyed, joints, [*regions], goal, cut, clock, lambda most, doing: tell(doing, most), proof
         )
 
     bounding = bounding_of(joints, regions)
@@ -124,7 +124,7 @@ def prove(
         tell("pairs that others keep together", math.nan)
         left = clock.left
         some = Deadline(left / 2, clock) if left > 0 else clock
-        joints, outer, ranges = confined_pairs(ground, joints, outer, ranges, some.is_set)
+        joints, outer, ranges = confined_pairs(surveyed, joints, outer, ranges, some.is_set)
         bounding = bounding_of(joints, outer)
     ranges = narrowed(bounding.first(), ranges.low, ranges.high)
     most = bounding.run(ranges, witness + aim)
@@ -139,7 +139,7 @@ def prove(
     paper = None
     if proof is not None:
         paper = certificate(
-            ground,
+            surveyed,
             answer.assembly,
             bounding.joints,
             [r for r in regions if isinstance(r, CagingSurface)],
@@ -153,13 +153,13 @@ def prove(
 
 
 def _why_open(
-    assembly: Assembly, ground: Survey, joints: JointConstraints, open_: Ints, clock: Deadline, certify: bool
+    assembly: Assembly, surveyed: Survey, joints: JointConstraints, open_: Ints, clock: Deadline, certify: bool
 ) -> str:
     """Why nothing bounds what is pulled, in a sentence."""
     if clock.is_set():
         return "there was no time to look at all joints"
-    part = assembly.names[ground.bodies.members[int(open_[0])][0]]
-    near = (ground.near.a == open_[0]) | (ground.near.b == open_[0])
+    part = assembly.names[surveyed.bodies.members[int(open_[0])][0]]
+    near = (surveyed.near.a == open_[0]) | (surveyed.near.b == open_[0])
     closed = (joints.a == open_[0]) | (joints.b == open_[0])
     if not near.any():
         return f"{part} touches nothing that could hold it"

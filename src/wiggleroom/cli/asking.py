@@ -41,10 +41,10 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
     return found, wrong
 
 
-def direction(option: str, text: str) -> tuple[float, float]:
+def parsed_direction(option: str, text: str) -> tuple[float, float]:
     """A direction such as "-y" or "0.6,-0.8"; raises InputError.
 
-    >>> direction("--gravity", "-y")
+    >>> parsed_direction("--gravity", "-y")
     (0.0, -1.0)
     """
     found = _AXES.get(text) or _two(text)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import check, command_line, write_picture, write_result
+from wiggleroom.cli.outputs import check_outputs, command_line, write_picture, write_result
 from wiggleroom.cli.sheet_options import SheetOptions, assembled_sheet
 from wiggleroom.report.file_endings import STILLS
 
@@ -76,7 +76,7 @@ def assemble(
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
 
-    check(file, {"-o": (output, (".json",)), "--json": (json, ()), "--picture": (picture, STILLS)})
+    check_outputs(file, {"-o": (output, (".json",)), "--json": (json, ()), "--picture": (picture, STILLS)})
     sheet.check(file, in_plane=True)
     command = command_line()
     if join is not None and not 0 <= join < math.inf:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.outputs import Force, check, command_line, write_picture, write_result
+from wiggleroom.cli.outputs import Force, check_outputs, command_line, write_picture, write_result
 from wiggleroom.report.file_endings import STILLS
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ def bench(
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
-    check("", {"--markdown": (markdown, (".md",))}, force=True)
-    check("", {"--json": (json, ()), "--picture": (picture, STILLS)}, force)
+    check_outputs("", {"--markdown": (markdown, (".md",))}, force=True)
+    check_outputs("", {"--json": (json, ()), "--picture": (picture, STILLS)}, force)
     names = TABLES if table is None else (table,)
     wrong = (
         [f"--picture {picture}: name one table, {', '.join(TABLES)}"] if picture is not None and table is None else []
@@ -108,7 +108,7 @@ def bench(
     if markdown is not None:
         _write_page(markdown, page, found)
     if picture is not None:
-        from wiggleroom.bench.pictures import picture as draw
+        from wiggleroom.bench.pictures import comparison_picture as draw
 
         write_picture(draw(found[0], command), picture)
     return 3 if stop.is_set() else 0
@@ -135,9 +135,9 @@ def _measure(
         from wiggleroom.bench.chains import chains
 
         return chains(stop=stop, progress=show)
-    from wiggleroom.bench.interlock_table import interlock
+    from wiggleroom.bench.interlock_table import interlock_table
 
-    return interlock(stop=stop, progress=show)
+    return interlock_table(stop=stop, progress=show)
 
 
 def _page(markdown: Path | None, names: tuple[Table, ...]) -> str:

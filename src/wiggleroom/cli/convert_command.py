@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from wiggleroom.cli.options import QuestionOptions, read
-from wiggleroom.cli.outputs import Force, check
+from wiggleroom.cli.outputs import Force, check_outputs
 
 _NONE_ASKED = QuestionOptions()
 
@@ -31,7 +31,7 @@ def convert(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, fo
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import write_drawing
 
-    check(file, {"OUT": (out, (".json", ".svg", ".dxf"))}, force)
+    check_outputs(file, {"OUT": (out, (".json", ".svg", ".dxf"))}, force)
     assembly = read(file, asked)
     drawing = assembly.drawing
     if out.suffix.lower() != ".json":

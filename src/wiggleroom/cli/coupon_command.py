@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.make_command import sizes_of
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import Force, check
+from wiggleroom.cli.outputs import Force, check_outputs
 
 
 def coupon(
@@ -78,8 +78,8 @@ def coupon(
         wrong.append("coupon: --unit and --flatten go with a file")
     if wrong:
         raise InputError(wrong)
-    check(file or "", {"--output": (output, (".svg", ".dxf", ".json"))}, force)
-    gaps = make.steps(start, stop, step)
+    check_outputs(file or "", {"--output": (output, (".svg", ".dxf", ".json"))}, force)
+    gaps = make.gap_steps(start, stop, step)
     if file is None:
         sheet = make.comb(joint or "tee", gaps, 20.0 if pitch is None else pitch, **sizes)
     else:

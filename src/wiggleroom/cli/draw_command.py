@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions, look
-from wiggleroom.cli.outputs import Force, Text, check, command_line, write_picture, write_result
+from wiggleroom.cli.outputs import Force, Text, check_outputs, command_line, write_picture, write_result
 from wiggleroom.report.file_endings import STILLS
 
 if TYPE_CHECKING:
@@ -42,13 +42,13 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     if is_spatial_file(file):
         from wiggleroom.report.spatial_listing import draw_spatial_parts, spatial_parts_table
 
-        check(file, {"OUT": (out, (*STILLS, ".glb"))}, force)
+        check_outputs(file, {"OUT": (out, (*STILLS, ".glb"))}, force)
         assembly = read_in_space(file, asked)
         draw_spatial_parts(assembly, out)
         note(f"picture: {out}")
         show(spatial_parts_table(assembly))
         return 0
-    check(file, {"OUT": (out, STILLS)}, force)
+    check_outputs(file, {"OUT": (out, STILLS)}, force)
     command = command_line()
     seen = look(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
@@ -77,7 +77,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.report.listing import parts_result
 
-    check(file, {"--json": (json, ())}, force)
+    check_outputs(file, {"--json": (json, ())}, force)
     if is_spatial_file(file):
         from wiggleroom.report.spatial_listing import spatial_parts_record, spatial_parts_table
 

@@ -71,7 +71,7 @@ def flex(
     certificate
         For --prove: file for the proof, which wiggleroom verify checks.
     arrays
-        Write motions, way-points and contacts as numpy arrays to this file: .npz. Of drawings only.
+        Write motions, waypoints and contacts as numpy arrays to this file: .npz. Of drawings only.
     """
     from dataclasses import replace
 

@@ -225,12 +225,12 @@ def flex_in_space(
     """`wiggleroom flex` of an assembly in space."""
     import time
 
-    from wiggleroom.cli.outputs import check, write_result, write_table
+    from wiggleroom.cli.outputs import check_outputs, write_result, write_table
     from wiggleroom.cli.say import note, show
     from wiggleroom.cli.watch import interruptible
     from wiggleroom.questions import flex
 
-    check(file, spatial_places(outputs), outputs.force)
+    check_outputs(file, spatial_places(outputs), outputs.force)
     begin = time.perf_counter()
     with interruptible(limit) as stop:
         assembly = read_in_space(file, asked, sheet, stop)
@@ -261,14 +261,14 @@ def check_in_space(
     file: str, asked: QuestionOptions, outputs: Outputs, largest_gap: bool, seconds: float | None, sheet: SheetOptions
 ) -> int:
     """`wiggleroom check` of an assembly in space."""
-    from wiggleroom.cli.outputs import check, write_result, write_table
+    from wiggleroom.cli.outputs import check_outputs, write_result, write_table
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note, show
     from wiggleroom.cli.watch import interruptible
     from wiggleroom.spatial.spatial_disassembly import check_spatial
     from wiggleroom.spatial.spatial_study import spatial_largest_gap
 
-    check(file, spatial_places(outputs), outputs.force)
+    check_outputs(file, spatial_places(outputs), outputs.force)
     with interruptible(seconds) as stop, unless_stopped(stop):
         assembly = read_in_space(file, asked, sheet, stop)
         found = check_spatial(assembly, stop=stop)

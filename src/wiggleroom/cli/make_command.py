@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import Force, check
+from wiggleroom.cli.outputs import Force, check_outputs
 
 NO_SIZES = ("joint", "gap", "pitch", "n", "nx", "ny", "dark", "islands", "fix", "goals")
 """Arguments of patterns that `--size` must not reach."""
@@ -63,7 +63,7 @@ def make(
     wrong += _misfits(pattern, ny, pitch, drawn_at_random=joint is None and not sizes)
     if wrong:
         raise InputError(wrong)
-    check("", {"--output": (output, (".json",))}, force)
+    check_outputs("", {"--output": (output, (".json",))}, force)
     family: dict[str, Any] = {} if pattern == "jigsaw" else {"joint": joint or "tee", **sizes}
     counts = (nx,) if ny is None else (nx, ny)
     assembly = getattr(patterns, pattern)(*counts, gap=gap, pitch=pitch, **family)

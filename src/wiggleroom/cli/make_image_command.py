@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import Force, check
+from wiggleroom.cli.outputs import Force, check_outputs
 
 
 def image(
@@ -76,7 +76,7 @@ def image(
     wrong += [*odd, *pitch_misfits(pitch)]
     if wrong:
         raise InputError(wrong)
-    check(str(file), {"--output": (output, (".json",))}, force)
+    check_outputs(str(file), {"--output": (output, (".json",))}, force)
     dark = read_bitmap(file, blocks, threshold)
     fixed = [name for text in fix for name in text.split(",") if name]
     assembly = patterns.image(dark, joint, gap, pitch, islands, fixed, asked, **sizes)

@@ -61,7 +61,7 @@ class PictureOutputs:
 
     def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
         """Check that everything asked for can be written; see the function `check`."""
-        check(source, self.places() | more, self.force)
+        check_outputs(source, self.places() | more, self.force)
 
     def places(self) -> Places:
         """Where everything goes, by the name of its option, and which endings are right."""
@@ -119,7 +119,7 @@ class Outputs(FilmOutputs):
         return super().places() | {"--moved": (self.moved, MOVED)}
 
 
-def check(source: str, places: Places, force: bool = False) -> None:
+def check_outputs(source: str, places: Places, force: bool = False) -> None:
     """Check that every output can be written: a known ending, a folder that is there, never over the source or somebody's own file.
 
     Parameters
@@ -195,10 +195,10 @@ def tell(
     if outputs.picture is not None:
         from wiggleroom.cli.say import note
         from wiggleroom.cli.watch import bar
-        from wiggleroom.report.write_picture import draw
+        from wiggleroom.report.write_picture import write_picture
 
         with bar("frames", "drawing") as count:
-            draw(found, outputs.picture, command=command, progress=count)
+            write_picture(found, outputs.picture, command=command, progress=count)
         note(f"picture: {outputs.picture}")
         if ending(outputs.picture) in PIXELS:
             from wiggleroom.report.write_study import assembly_of

@@ -60,7 +60,7 @@ def plan(
     stills
         A folder for numbered pictures, one of every step: step_01.svg and so on.
     """
-    from wiggleroom.cli.asking import direction
+    from wiggleroom.cli.asking import parsed_direction
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.drawing.dimension import is_spatial_file
@@ -80,7 +80,7 @@ def plan(
     names = tuple(name for some in target for name in some.split(",") if name)
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked, stop)
-        down = None if gravity is None else direction("--gravity", gravity)
+        down = None if gravity is None else parsed_direction("--gravity", gravity)
 
         from wiggleroom.planning.plan import plan as work_out
 

@@ -76,9 +76,9 @@ def sweep(
     record = sweep_result(found, command)
     tell(shown, lambda: with_dimension(record, assembly), lambda: sweep_table(found), found, command)
     if html is not None and any(step.answer is not None for step in found.steps):
-        from wiggleroom.report.write_picture import draw
+        from wiggleroom.report.write_picture import write_picture
 
-        draw(found, html, command=command)
+        write_picture(found, html, command=command)
         note(f"page: {html}")
     return 3 if cut else 0
 

@@ -41,7 +41,7 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: QuestionOpti
     from wiggleroom.cli.verify_drawing import drawn_by
     from wiggleroom.verify.certificate_structure import FORMAT
     from wiggleroom.verify.checker import Refused
-    from wiggleroom.verify.checker import read as content_of
+    from wiggleroom.verify.checker import read_certificate as content_of
     from wiggleroom.verify.checker import verify as check
 
     try:

@@ -24,7 +24,7 @@ from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import hulls_meet
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.answer import Answer
@@ -36,7 +36,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 WAYPOINT_SPACING = 0.5
-"""Way-points are kept where a body has moved by this many clearances since the last."""
+"""Waypoints are kept where a body has moved by this many clearances since the last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,17 +107,17 @@ class End:
 def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None = None) -> Approximation:
     """Make an assembly ready; raises as `wiggleroom.prepare` does."""
     began = time.perf_counter()
-    ground = survey(assembly)
-    them = ground.bodies
+    surveyed = survey(assembly)
+    them = surveyed.bodies
     found = None
     if isinstance(model, Hull):
-        pairs = hulls_meet(them, ground.geometry, ignored=ground.ignored)
+        pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored)
         found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
         if found is None:
             finding = f"{assembly.drawing.source or 'the assembly'}: no free space was found round rest; parts touch"
             raise InputError(finding)
     return Approximation(
-        assembly, model, them, ground.ignored, ground.clearance, ground.size, (ground.near.a, ground.near.b), found,
+        assembly, model, them, surveyed.ignored, surveyed.clearance, surveyed.size, (surveyed.near.a, surveyed.near.b), found,
         time.perf_counter() - began,
     )  # fmt: skip
 
@@ -126,7 +126,7 @@ def reference_points(assembly: Assembly, bodies: Bodies) -> Floats:
     """Reference point (n, 2) [mm] of every body in its own frame: that of its part, the centroid where several are glued."""
     single = np.array([len(m) == 1 for m in bodies.members])
     part = np.array([m[0] for m in bodies.members])
-    arm = turn(assembly.rest[part, :2] - bodies.rest[:, :2], -bodies.rest[:, 2])
+    arm = rotated(assembly.rest[part, :2] - bodies.rest[:, :2], -bodies.rest[:, 2])
     return np.where(single[:, None], arm, 0.0)
 
 
@@ -166,7 +166,7 @@ def answer_from(
 
 
 def thinned(bodies: Bodies, motions: Sequence[Floats], clearance: float) -> Floats:
-    """Way-points (k, n, 3) far enough apart to be worth keeping; the first and the last always."""
+    """Waypoints (k, n, 3) far enough apart to be worth keeping; the first and the last always."""
     kept = [motions[0]]
     for motion in motions[1:-1]:
         step = np.abs(motion - kept[-1])

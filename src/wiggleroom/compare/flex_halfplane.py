@@ -18,8 +18,9 @@ from wiggleroom.compare.approximate import Approximation, End, thinned
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.halfspaces import Halfspaces
-from wiggleroom.geometry.neighbours import neighbours, placed
-from wiggleroom.program.nonlinear_program import Linearised, build
+from wiggleroom.geometry.neighbours import neighbours
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.program.nonlinear_program import Linearised, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.loop import ESCAPE_DISTANCE, Progress
 from wiggleroom.search.multistart import pulls
@@ -149,7 +150,7 @@ class _Steps:
         reach = EDGE_REACH * FIRST_TRUST_RADIUS * ready.clearance
         near = neighbours(ready.bodies, placed(ready.bodies, motion), reach, ignored=ready.ignored)
         faces = half_planes(ready.bodies, near.a, near.b, motion, reach)
-        program = build(ready.bodies, faces, objective, length=ready.clearance)
+        program = build_program(ready.bodies, faces, objective, length=ready.clearance)
         at = program.linearise(program.variables(motion))
         if slope_at is not None and slope_at is not motion:
             slope = objective.gradient(slope_at)[program.free].ravel() * program.scale
@@ -160,7 +161,7 @@ class _Steps:
         """Best step in the trust region; where the violated rows cannot be put right, one that makes them no worse."""
         ready, program = self.ready, at.program
         box = _box(ready, faces, size)
-        limits = build(ready.bodies, box, self.objective, length=ready.clearance)
+        limits = build_program(ready.bodies, box, self.objective, length=ready.clearance)
         there = limits.linearise(program.variables(at.motion))
         rows = sp.vstack([at.jacobian(), there.jacobian()]).tocsr()
         bound = ESCAPE_DISTANCE * ready.size / 10 / program.scale

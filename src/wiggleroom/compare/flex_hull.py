@@ -14,7 +14,7 @@ from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.freespace.models.pair_hulls import hulls
 from wiggleroom.freespace.models.pair_models import Hull
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, Progress, nudged
@@ -100,7 +100,7 @@ class _Run:
         return program, max(found, key=lambda s: self.objective.value(program.motion(s.u)))
 
     def _build(self, faces: Halfspaces, objective: Objective) -> Program:
-        return build(self.ready.bodies, faces, objective, length=self.ready.clearance)
+        return build_program(self.ready.bodies, faces, objective, length=self.ready.clearance)
 
     def _solved(self, program: Program, start: Floats) -> Solution:
         number = self.rounds

@@ -12,9 +12,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSlices, FreeSpace
 from wiggleroom.geometry.bodies import Bodies, bodies
-from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 
@@ -97,8 +97,8 @@ def depths(space: FreeSpace, assembly: Assembly, them: Bodies, relative: Floats)
     for first in range(0, len(relative), BATCH_SIZE):
         some = relative[first : first + BATCH_SIZE]
         n, m = len(some), len(corners)
-        shift = turn(some[:, :2], np.full(n, at_a[2]))
-        moved = turn(np.tile(corners - at_b, (n, 1)), np.repeat(some[:, 2], m)) + np.repeat(shift, m, axis=0) + at_b
+        shift = rotated(some[:, :2], np.full(n, at_a[2]))
+        moved = rotated(np.tile(corners - at_b, (n, 1)), np.repeat(some[:, 2], m)) + np.repeat(shift, m, axis=0) + at_b
         placed_b = shapely.set_coordinates(np.full(n, b), moved)
         hit = np.flatnonzero(shapely.intersects(a, placed_b))
         common = shapely.intersection(a, placed_b[hit])
@@ -129,7 +129,7 @@ def reached(space: FreeSpace, relative: Floats, radius: float) -> NDArray[np.boo
 
 def swing(space: FreeSlices, phi: Floats) -> Floats:
     """How far the pivot moves (k, 2) [mm] when b turns about its reference point by `phi` (k,) [rad]."""
-    return turn(np.tile(space.pivot, (len(phi), 1)), phi) - space.pivot
+    return rotated(np.tile(space.pivot, (len(phi), 1)), phi) - space.pivot
 
 
 def about_pivot(space: FreeSlices) -> list[shapely.Geometry]:

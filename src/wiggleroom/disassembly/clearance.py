@@ -18,7 +18,7 @@ TURN_STEP = 0.01
 """Turns are cut into steps of at most this [rad]."""
 
 
-def distances(bodies: Bodies, path: Floats, there: Bools, ignored: Ints, most: float) -> Floats:
+def least_distances(bodies: Bodies, path: Floats, there: Bools, ignored: Ints, most: float) -> Floats:
     """Least distances (n, n) of bodies on a path [mm], of which only those below `most` are worked out; others are `most`.
 
     Parameters

@@ -18,7 +18,10 @@ from wiggleroom.disassembly.slide_search import slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
-from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_pose
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.neighbours import neighbours
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.search.loop import silent
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 
@@ -67,8 +70,8 @@ def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> ClosedPairs:
         Bodies that stand.
     around : Enclosed
     """
-    ground = np.flatnonzero(fixed)
-    standing = [(int(ground[0]), int(k)) for k in ground]
+    fixed_bodies = np.flatnonzero(fixed)
+    standing = [(int(fixed_bodies[0]), int(k)) for k in fixed_bodies]
     pairs = [(int(a), int(b)) for a, b in around.pairs]
     still = [(a, b) for a, b in pairs if around.held[a] and around.held[b]]
     none = np.zeros((0, 2), dtype=np.int64)
@@ -99,7 +102,7 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
     tied, held = _ties(begin.group), _ties(begin.held)
     undecided: list[tuple[int, int]] = []
     if len(near.a):
-        first, label = classes(bodies, near.a, near.b, relative_pose(bodies, near.a, near.b))
+        first, label = congruence_classes(bodies, near.a, near.b, relative_pose(bodies, near.a, near.b))
         along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, stop)[label]
         known: dict[int, Passage | None] = {}  # none where slides lead apart
         for k in np.argsort(-along, kind="stable"):
@@ -158,7 +161,7 @@ def decide_more_pairs(
     """
     bodies, geometry = ready.bodies, placed(ready.bodies)
     a, b = known.undecided.T
-    _, label = classes(bodies, a, b, relative_pose(bodies, a, b))
+    _, label = congruence_classes(bodies, a, b, relative_pose(bodies, a, b))
     seen: dict[int, Passage | None] = {}
     group, held = known.group, known.held
     while True:

@@ -13,7 +13,7 @@ from wiggleroom.disassembly.closed_pairs import enclosed_links
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
 from wiggleroom.disassembly.escape import NO_BODIES, EscapeEffort, Stage, next_stage
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.remaining import displaced, without
+from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
@@ -131,15 +131,22 @@ def disassemble(
         left, alive = so_far.left, so_far.alive
         around = None
         try:
-            ground = survey(left)
-            around = enclosed(ground.bodies, ground.geometry, ground.ignored, stop)
-            begin = enclosed_links(ground.bodies.fixed, around)
+            surveyed = survey(left)
+            around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, stop)
+            begin = enclosed_links(surveyed.bodies.fixed, around)
             if begin.all_tied:
                 stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
                 return _ended(so_far, stage, around)
-            aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
+            aims = np.unique([surveyed.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
             stage = next_stage(
-                left, ground, begin, effort, aims.astype(np.int64), stop, tell, _of_bodies(holding_cost, so_far, ground)
+                left,
+                surveyed,
+                begin,
+                effort,
+                aims.astype(np.int64),
+                stop,
+                tell,
+                _of_bodies(holding_cost, so_far, surveyed),
             )
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
@@ -149,7 +156,7 @@ def disassemble(
         so_far.turned += stage.turned
         if stage.path is None:
             return _ended(so_far, stage, around)
-        bodies = ground.bodies
+        bodies = surveyed.bodies
         who = np.array([p for b in stage.who for p in bodies.members[b]])
         path = np.repeat(so_far.motion[None], len(stage.path), 0)
         path[:, alive] += of_parts(left, bodies, stage.path)
@@ -159,7 +166,7 @@ def disassemble(
         so_far.motion = path[-1]
         effort = replace(effort, passages=PassagesByGap())  # the others lie elsewhere now
         stay = np.setdiff1d(np.arange(len(alive)), who)
-        so_far.left = without(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
+        so_far.left = without_parts(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
         so_far.alive = alive[stay]
         wanted -= set(names[alive[who]])
         alone = len(np.unique(bodies.body_of[stay])) < 2 or all(p.fixed for p in so_far.left.parts)
@@ -168,11 +175,11 @@ def disassemble(
             return _ended(so_far, Stage(end, Certainty.PROVEN, NO_BODIES, None, NO_BODIES), around)
 
 
-def _of_bodies(holding_cost: HoldingCost | None, so_far: _Progress, ground: Survey) -> Callable[[Ints], int] | None:
+def _of_bodies(holding_cost: HoldingCost | None, so_far: _Progress, surveyed: Survey) -> Callable[[Ints], int] | None:
     """The burden of bodies that leave from where all are now."""
     if holding_cost is None:
         return None
-    alive, members = so_far.alive, ground.bodies.members
+    alive, members = so_far.alive, surveyed.bodies.members
     there = np.zeros(len(so_far.motion), dtype=np.bool_)
     there[alive] = True
     motion = so_far.motion

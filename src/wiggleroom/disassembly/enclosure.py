@@ -149,14 +149,14 @@ def enclosed_by_held(
     return np.array(found, dtype=np.int64)
 
 
-def holds(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
+def cages(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
     """True where a body, or that piece of it that lies among the wall, has a head that is certainly too thick for its mouth.
 
     Examples
     --------
     >>> import shapely
     >>> socket = shapely.box(0, 0, 9, 9) - shapely.box(2, 2, 7, 5) - shapely.box(4, 5, 5, 9)
-    >>> holds(socket, shapely.box(3, 2.5, 6, 4.5) | shapely.box(4.2, 4.5, 4.8, 20))
+    >>> cages(socket, shapely.box(3, 2.5, 6, 4.5) | shapely.box(4.2, 4.5, 4.8, 20))
     True
     """
     for piece in (body, *shapely.get_parts(shapely.intersection(body, shapely.convex_hull(wall)))):

@@ -13,23 +13,29 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
-from wiggleroom.disassembly.clearance import distances
+from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
 from wiggleroom.disassembly.enclosure import enclosed_by_held
-from wiggleroom.disassembly.escape_search import EXIT_TESTS, MAX_QUESTIONS, ask, escape_path, search_for_escape
+from wiggleroom.disassembly.escape_search import (
+    EXIT_TESTS,
+    MAX_QUESTIONS,
+    answer_or_none,
+    escape_path,
+    search_for_escape,
+)
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.remaining import displaced, without
+from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
 from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, SlideSearch, Tilt, slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import Stop, WiggleroomError
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared, Survey
-from wiggleroom.search.simplified_outlines import prepare_outlines
+from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -114,7 +120,7 @@ class EscapeEffort:
 
 def next_stage(
     assembly: Assembly,
-    ground: Survey,
+    surveyed: Survey,
     begin: ClosedPairs,
     effort: EscapeEffort,
     targets: Ints,
@@ -128,7 +134,7 @@ def next_stage(
     ----------
     assembly : Assembly
         At rest where all parts are now.
-    ground : Survey
+    surveyed : Survey
         Of the assembly.
     begin : ClosedPairs
         What is tied already.
@@ -140,31 +146,31 @@ def next_stage(
     holding_cost : callable, optional
         How much trouble it makes that some bodies leave; the least comes first.
     """
-    bodies, n = ground.bodies, len(ground.bodies.fixed)
-    stands = int(np.flatnonzero(bodies.fixed)[0])
+    bodies, n = surveyed.bodies, len(surveyed.bodies.fixed)
+    ground = int(np.flatnonzero(bodies.fixed)[0])
     rest = np.zeros((1, n, 3))
     still = MoveSequence(rest, NO_BODIES)
     tell(Progress("straight ways"))
-    found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
-    first = _with_largest_clearance(ground, found, targets, holding_cost)
+    found = translation_escapes(bodies, rest[0], ground, surveyed.ignored, surveyed.size, begin.group, stop=stop)
+    first = _with_largest_clearance(surveyed, found, targets, holding_cost)
     if first is not None and _wanted(first.who, targets):
-        return _leave(assembly, ground, still, first)
+        return _leave(assembly, surveyed, still, first)
     tell(Progress("slides"))
-    slid = _slide(ground, targets, effort.work, stop, tell)
+    slid = _slide(surveyed, targets, effort.work, stop, tell)
     if slid.path is not None:
         out = TranslationEscape(slid.path.last.who, slid.path.last.direction)
         if first is None or _wanted(out.who, targets):
-            stage = _leave(assembly, ground, slid.path.before, out)
+            stage = _leave(assembly, surveyed, slid.path.before, out)
             if stage.path is not None:
                 return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
     if first is not None:
-        return _leave(assembly, ground, still, first)
-    stage = _beyond_slides(assembly, ground, begin, effort, slid, stop, tell)
+        return _leave(assembly, surveyed, still, first)
+    stage = _beyond_slides(assembly, surveyed, begin, effort, slid, stop, tell)
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
 
 def _with_largest_clearance(
-    ground: Survey, found: list[TranslationEscape], targets: Ints, holding_cost: Callable[[Ints], int] | None
+    surveyed: Survey, found: list[TranslationEscape], targets: Ints, holding_cost: Callable[[Ints], int] | None
 ) -> TranslationEscape | None:
     """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not.
 
@@ -178,16 +184,16 @@ def _with_largest_clearance(
         return best[0] if best else None
 
     axes = slide_axes(
-        ground.bodies, np.zeros_like(ground.bodies.rest), np.ones(len(ground.bodies.fixed), dtype=np.bool_)
+        surveyed.bodies, np.zeros_like(surveyed.bodies.rest), np.ones(len(surveyed.bodies.fixed), dtype=np.bool_)
     )
 
     def rank(escape: TranslationEscape) -> tuple[float, bool]:
-        path = np.zeros((2, len(ground.bodies.fixed), 3))
-        path[1, escape.who, :2] = 2 * ground.size * escape.direction
+        path = np.zeros((2, len(surveyed.bodies.fixed), 3))
+        path[1, escape.who, :2] = 2 * surveyed.size * escape.direction
         there = np.ones(path.shape[1], dtype=np.bool_)
-        apart = distances(ground.bodies, path, there, ground.ignored, ground.clearance)
+        apart = least_distances(surveyed.bodies, path, there, surveyed.ignored, surveyed.clearance)
         along = np.abs(axes @ escape.direction).max() > 1 - 1e-9
-        return round(float(apart[escape.who].min()) / ground.clearance, 6), bool(along)
+        return round(float(apart[escape.who].min()) / surveyed.clearance, 6), bool(along)
 
     return max(best, key=rank)
 
@@ -197,18 +203,18 @@ def _wanted(who: Ints, targets: Ints) -> bool:
 
 
 def _slide(
-    ground: Survey, targets: Ints, work: float, stop: Stop | None, tell: Callable[[Progress], None]
+    surveyed: Survey, targets: Ints, work: float, stop: Stop | None, tell: Callable[[Progress], None]
 ) -> SlideSearch:
     """What leaves by slides from where all are."""
-    bodies, n = ground.bodies, len(ground.bodies.fixed)
+    bodies, n = surveyed.bodies, len(surveyed.bodies.fixed)
     rest = np.zeros((n, 3))
-    space = SlideSpace(bodies, ground.ignored, ground.clearance, ground.size, rest, np.ones(n, dtype=np.bool_))
+    space = SlideSpace(bodies, surveyed.ignored, surveyed.clearance, surveyed.size, rest, np.ones(n, dtype=np.bool_))
     return slide_search(space, rest, targets, stop=stop, tell=tell, budget=work)
 
 
 def _beyond_slides(
     assembly: Assembly,
-    ground: Survey,
+    surveyed: Survey,
     begin: ClosedPairs,
     effort: EscapeEffort,
     slid: SlideSearch,
@@ -216,11 +222,11 @@ def _beyond_slides(
     tell: Callable[[Progress], None],
 ) -> Stage:
     """Bodies that leave otherwise than by slides, or what shows that none do."""
-    bodies = ground.bodies
-    stands = int(np.flatnonzero(bodies.fixed)[0])
+    bodies = surveyed.bodies
+    ground = int(np.flatnonzero(bodies.fixed)[0])
     still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
     tell(Progress("free spaces"))
-    ready = simpler = prepare_outlines(assembly, ground, stop)
+    ready = simpler = prepare_walls(assembly, surveyed, stop)
     if simpler.simplified:  # what holds larger parts need not hold these: proofs are about the outlines as they are
         ready = replace(simpler, bodies=bodies, simplified=0.0)
     known, tries = _rigid(ready, begin, effort, stop)
@@ -229,27 +235,27 @@ def _beyond_slides(
     known = _walled_in(ready, known, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
-    nearly = _nearly(ready, stands, known.group, stop)
+    nearly = _nearly(ready, ground, known.group, stop)
     for rigid in itertools.chain(
         tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, stop) for e in nearly)
     ):
         if stop is not None and stop.is_set():
             break
-        out = None if rigid.path is None else escape_path(ready, stands, known.group, rigid.path, stop=stop)
-        if out is not None and (stage := _leave_moving(assembly, ground, still, *out)).path is not None:
+        out = None if rigid.path is None else escape_path(ready, ground, known.group, rigid.path, stop=stop)
+        if out is not None and (stage := _leave_moving(assembly, surveyed, still, *out)).path is not None:
             return stage
     known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
-    searched = search_for_escape(simpler, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
+    searched = search_for_escape(simpler, ground, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
     if searched.path is not None and searched.exit is not None:
         path = of_bodies(assembly, bodies, of_parts(assembly, simpler.bodies, searched.path))
-        stage = _leave_moving(assembly, ground, still, path, searched.exit)
+        stage = _leave_moving(assembly, surveyed, still, path, searched.exit)
         return replace(stage, questions=searched.questions)
     count = searched.questions
     for tilt in slid.tilts[:MAX_TILTS]:
-        asked, tilted = _from_tilt(assembly, ground, tilt, known.group, stop)
+        asked, tilted = _from_tilt(assembly, surveyed, tilt, known.group, stop)
         count += asked
         if tilted is not None:
             return replace(tilted, questions=count)
@@ -263,14 +269,14 @@ def _beyond_slides(
 
 
 def _from_tilt(
-    assembly: Assembly, ground: Survey, tilt: Tilt, group: Ints, stop: Stop | None
+    assembly: Assembly, surveyed: Survey, tilt: Tilt, group: Ints, stop: Stop | None
 ) -> tuple[int, Stage | None]:
     """How many largest turns were searched from a state in which a body can be turned, and what leaves along them."""
-    bodies, before = ground.bodies, tilt.before
-    stands = int(np.flatnonzero(bodies.fixed)[0])
+    bodies, before = surveyed.bodies, tilt.before
+    ground = int(np.flatnonzero(bodies.fixed)[0])
     moved = displaced(assembly, of_parts(assembly, bodies, before.states)[-1])
     try:
-        ready = prepare_outlines(moved, stop=stop)
+        ready = prepare_walls(moved, stop=stop)
     except WiggleroomError:
         return 0, None
     name = assembly.names[bodies.members[tilt.who][0]]
@@ -278,15 +284,15 @@ def _from_tilt(
     for sense in ("ccw", "cw"):
         if stop is not None and stop.is_set():
             break
-        answer = ask(ready, (Turn(name, sense),), None, stop)
+        answer = answer_or_none(ready, (Turn(name, sense),), None, stop)
         asked += 1
         if answer is None or answer.path != "checked":
             continue
         path = of_bodies(moved, ready.bodies, answer.waypoints)
-        out = escape_path(ready, stands, group, path, EXIT_TESTS, stop)
+        out = escape_path(ready, ground, group, path, EXIT_TESTS, stop)
         if out is None:
             continue
-        stage = _leave_moving(assembly, ground, before, *out)
+        stage = _leave_moving(assembly, surveyed, before, *out)
         if stage.path is not None:
             return asked, stage
     return asked, None
@@ -304,8 +310,8 @@ def _rigid(
             alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)
         ), iter([rigid])
     known = closed_pairs(ready, begin, effort.passages, stop)
-    ground = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
-    groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
+    fixed_group = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
+    groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != fixed_group)
     return known, (
         leaves_as_one(ready, who, BOXES_PER_PAIR, effort.passages, stop)
         for who in groups
@@ -316,16 +322,16 @@ def _rigid(
 def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> ClosedPairs:
     """Tie what lies inside a frame of several bodies that are tied together and can move but little."""
     bodies, geometry = ready.bodies, placed(ready.bodies)
-    ground = known.group[np.flatnonzero(bodies.fixed)[0]]
-    frame = np.flatnonzero(known.group == ground)
+    fixed_group = known.group[np.flatnonzero(bodies.fixed)[0]]
+    frame = np.flatnonzero(known.group == fixed_group)
     if stop is not None and stop.is_set():
         return known
     if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.ignored, 0.0, stop)):
         return known
-    others = np.flatnonzero(known.group[bodies.body_of] != ground)
-    far = furthest(without(ready.assembly, others), FRAME_SECONDS, stop)
+    others = np.flatnonzero(known.group[bodies.body_of] != fixed_group)
+    far = furthest(without_parts(ready.assembly, others), FRAME_SECONDS, stop)
     inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.ignored, far, stop)
-    return replace(known, group=np.where(np.isin(known.group, known.group[inside]), ground, known.group))
+    return replace(known, group=np.where(np.isin(known.group, known.group[inside]), fixed_group, known.group))
 
 
 def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> list[TranslationEscape]:
@@ -344,22 +350,22 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
 
 
 def _leave_moving(
-    assembly: Assembly, ground: Survey, before: MoveSequence, path: Floats, found: TranslationEscape
+    assembly: Assembly, surveyed: Survey, before: MoveSequence, path: Floats, found: TranslationEscape
 ) -> Stage:
     """One motion, after some moves, continued straight: still one move where those who leave are all that moved."""
     number = before.moves.max(initial=-1) + 1
     states = np.concatenate([before.states, before.states[-1] + path[1:]])
     moves = np.append(before.moves, np.full(len(path) - 1, number))
-    stage = _leave(assembly, ground, MoveSequence(states, moves), found)
+    stage = _leave(assembly, surveyed, MoveSequence(states, moves), found)
     moved = np.flatnonzero((np.abs(path) > 0).any(axis=(0, 2)))
     if stage.path is not None and np.array_equal(moved, found.who):
         stage.moves[-1] = number
     return stage
 
 
-def _leave(assembly: Assembly, ground: Survey, before: MoveSequence, found: TranslationEscape) -> Stage:
+def _leave(assembly: Assembly, surveyed: Survey, before: MoveSequence, found: TranslationEscape) -> Stage:
     """Moves continued straight until those who leave are beyond all others."""
-    bodies, who, path = ground.bodies, found.who, before.states
+    bodies, who, path = surveyed.bodies, found.who, before.states
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
 
     def along(some: Ints, motion: Floats) -> Floats:
@@ -367,9 +373,9 @@ def _leave(assembly: Assembly, ground: Survey, before: MoveSequence, found: Tran
 
     # beyond where the others are now, and wherever they pass on their way back
     length = max(along(others, m).max() for m in path) - along(who, path[-1]).min()
-    length += EXIT_DISTANCE * ground.size
+    length += EXIT_DISTANCE * surveyed.size
     out = path[-1].copy()
-    out[who, :2] += max(length, EXIT_DISTANCE * ground.size) * found.direction
+    out[who, :2] += max(length, EXIT_DISTANCE * surveyed.size) * found.direction
     whole = np.concatenate([path, out[None]])
     if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
         return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES)

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import Stop, WiggleroomError
-from wiggleroom.geometry.neighbours import neighbours, placed, relative_pose
+from wiggleroom.geometry.neighbours import neighbours
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
@@ -32,7 +34,7 @@ MAX_STATES = 12
 NOVELTY_DISTANCE = 3.0
 """A place is new where some neighbours lie otherwise than in all places before by more than this multiple of the clearance."""
 EXIT_TESTS = 8
-"""At most this many way-points of an answer are tested for a straight escape path."""
+"""At most this many waypoints of an answer are tested for a straight escape path."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,7 @@ def search_for_escape(
     ----------
     ready : Prepared
     ground : int
-        Body that stands.
+        The fixed body; others that are fixed belong to its group.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
     nearly : list of TranslationEscape
@@ -102,7 +104,7 @@ def search_for_escape(
                 return EscapeSearch(None, None, False, False, questions, unanswered)
             questions += 1
             tell(Progress("search", questions))
-            answer = ask(ready, goals, start, stop)
+            answer = answer_or_none(ready, goals, start, stop)
             if answer is None or answer.path != "checked":
                 unanswered += 1
                 continue
@@ -120,7 +122,7 @@ def search_for_escape(
     return EscapeSearch(None, None, True, len(places) > MAX_STATES, questions, unanswered)
 
 
-def ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
+def answer_or_none(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
     """The answer to one question, or None where the engine gave up."""
     try:
         return witness(ready, goals, start=start, periods=False, stop=stop)
@@ -136,7 +138,7 @@ def escape_path(
     looks: int | None = None,
     stop: Stop | None = None,
 ) -> tuple[Floats, TranslationEscape] | None:
-    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
+    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its waypoints are looked at, or all."""
     last = len(motions) - 1
     for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
         found = translation_escape(ready.bodies, motions[k], ground, ready.ignored, ready.size, group, stop)

@@ -27,7 +27,7 @@ from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.maximise import witness
 from wiggleroom.search.loop import Progress, silent
-from wiggleroom.search.simplified_outlines import prepare_outlines
+from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.verdict import Certainty, Separability, Tightness
 
 Floats = NDArray[np.float64]
@@ -278,7 +278,7 @@ def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]
     if not len(held) or (held == held[0]).all():
         return ()
     try:
-        ready = prepare_outlines(assembly, stop=stop)
+        ready = prepare_walls(assembly, stop=stop)
     except WiggleroomError:
         return ()
     bodies, names = ready.bodies, assembly.names

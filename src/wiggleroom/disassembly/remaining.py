@@ -12,14 +12,14 @@ from wiggleroom.drawing.model import Part
 from wiggleroom.geometry.bodies import Ints
 
 
-def without(assembly: Assembly, who: Ints) -> Assembly:
+def without_parts(assembly: Assembly, who: Ints) -> Assembly:
     """The assembly as made, without the parts `who` (k,).
 
     Examples
     --------
     >>> import numpy as np
     >>> import wiggleroom as wr
-    >>> without(wr.patterns.chain(3, joint="tee", gap=0.02), np.array([1])).names
+    >>> without_parts(wr.patterns.chain(3, joint="tee", gap=0.02), np.array([1])).names
     ('b1', 'b3')
     """
     gone = set(who.tolist())
@@ -39,7 +39,7 @@ def without(assembly: Assembly, who: Ints) -> Assembly:
 
 def only(assembly: Assembly, who: Ints) -> Assembly:
     """The assembly as made, with the parts `who` (k,) alone."""
-    return without(assembly, np.setdiff1d(np.arange(len(assembly.parts)), who))
+    return without_parts(assembly, np.setdiff1d(np.arange(len(assembly.parts)), who))
 
 
 def displaced(assembly: Assembly, motion: NDArray[np.float64]) -> Assembly:

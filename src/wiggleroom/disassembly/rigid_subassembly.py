@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.audit_outlines import outlines
 from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.disassembly.enclosure import holds
+from wiggleroom.disassembly.enclosure import cages
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import about, of_parts
 from wiggleroom.search.prepare import Prepared
 
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_TURN_STEP = 0.02
-"""Way-points are no further apart than this [rad]."""
+"""Waypoints are no further apart than this [rad]."""
 MAX_SPLITS = 4
 BOXES_FOR_ENCLOSED = 4000
 """Boxes judged at most where it is known already that a body does not leave."""
@@ -94,7 +94,7 @@ def passage_or_enclosure(a: shapely.Geometry, b: shapely.Geometry, most: int, st
 
     What the boxes still tell then is whether it turns half round.
     """
-    closed = holds(a, b) or holds(b, a)
+    closed = cages(a, b) or cages(b, a)
     found = passage(a, b, most=min(most, BOXES_FOR_ENCLOSED) if closed else most, stop=stop)
     return replace(found, closed=True) if closed else found
 

@@ -94,7 +94,7 @@ def slide_distances(corner, after, first, shape, pose, there, directions, ignore
 
 
 @njit(**OPTIONS)
-def grow(distance, who, reach, stands):
+def add_pushed(distance, who, reach, stands):
     """Add to `who` all that it pushes when it slides by `reach`; False where something that stands is among it."""
     n = len(who)
     waiting = np.flatnonzero(who)
@@ -137,7 +137,7 @@ def slides(i0, i1, distance, stands, there, stops, stop_count, units, clearance,
             continue
         mine[:] = False
         mine[b] = True
-        if grow(distance[k], mine, np.inf, stands):
+        if add_pushed(distance[k], mine, np.inf, stands):
             count = _append(who, along, length, count, begin, mine, k, np.inf)
             continue
         many = 0
@@ -171,7 +171,7 @@ def slides(i0, i1, distance, stands, there, stops, stop_count, units, clearance,
                 continue
             mine[:] = False
             mine[b] = True
-            if not grow(distance[k], mine, reach[s] + 0.1 * clearance, stands):
+            if not add_pushed(distance[k], mine, reach[s] + 0.1 * clearance, stands):
                 break
             count = _append(who, along, length, count, begin, mine, k, reach[s])
             if count == len(along):

@@ -17,7 +17,7 @@ from wiggleroom.disassembly.translation_blocking import leaving
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.slices import edges_of
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -70,7 +70,7 @@ def translation_escapes(
     motion : (n, 3) float64 [mm, mm, rad]
         Where they are.
     ground : int
-        The body that stands; all fixed bodies stand with it.
+        The fixed body; all that are fixed belong to its group.
     ignored : (k,) int64
         Keys a * n + b of pairs that never collide.
     size : float [mm]

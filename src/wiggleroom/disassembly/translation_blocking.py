@@ -38,7 +38,7 @@ def blocked(edges, top, b0, b1, a0, a1, unit):
 
 
 @njit(**OPTIONS)
-def block(edges, first, boxes, near, wanted, ignored, group, arcs, unit):
+def add_blocking_arcs(edges, first, boxes, near, wanted, ignored, group, arcs, unit):
     """Note in `arcs` which groups are blocked by which, looking at the pairs of bodies whose `near` is as `wanted`.
 
     Edges (x, y) to (x, y) run upwards, those of a body from the one that begins lowest.
@@ -137,7 +137,7 @@ def leaving(edges, first, direction, near, ignored, group, ground, unit, who):
     arcs, label = np.zeros((groups, groups), dtype=np.bool_), np.zeros(groups, dtype=np.int64)
     count = 0
     for wanted in (True, False):  # near ones decide most graphs
-        block(turned, first, boxes, near, wanted, ignored, group, arcs, unit)
+        add_blocking_arcs(turned, first, boxes, near, wanted, ignored, group, arcs, unit)
         count = strong_components(arcs, label)
         if count == 1:
             return False

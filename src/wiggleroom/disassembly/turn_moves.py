@@ -69,7 +69,7 @@ def least_distance(corner, after, first, shape, pose, near, b, mine, push, back,
 
 
 @njit(**OPTIONS)
-def turn(corner, after, first, radius, shape, pose, near, b, angle, clearance, reach, path):
+def turn_in_steps(corner, after, first, radius, shape, pose, near, b, angle, clearance, reach, path):
     """Turn body b by `angle` [rad], in small steps, giving way; `path` (m, 3) is filled with its poses. How many, and pairs compared.
 
     It ends where the body is stuck, or further than `reach` [mm] from where it began.

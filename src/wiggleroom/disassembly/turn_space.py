@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.disassembly.slide_space import SlideSpace
-from wiggleroom.disassembly.turn_moves import straight, turn
+from wiggleroom.disassembly.turn_moves import straight, turn_in_steps
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.rotational_symmetry import symmetry_order
 
@@ -91,7 +91,7 @@ class TurnSpace:
                 start, parts, left = pose, [pose[b][None]], min(period, np.pi)
                 while left > MIN_TILT:
                     step = min(self._quantum, left)
-                    count, work = turn(
+                    count, work = turn_in_steps(
                         shapes.corner, shapes.after, shapes.first, shapes.radius, bodies.shape, start, near, b,
                         sense * step, self._space.clearance, REACH * bodies.radius[b], self._path,
                     )  # fmt: skip

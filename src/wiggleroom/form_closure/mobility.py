@@ -23,7 +23,7 @@ from scipy.sparse.linalg import eigsh, splu
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.point_contacts import PointContacts, point_contacts
-from wiggleroom.form_closure.self_stress import SelfStress, holds
+from wiggleroom.form_closure.self_stress import SelfStress, prove_form_closure
 from wiggleroom.verdict import Tightness
 
 Floats = NDArray[np.float64]
@@ -67,7 +67,7 @@ class TightVerdict(Displayable):
         The proof is checked in exact rationals; it says that the contacts as listed cannot all hold. The motion is checked to 1e-6.
         """
         if self.verdict is Tightness.LOCKED:
-            return holds(self.contacts, self.locks)
+            return prove_form_closure(self.contacts, self.locks)
         if self.motion is None or not np.abs(self.motion).max() > 0:
             return False
         return bool((opening(self.contacts, self.motion) >= -1e-6).all())
@@ -125,7 +125,7 @@ def opening(contacts: PointContacts, motion: Floats) -> Floats:
     return np.asarray(((vb - va) * contacts.normal).sum(1))
 
 
-def wrenches(contacts: PointContacts, rows: Ints) -> Floats:
+def contact_wrenches(contacts: PointContacts, rows: Ints) -> Floats:
     """Rows (k, 3) of contacts for relative twists about the middle of them all, lengths in units of their spread."""
     point = contacts.point[rows]
     middle = point.mean(0)
@@ -147,7 +147,7 @@ def _joined(contacts: PointContacts) -> tuple[Ints, tuple[SelfStress, ...]]:
     while True:
         pairs, found = [], []
         for rows in _pairs(label[contacts.a], label[contacts.b]):
-            W = wrenches(contacts, rows)
+            W = contact_wrenches(contacts, rows)
             W *= np.where(label[contacts.a[rows]] < label[contacts.b[rows]], 1.0, -1.0)[:, None]
             key = np.round(W, 6).tobytes()  # congruent pairs once
             if key not in known:

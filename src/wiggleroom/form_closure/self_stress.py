@@ -33,7 +33,7 @@ class SelfStress:
     force: Floats
 
 
-def holds(contacts: PointContacts, locks: Sequence[SelfStress]) -> bool:
+def prove_form_closure(contacts: PointContacts, locks: Sequence[SelfStress]) -> bool:
     """Whether the locks prove, in exact rationals, that no body can move against any other to first order.
 
     Every lock is checked by itself. Let B be the rows of its contacts. With forces f >= s > 0 that leave r = B^T f
@@ -47,7 +47,7 @@ def holds(contacts: PointContacts, locks: Sequence[SelfStress]) -> bool:
     >>> from wiggleroom.form_closure.mobility import tight_verdict
     >>> from wiggleroom.assembly.patterns import chain
     >>> found = tight_verdict(chain(4, "tee"))
-    >>> holds(found.contacts, found.locks), holds(found.contacts, found.locks[:-1])
+    >>> prove_form_closure(found.contacts, found.locks), prove_form_closure(found.contacts, found.locks[:-1])
     (True, False)
     """
     label = np.arange(contacts.count)

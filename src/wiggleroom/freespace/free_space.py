@@ -22,8 +22,8 @@ from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.freespace.slices import Slice, SliceSequence, pair_outlines, slice_sequence
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.jit_options import njit
-from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.relative_pose import Relative, relate, turn
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import PairFrames, relate, rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -86,7 +86,7 @@ class FreeSpace(FreeSlices, Drawable):
     cells: Cells
     coverage: float
     _bodies: Bodies
-    _relation: Relative
+    _relation: PairFrames
     _full: bool
 
     @property
@@ -297,12 +297,12 @@ def _walls(
 def _marched(
     assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], material: NDArray[np.object_],
     reach: float, stop: Stop | None,
-) -> tuple[SliceSequence, Relative]:  # fmt: skip
+) -> tuple[SliceSequence, PairFrames]:  # fmt: skip
     """Slices from one end of the free space to the other, and how they are related to the bodies."""
     pivot = joint_point(*material)
     at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     relation = relate(at_a, at_b, them.rest[rows[0]], them.rest[rows[1]], pivot)
-    own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
+    own = [shapely.transform(g, lambda p: rotated(p - pivot, np.array([-at_a[2]]))) for g in material]
     return slice_sequence(pair_outlines(own[0], own[1]), reach, stop), relation
 
 
@@ -313,7 +313,7 @@ def _polyhedron(
     at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     a, b = (np.array([k]) for k in rows)
     reference = np.zeros((len(them.rest), 2))
-    reference[rows[1]] = turn(at_b[:2] - them.rest[rows[1], :2], -them.rest[rows[1], 2:])[0]
+    reference[rows[1]] = rotated(at_b[:2] - them.rest[rows[1], :2], -them.rest[rows[1], 2:])[0]
     slices: tuple[Slice, ...] = ()
     if isinstance(model, Hull):
         found = hulls(them, a, b, reference, model)
@@ -329,20 +329,20 @@ def _polyhedron(
         angles = float(-np.abs(turns[turns < 0]).min(initial=np.inf)), float(turns[turns > 0].min(initial=np.inf))
         closed = bool(np.isfinite(angles).all())
     body = them.rest[rows[1]]
-    pivot = body[:2] + turn(faces.point[0], body[2:])[0]
+    pivot = body[:2] + rotated(faces.point[0], body[2:])[0]
     relation = relate(at_a, at_b, them.rest[rows[0]], body, pivot)
     normal = np.column_stack(
-        [turn(faces.normal[:, :2], np.full(len(faces.normal), relation.turned)), faces.normal[:, 2]]
+        [rotated(faces.normal[:, :2], np.full(len(faces.normal), relation.turned)), faces.normal[:, 2]]
     )
     if slices and relation.turned:
         slices = tuple(
-            replace(s, region=shapely.transform(s.region, lambda p: turn(p, np.array([relation.turned]))))
+            replace(s, region=shapely.transform(s.region, lambda p: rotated(p, np.array([relation.turned]))))
             for s in slices
         )
     return Polyhedron(names, model.name, normal, faces.offset, slices, angles, closed, -relation.point, relation)
 
 
-def _about_reference(one: Slice, relation: Relative) -> Slice:
+def _about_reference(one: Slice, relation: PairFrames) -> Slice:
     """Express the same slice as motions of part b's reference point."""
     swing = relation.swing(np.array([one.angle]))
     return replace(one, region=shapely.transform(one.region, lambda p: p + swing))

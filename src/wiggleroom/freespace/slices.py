@@ -14,7 +14,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]
@@ -151,7 +151,7 @@ def _grown(pair: PairOutlines, phi: float, near: shapely.Geometry, limit: float)
 
 def parallelograms(pair: PairOutlines, phi: float, box: Box) -> Floats:
     """Corners (k, 4, 2) of the translations in which two edges meet, for all edge pairs that touch the box."""
-    b = turn(pair.b.reshape(-1, 2), np.array([phi])).reshape(-1, 2, 2)
+    b = rotated(pair.b.reshape(-1, 2), np.array([phi])).reshape(-1, 2, 2)
     a, (low, high) = pair.a, np.array(box).reshape(2, 2)
     near = np.ones((len(a), len(b)), dtype=bool)
     for axis in (0, 1):
@@ -203,7 +203,7 @@ def _free(pair: PairOutlines, phi: float, piece: shapely.Polygon) -> bool:
         return False
     spot = shapely.get_coordinates(shapely.point_on_surface(piece))
     a, b = pair.material
-    moved = shapely.transform(b, lambda p: turn(p, np.array([phi])) + spot)
+    moved = shapely.transform(b, lambda p: rotated(p, np.array([phi])) + spot)
     return not shapely.intersects(a, moved)
 
 

@@ -21,7 +21,7 @@ def unblocked(tail: Ints, head: Ints, label: Ints, ground: int) -> Ints:
     label : (n,) int64
         Component of every node.
     ground : int
-        The node that stands.
+        The node of the fixed bodies.
 
     Examples
     --------

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

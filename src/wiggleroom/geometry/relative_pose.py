@@ -1,4 +1,4 @@
-"""Relative motion of two parts (as users give it) converted to relative poses of their bodies (as cells use them), and back.
+"""Relative poses of bodies; and relative motion of two parts (as users give it) converted to them (as cells use them), and back.
 
 Slices use a third form: the shift of a point of B that lies in the joint, the *pivot*. A slice
 moves little from angle to angle when it is measured there; about a reference point far away it would run off.
@@ -11,11 +11,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.bodies import Bodies
+
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def relative_pose(bodies: Bodies, a: Ints, b: Ints, motion: Floats | None = None) -> Floats:
+    """B seen from A (P, 3) [mm, mm, rad]: position of B's origin in A's frame and its angle, at rest or moved."""
+    pose = bodies.rest if motion is None else bodies.rest + motion
+    c, s = np.cos(pose[a, 2]), np.sin(pose[a, 2])
+    x, y = (pose[b, :2] - pose[a, :2]).T
+    return np.column_stack([c * x + s * y, -s * x + c * y, pose[b, 2] - pose[a, 2]])
 
 
 @dataclass(frozen=True, eq=False)
-class Relative:
+class PairFrames:
     """How part b lies against part a at rest, all in the axes of part a's own frame.
 
     Parameters
@@ -40,11 +51,11 @@ class Relative:
 
     def swing(self, phi: Floats) -> Floats:
         """Motion (k, 2) [mm] of part b's reference point when B turns about the pivot by `phi` (k,) [rad]."""
-        return turn(self.point, phi) - self.point
+        return rotated(self.point, phi) - self.point
 
     def pose(self, shift: Floats, phi: Floats) -> Floats:
         """Relative poses (k, 3) of the bodies, the pivot moved by `shift` (k, 2) [mm], B turned by `phi` (k,)."""
-        q = turn(self.apart + shift + turn(self.origin, phi), np.full(len(phi), -self.turned))
+        q = rotated(self.apart + shift + rotated(self.origin, phi), np.full(len(phi), -self.turned))
         return np.column_stack([q, self.psi + phi])
 
     def shift(self, relative: Floats) -> Floats:
@@ -52,7 +63,7 @@ class Relative:
         return relative[:, :2] - self.swing(relative[:, 2])
 
 
-def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Floats) -> Relative:
+def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Floats) -> PairFrames:
     """Put the frames of two parts and of their bodies, all (x, y, angle) at rest, and the pivot (x, y) in relation.
 
     Examples
@@ -65,9 +76,9 @@ def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Fl
     """
 
     def own(vector: Floats) -> Floats:
-        return turn(vector, np.array([-at_a[2]]))[0]
+        return rotated(vector, np.array([-at_a[2]]))[0]
 
-    return Relative(
+    return PairFrames(
         float(body_a[2] - at_a[2]),
         own(pivot - body_a[:2]),
         own(body_b[:2] - pivot),
@@ -76,7 +87,7 @@ def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Fl
     )
 
 
-def turn(points: Floats, angle: Floats | float) -> Floats:
+def rotated(points: Floats, angle: Floats | float) -> Floats:
     """Points (2,) or (k, 2), each turned by its angle (k,), or all by one [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     x, y = points[..., 0], points[..., 1]

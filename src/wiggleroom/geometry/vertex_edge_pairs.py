@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
-from wiggleroom.geometry.neighbours import classes, relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -66,7 +67,7 @@ def near_vertices(
         How far behind its line: further back, material may lie between.
     """
     shapes, seed = bodies.shapes, relative_pose(bodies, a, b, motion)
-    _, congruent = classes(bodies, a, b, seed)
+    _, congruent = congruence_classes(bodies, a, b, seed)
     _, first, label = np.unique(
         np.column_stack([congruent, reach, beside]), axis=0, return_index=True, return_inverse=True
     )

@@ -51,13 +51,13 @@ def dragged_among_few(
     after = near.whole(state, there)
     if not free_of_overlap(ready, after.motion):
         return None
-    held = {name for contact in holding(search, 1.0) for name in contact.parts}
+    held = {name for contact in holding_contacts(search, 1.0) for name in contact.parts}
     short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
     arrived = short <= ARRIVAL_TOLERANCE * ready.clearance
     return after, search, settled and (arrived or not held & near.held)
 
 
-def holding(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
+def holding_contacts(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     """Contacts that hold the best motion, forces in this unit."""
     found = search.best
     if found is None or found.solution.status is not SolverStatus.CONVERGED:

@@ -15,9 +15,9 @@ from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
-from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_among_few, holding
+from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_among_few, holding_contacts
 from wiggleroom.live.gap_continuation import KnownEnds, kept
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
@@ -190,7 +190,7 @@ class Live:
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))
-        held = holding(search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
+        held = holding_contacts(search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
         blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
         seconds = time.perf_counter() - began
         return LiveResult(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
@@ -232,7 +232,7 @@ class Live:
         if search.search.unlimited and recession_direction(ready, term, state.motion) is not None:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
-        held = holding(search, 1.0)
+        held = holding_contacts(search, 1.0)
         settled = (
             settled and not search.search.unlimited
         )  # whether a turn repeats for ever is for the full answer to say

@@ -13,7 +13,7 @@ from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
 from wiggleroom.live.warm_start import WarmSearch, state_at_rest
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import ZERO_MOTION, PointMotion, Points
 from wiggleroom.search.prepare import Prepared
 
@@ -43,7 +43,7 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
 
     Source: the paper's W (Mind the Gap, section 4.4) with the eigenvector as weights.
     """
-    program = build(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)
+    program = build_program(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)
     found: list[tuple[Mode, Floats]] = []
     gone: list[Floats] = []  # directions of the freedoms found: what leads along them is no new one
     for towards in _directions(program, body, count):

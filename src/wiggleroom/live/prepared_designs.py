@@ -20,10 +20,10 @@ from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.gap_sensitivity import carried
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION
 from wiggleroom.search.prepare import Prepared, cells_at
-from wiggleroom.search.simplified_outlines import prepare_outlines
+from wiggleroom.search.prepare_walls import prepare_walls
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -102,7 +102,7 @@ class PreparedDesigns:
             made = assemble(drawing, gap=gap, offset={name: -x / 2 for name, x in extra.items() if x})
             inward = np.array([gap / 2 - part.offset for part in made.drawing.parts])
             ready = self._carried(roles, inward, made)
-            self._keep(key, GapDesign(roles, inward, made, ready or prepare_outlines(made), ready is None))
+            self._keep(key, GapDesign(roles, inward, made, ready or prepare_walls(made), ready is None))
         self._kept.move_to_end(key)
         return self._kept[key]
 
@@ -110,7 +110,7 @@ class PreparedDesigns:
         """Return the same design with cells grown for its very outlines; raises StoppedError where it is asked to stop."""
         if design.proven:
             return design
-        proven = replace(design, ready=prepare_outlines(design.assembly, stop=stop), proven=True)
+        proven = replace(design, ready=prepare_walls(design.assembly, stop=stop), proven=True)
         for key, kept in self._kept.items():
             if kept is design:
                 self._kept[key] = proven
@@ -168,7 +168,7 @@ def outline_corners(assembly: Assembly) -> Floats:
 
 def _with_room(ready: Prepared) -> Prepared:
     """Return the same, with new cells for the pairs that have hardly any room at rest in the carried ones."""
-    program = build(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)
+    program = build_program(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)
     tight = program.values(np.zeros(len(program.scale))) < MIN_CARRIED_CLEARANCE
     pairs = np.unique(ready.cells.pair[tight])
     if not len(pairs):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.free_space import free_slices
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.live.live_session import Live
 
 Floats = NDArray[np.float64]
@@ -45,7 +45,7 @@ class Reach:
     open: bool
 
 
-def reach(live: Live, part: str, grip: Spot, *, stop: Stop | None = None) -> Reach:
+def reachable_region(live: Live, part: str, grip: Spot, *, stop: Stop | None = None) -> Reach:
     """Bring a point of a part, given at rest [mm], as far as it goes from rest in all directions; the session stays where it is.
 
     Raises
@@ -58,7 +58,7 @@ def reach(live: Live, part: str, grip: Spot, *, stop: Stop | None = None) -> Rea
     Examples
     --------
     >>> import wiggleroom as wr
-    >>> found = reach(wr.Live(wr.patterns.chain(2, joint="tee", gap=0.02)), "b2", (1.0, 0.0))
+    >>> found = reachable_region(wr.Live(wr.patterns.chain(2, joint="tee", gap=0.02)), "b2", (1.0, 0.0))
     >>> found.exact, round(found.region.bounds[2] - 1.0, 3)
     (True, 0.02)
     """
@@ -68,12 +68,12 @@ def reach(live: Live, part: str, grip: Spot, *, stop: Stop | None = None) -> Rea
         fixed = int(np.flatnonzero(bodies.fixed)[0])
         space = free_slices(assembly, assembly.names[bodies.members[fixed][0]], part, SLICES, stop=stop)
         at = assembly.rest[assembly.names.index(space.parts[0])]
-        arm = turn(np.subtract(grip, assembly.rest[assembly.names.index(part), :2])[None], np.array([-at[2]]))[0]
+        arm = rotated(np.subtract(grip, assembly.rest[assembly.names.index(part), :2])[None], np.array([-at[2]]))[0]
         angles = np.array([s.angle for s in space.slices])
-        swing = turn(np.tile(arm, (len(angles), 1)), angles) - arm
+        swing = rotated(np.tile(arm, (len(angles), 1)), angles) - arm
         shifted = [shapely.transform(s.region, lambda p, d=d: p + d) for s, d in zip(space.slices, swing, strict=True)]
         own = shapely.union_all(shifted)
-        region = shapely.transform(own, lambda p: turn(p, np.array([at[2]])) + grip)
+        region = shapely.transform(own, lambda p: rotated(p, np.array([at[2]])) + grip)
         return Reach(region, exact=True, open=not space.closed)
     far, places, leaves = FAR * live.ready.size, [], False
     with live.aside():

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, select
-from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.incumbent import BARRIER_GROWTH, Incumbent, Start
 from wiggleroom.search.loop import FINE_TOLERANCE, LocalSearch, Policy
@@ -251,7 +251,7 @@ def free_of_overlap(ready: Prepared, motion: Floats) -> bool:
 
 def pushed(ready: Prepared, state: State) -> State | None:
     """Return the state with its inner point moved a little, until it is strictly inside all cells; None where that does not help."""
-    program = build(ready.bodies, state.cells, ZERO_MOTION, length=ready.clearance)
+    program = build_program(ready.bodies, state.cells, ZERO_MOTION, length=ready.clearance)
     u, matrix = program.variables(state.inner), factor(program.pattern)
     for _ in range(MAX_PUSHES):
         at = program.linearise(u)

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.mating.beam_search import BeamState, Placement
-from wiggleroom.mating.body_frame import outward, side_by_side, upright, without
-from wiggleroom.mating.body_search import bodies_of, listed
+from wiggleroom.mating.body_frame import outward, side_by_side, upright, without_panel
+from wiggleroom.mating.body_search import bodies_of, panel_names
 from wiggleroom.mating.cutting_sheet import CuttingSheet
 from wiggleroom.mating.edge_constraints import EdgeConstraints, edge_constraints, without_skipped
 from wiggleroom.mating.flanks import SheetPlate, bits, plates_of
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.known import with_fixed_plates
 from wiggleroom.mating.pair_poses import PairPoseTable
-from wiggleroom.mating.refinement import pressed_panel, refined, relief_needed
+from wiggleroom.mating.refinement import least_squares_placement, pressed_panel, relief_needed
 from wiggleroom.mating.sheet_settings import SETTINGS
 
 Floats = NDArray[np.float64]
@@ -129,7 +129,9 @@ def assemble_sheet(
     whole = PairPoseTable(bench, whole=True)
     tables = PairPoseTable(bench, whole=True, aligned_of=whole), whole, PairPoseTable(bench, whole=False)
     found, doubts = bodies_of(bench, tables, hints, stop, progress)
-    bodies, unplaced = with_fixed_plates(bench, [outward(bench, refined(bench, body)) for body in found], constraints)
+    bodies, unplaced = with_fixed_plates(
+        bench, [outward(bench, least_squares_placement(bench, body)) for body in found], constraints
+    )
     notes = [*sheet.notes]
     bodies, relief, pressed = _relieved(bench, bodies, real, thickness)
     unplaced = sorted({*unplaced, *pressed})
@@ -146,7 +148,9 @@ def assemble_sheet(
         joints += [FoundJoint((a, b), pairs) for a, b, pairs in bench.met(body)[0]]
         left |= {row: rows for row, rows in bench.open(body).items() if len(rows)}
     if left:
-        doubts.append(f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {listed(names, list(left))}")
+        doubts.append(
+            f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {panel_names(names, list(left))}"
+        )
     doubts += _not_kept(constraints, bodies)
     loose = _loose(bench, tables[1], bodies, unplaced)
     if loose:
@@ -155,10 +159,10 @@ def assemble_sheet(
             if len(loose) == 1
             else "no edge of theirs fits another panel: they lie"
         )
-        doubts.append(f"not placed: {listed(names, loose)}; {fits} loose, and a hint ([[plate]]) can say where")
+        doubts.append(f"not placed: {panel_names(names, loose)}; {fits} loose, and a hint ([[plate]]) can say where")
     waiting = [row for row in unplaced if row not in loose]
     if waiting:
-        doubts.append(f"not placed: {listed(names, waiting)}")
+        doubts.append(f"not placed: {panel_names(names, waiting)}")
     placed = side_by_side(bench, [upright(bench, body) for body in bodies])
     return AssembledSheet(
         plates, tuple(real), tuple(placed), tuple(joints), left, tuple(unplaced), tuple(loose), taken, relief,
@@ -209,7 +213,7 @@ def _relieved(
                 break
             row = pressed_panel(bench, body, real, SETTINGS.max_relief * thickness)
             pressed.append(row)
-            body = refined(bench, without(body, row))
+            body = least_squares_placement(bench, without_panel(body, row))
         if len(body.rows) > 1:
             result.append(body)
         else:

@@ -383,7 +383,7 @@ class Effort:
     power: float
 
 
-def grow(
+def beam_search(
     bench: BeamState,
     state: Placement,
     free: frozenset[int],

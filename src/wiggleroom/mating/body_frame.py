@@ -8,7 +8,7 @@ from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.sheet_settings import SETTINGS
 
 
-def without(body: Placement, row: int) -> Placement:
+def without_panel(body: Placement, row: int) -> Placement:
     """Placement without one of its panels."""
     keep = [k for k, other in enumerate(body.rows) if other != row]
     return Placement(tuple(body.rows[k] for k in keep), body.turns[keep], body.moves[keep], body.met, {})

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from wiggleroom.errors import Stop
-from wiggleroom.mating.beam_search import BeamState, Placement, extent, grow
-from wiggleroom.mating.body_frame import without
+from wiggleroom.mating.beam_search import BeamState, Placement, beam_search, extent
+from wiggleroom.mating.body_frame import without_panel
 from wiggleroom.mating.closed_search import Closed, closed_placements
 from wiggleroom.mating.congruence import congruent
 from wiggleroom.mating.contact import MET_TOLERANCE
@@ -16,7 +16,7 @@ from wiggleroom.mating.edge_ends import aligned_ends
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.known import known_starts
 from wiggleroom.mating.pair_poses import PairPoseTable
-from wiggleroom.mating.refinement import refined, relief_needed
+from wiggleroom.mating.refinement import least_squares_placement, relief_needed
 from wiggleroom.mating.sheet_settings import SETTINGS
 
 
@@ -78,7 +78,7 @@ def _body(
     for effort in SETTINGS.efforts:
         if bench.scored > SETTINGS.max_scored or (best is not None and _complete(bench, best[1], left)):
             break
-        grown = [grow(bench, start, left, effort, stop=stop, progress=progress)[0] for start in starts]
+        grown = [beam_search(bench, start, left, effort, stop=stop, progress=progress)[0] for start in starts]
         for found in grown:
             if len(found.rows) > 2:
                 found = _trimmed(bench, found, len(starts[0].rows))
@@ -133,7 +133,7 @@ def _best(bench: BeamState, placements: list[Placement]) -> Placement:
         return equal[0]
     drawn = [plate.thickness for plate in bench.plates]
     least = SETTINGS.max_relief * min(drawn)
-    pressing = [relief_needed(bench, refined(bench, each), drawn, least) for each in equal]
+    pressing = [relief_needed(bench, least_squares_placement(bench, each), drawn, least) for each in equal]
     return equal[min(range(len(equal)), key=lambda k: (round(pressing[k], 2), extent(bench, equal[k])))]
 
 
@@ -144,7 +144,9 @@ def _rivals(bench: BeamState, closed: Closed, name: str) -> list[str]:
     if len(closed.placements) > 1:
         moved = _moved(bench, *closed.placements[:2])
         which = (
-            f": {listed([plate.name for plate in bench.plates], moved)} can be elsewhere or otherwise" if moved else ""
+            f": {panel_names([plate.name for plate in bench.plates], moved)} can be elsewhere or otherwise"
+            if moved
+            else ""
         )
         return [f"panels fit together in more than one way, round {name}{which}"]
     return [] if closed.exhausted else [f"not every other way to put panels round {name} was tried"]
@@ -182,11 +184,11 @@ def _trimmed(bench: BeamState, body: Placement, known: int) -> Placement:
         worst = min(share, key=lambda row: share[row])
         if share[worst] >= SETTINGS.min_met_share:
             return body
-        body = without(body, worst)
+        body = without_panel(body, worst)
     return body
 
 
-def listed(names: Sequence[str], rows: Sequence[int]) -> str:
+def panel_names(names: Sequence[str], rows: Sequence[int]) -> str:
     """Names of some panels, the first few of them."""
     shown = ", ".join(names[row] for row in rows[:6])
     return shown + (f" and {len(rows) - 6} more" if len(rows) > 6 else "")

@@ -15,7 +15,14 @@ from wiggleroom.errors import Stop
 from wiggleroom.mating.contour_matching import PlanarPose, contact
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet
 from wiggleroom.mating.flanks import inset
-from wiggleroom.mating.planar_search import LEAST_CONTACT, PlanarSearch, grow_body, listed, moved, settled
+from wiggleroom.mating.planar_search import (
+    LEAST_CONTACT,
+    PlanarSearch,
+    first_names,
+    grow_body,
+    least_squares_poses,
+    moved,
+)
 
 Floats = NDArray[np.float64]
 
@@ -135,7 +142,7 @@ def assemble_plane(
         bodies.append(body)
         doubts += said
         left -= set(body)
-    bodies = [settled(work, body) for body in bodies]
+    bodies = [least_squares_poses(work, body) for body in bodies]
     bodies, relief, pressed = _relieved(polygons, bodies, work.tolerance + pressing)
     unplaced = sorted({*left, *pressed})
     doubts += [f'part "{names[row]}" overlaps others where its outline fits, and is left out' for row in pressed]
@@ -145,7 +152,7 @@ def assemble_plane(
         doubts.append(f"the parts make {len(bodies)} bodies that do not fit each other")
     joints, still = _joints(work, bodies, centres)
     if unplaced:
-        doubts.append("not placed: " + listed([names[row] for row in unplaced]))
+        doubts.append("not placed: " + first_names([names[row] for row in unplaced]))
     return PlanarAssembly(
         names, tuple(inset(polygon, relief) for polygon in polygons), centres, tuple(_side_by_side(polygons, bodies)),
         tuple(joints), still, tuple(unplaced), taken, relief, tuple(dict.fromkeys(doubts)), tuple(notes), sheet.source,

@@ -209,7 +209,7 @@ def grow_body(
         rivals = [c for c in best[1:] if c.salient >= _RIVAL * chosen.salient and _conflict(work, chosen, c)]
         if rivals:
             others = dict.fromkeys(names[c.row] for c in rivals)
-            doubts.append(f'"{names[chosen.row]}" fits in more than one way, or {listed([*others])} as well there')
+            doubts.append(f'"{names[chosen.row]}" fits in more than one way, or {first_names([*others])} as well there')
         body[chosen.row] = _pressed_on(work, body, chosen)
         left = left - {chosen.row}
         choices = [c for c in choices if c.row in left] + work.choices(body, chosen.row, left)
@@ -231,10 +231,12 @@ def _conflict(work: PlanarSearch, one: _Choice, other: _Choice) -> bool:
 
 def _pressed_on(work: PlanarSearch, body: dict[int, PlanarPose], choice: _Choice) -> PlanarPose:
     """PlanarPose of a choice after it is fitted to all its neighbours."""
-    return settled(work, body | {choice.row: choice.pose}, only=choice.row)[choice.row]
+    return least_squares_poses(work, body | {choice.row: choice.pose}, only=choice.row)[choice.row]
 
 
-def settled(work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = None) -> dict[int, PlanarPose]:
+def least_squares_poses(
+    work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = None
+) -> dict[int, PlanarPose]:
     """Poses by least squares over all contacts (Gauss-Newton); the first part stays, or all but one."""
     rows = list(body)
     free = [only] if only is not None else rows[1:]
@@ -281,6 +283,6 @@ def settled(work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = 
     return body
 
 
-def listed(names: list[str]) -> str:
+def first_names(names: list[str]) -> str:
     """The first few names, and how many more there are."""
     return ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")

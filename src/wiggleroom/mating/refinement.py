@@ -42,7 +42,7 @@ class RefinementSettings:
 SETTINGS = RefinementSettings()
 
 
-def refined(bench: BeamState, state: Placement) -> Placement:
+def least_squares_placement(bench: BeamState, state: Placement) -> Placement:
     """Placement whose panels are shifted by least squares over all flanks that meet; turns stay, the first panel stays.
 
     Returns
@@ -72,7 +72,7 @@ def refined(bench: BeamState, state: Placement) -> Placement:
     return Placement(state.rows, state.turns, moves, state.met, {})
 
 
-def solid(plate: SheetPlate, thickness: float, turn: Floats, move: Floats, relief: float = 0.0) -> Any:
+def plate_solid(plate: SheetPlate, thickness: float, turn: Floats, move: Floats, relief: float = 0.0) -> Any:
     """Plate in space as a manifold of manifold3d; its outline moved inward by `relief` [mm].
 
     Raises
@@ -148,6 +148,6 @@ def _pressing(
     solids = {}
     for k in used:
         row = state.rows[k]
-        solids[k] = solid(bench.plates[row], thickness[row], state.turns[k], state.moves[k], relief)
+        solids[k] = plate_solid(bench.plates[row], thickness[row], state.turns[k], state.moves[k], relief)
     least = SETTINGS.free_volume * min((bench.plates[row].polygon.length for row in state.rows), default=1.0)
     return any((solids[i] ^ solids[j]).volume() > least for i, j in near)

@@ -1,7 +1,7 @@
-"""Way-points of a step moved so that its least clearance is largest, by sequential linear programming.
+"""Waypoints of a step moved so that its least clearance is largest, by sequential linear programming.
 
 Samples are taken on every piece of the path. There the distances of corners of what moves from edges of all else, and the other way round,
-are linear in small changes of the way-points. Each program makes the least of them as large as it can, and then those of every piece, up
+are linear in small changes of the waypoints. Each program makes the least of them as large as it can, and then those of every piece, up
 to what is plenty. A change is kept where the exact distances along the pieces grew. Source: sequential linear programming with a trust
 region, as in Conn, Gould and Toint, "Trust-Region Methods" (2000).
 """
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import coo_array
 
-from wiggleroom.disassembly.clearance import distances
+from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.geometry.bodies import Bodies
 
 Floats = NDArray[np.float64]
@@ -31,13 +31,13 @@ SAMPLE_DISTANCE = 0.04
 MAX_SAMPLES = 40
 """Most samples of a piece."""
 REACH = 4.0
-"""Corners count that are nearer than this multiple of the clearance, and of how far way-points may move."""
+"""Corners count that are nearer than this multiple of the clearance, and of how far waypoints may move."""
 SUFFICIENT_CLEARANCE = 1.0
 """Pieces that are not the narrowest need no more than this multiple of the typical clearance."""
 WEIGHTS = 1.0, 0.1, 1e-3
-"""Of the least clearance, of the mean of those of all pieces, and of the distance that way-points are moved."""
+"""Of the least clearance, of the mean of those of all pieces, and of the distance that waypoints are moved."""
 MAX_TRUST = 0.1
-"""Way-points are moved by at most this share of the drawing's size at once."""
+"""Waypoints are moved by at most this share of the drawing's size at once."""
 MIN_GAIN = 0.01
 """A gain below this share of the typical clearance is none."""
 
@@ -60,7 +60,7 @@ class MovingBodies:
 
 @dataclass(frozen=True, eq=False)
 class ClearanceProblem:
-    """What stays the same while the way-points of a step are moved.
+    """What stays the same while the waypoints of a step are moved.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class ClearanceProblem:
 
     def least(self, path: Floats) -> float:
         """Exact least clearance of a path (k, n, 3), up to a share of the size [mm]."""
-        apart = distances(self.bodies, path, self.there, self.ignored, 0.1 * self.size)
+        apart = least_distances(self.bodies, path, self.there, self.ignored, 0.1 * self.size)
         return float(apart[self.moving.who].min(initial=0.1 * self.size))
 
     def pieces(self, path: Floats) -> Floats:
@@ -92,7 +92,7 @@ class ClearanceProblem:
 
 
 def largest_clearance_path(problem: ClearanceProblem, path: Floats) -> Floats:
-    """The path (k, n, 3) [mm, mm, rad] of the bodies, its way-points but the first moved to where the clearance is largest."""
+    """The path (k, n, 3) [mm, mm, rad] of the bodies, its waypoints but the first moved to where the clearance is largest."""
     trust = problem.clearance
     best = problem.pieces(path)
     for _ in range(MAX_PROGRAMS):
@@ -119,7 +119,7 @@ def _worth(problem: ClearanceProblem, pieces: Floats) -> float:
 
 
 def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float) -> Floats | None:
-    """Change (k, n, 3) of the way-points that a linear program proposes; None where there is nothing to gain."""
+    """Change (k, n, 3) of the waypoints that a linear program proposes; None where there is nothing to gain."""
     moving, radius = problem.moving, problem.bodies.radius
     k, dofs = len(path), 2 if moving.as_one else 3 * len(moving.who)
     free = (k - 1) * dofs
@@ -185,7 +185,7 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
 def _rows(
     problem: ClearanceProblem, path: Floats, piece: int, reach: float, dofs: int
 ) -> list[tuple[Floats, Ints, float, int]]:
-    """Distances at samples of a piece, each with its derivatives by the changes of the way-points."""
+    """Distances at samples of a piece, each with its derivatives by the changes of the waypoints."""
     bodies, moving = problem.bodies, problem.moving
     begin, end = bodies.rest + path[piece], bodies.rest + path[piece + 1]
     length = np.abs(end - begin)[moving.who, :2].max()
@@ -194,7 +194,7 @@ def _rows(
     mine = {int(b): m for m, b in enumerate(moving.who)}
     for t in np.linspace(0.0, 1.0, count):
         pose = begin + t * (end - begin)
-        shares = [(piece - 1, 1.0 - t), (piece, t)]  # way-point 0 stays
+        shares = [(piece - 1, 1.0 - t), (piece, t)]  # waypoint 0 stays
         for b, c, point, normal, apart in corners_near_edges(problem, pose, reach):
             value, where = [], []
             for body, sign in ((b, 1.0), (c, -1.0)):

@@ -20,7 +20,7 @@ from scipy.sparse import coo_array
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, corners_near_edges
 from wiggleroom.planning.steps import Step

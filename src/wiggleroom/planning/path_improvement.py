@@ -24,13 +24,13 @@ Ints = NDArray[np.int64]
 MAX_ALONE = 12
 """Steps in which more parts move at once are not split into steps of one part each."""
 TURN_PER_PIECE = 0.05
-"""Before way-points are moved, pieces turn by at most this [rad]."""
+"""Before waypoints are moved, pieces turn by at most this [rad]."""
 PIECE_LENGTH = 0.1
 """Nor are they longer than this share of the drawing's size."""
 PART_DEVIATION = 0.02
 """Pieces of parts differ from those of bodies by at most about this share of the clearance."""
 KEPT_CLEARANCE = 0.9
-"""A way-point is left out where the path without it keeps this share of the clearance."""
+"""A waypoint is left out where the path without it keeps this share of the clearance."""
 
 
 def improved_steps(
@@ -83,7 +83,7 @@ def improved_steps(
 def _from(assembly: Assembly, step: Step, shift: Floats) -> list[Step]:
     """The step where all parts are a little elsewhere to begin with.
 
-    Three options for those that move: straight to the next way-point; the whole path shifted by as much as they are now; or first back to
+    Three options for those that move: straight to the next waypoint; the whole path shifted by as much as they are now; or first back to
     its beginning.
     """
     if not shift.any():
@@ -126,7 +126,7 @@ def _one_by_one(assembly: Assembly, step: Step, free: Callable[[Step], bool]) ->
 
 
 def _with_largest_clearance(assembly: Assembly, surveyed: Survey, step: Step) -> Step:
-    """The step with the largest least clearance that its path allows, and without way-points that it does not need."""
+    """The step with the largest least clearance that its path allows, and without waypoints that it does not need."""
     bodies = surveyed.bodies
     path = of_bodies(assembly, bodies, step.path)
     who = np.flatnonzero((np.abs(path - path[:1]) > STILL).any(axis=(0, 2)))
@@ -156,7 +156,7 @@ def for_parts(assembly: Assembly, surveyed: Survey, path: Floats) -> Floats:
 
 
 def _shortened(problem: ClearanceProblem, path: Floats) -> Floats:
-    """The path without way-points that are not needed to keep nearly its clearance."""
+    """The path without waypoints that are not needed to keep nearly its clearance."""
     least = problem.least(path)
     k = 1
     while k < len(path) - 1:

@@ -227,7 +227,7 @@ def _at_gap(
 
 
 def _alone(assembly: Assembly, step: Step) -> Step:
-    """A step fitted to other outlines, its first way-point as it is."""
+    """A step fitted to other outlines, its first waypoint as it is."""
     fitted = improved_steps(assembly, survey(assembly), [step])
     return fitted[0] if len(fitted) == 1 else step
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.disassembly.clearance import distances
+from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.disassembly_sequence import Departure
 from wiggleroom.displayable import Displayable
 from wiggleroom.geometry.rigid_motions import of_bodies
@@ -114,7 +114,7 @@ def measured(assembly: Assembly, surveyed: Survey, step: Step) -> Step:
     path = of_bodies(assembly, bodies, fine)
     there = np.array([step.there[list(m)].all() for m in bodies.members])
     most = MOST_CLEARANCE * surveyed.size
-    apart = distances(bodies, path, there, surveyed.ignored, most)
+    apart = least_distances(bodies, path, there, surveyed.ignored, most)
     moving = np.unique(bodies.body_of[np.isin(names, step.parts)])
     clearance = max(float(apart[moving].min(initial=most)) - stray, 0.0)
     resting = np.setdiff1d(np.flatnonzero(~bodies.fixed & there), moving)

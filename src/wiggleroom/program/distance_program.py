@@ -12,7 +12,7 @@ from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
 from wiggleroom.program import vertex_edge_distances as kernel
-from wiggleroom.program.nonlinear_program import Program, build, row_of
+from wiggleroom.program.nonlinear_program import Program, build_program, row_of
 from wiggleroom.program.objectives import Objective
 
 Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ class DistanceProgram(Program):
         h = np.empty(self.rows)
 
         def fill(some: slice) -> None:
-            kernel.distances(g[some], row_of(self.cells.row, some), *self._listed, self.length, h)
+            kernel.distance_values(g[some], row_of(self.cells.row, some), *self._listed, self.length, h)
 
         in_batches(len(g), self.batches, fill)
         return h
@@ -43,7 +43,7 @@ class DistanceProgram(Program):
         h, d = np.empty(self.rows), np.empty((self.rows, 3))
 
         def fill(some: slice) -> None:
-            kernel.distance_rows(g[some], row_of(self.cells.row, some), *self._listed, self.length, h, d)
+            kernel.distance_gradients(g[some], row_of(self.cells.row, some), *self._listed, self.length, h, d)
 
         in_batches(len(g), self.batches, fill)
         return h, d
@@ -65,6 +65,6 @@ class DistanceProgram(Program):
 
 
 def build_distances(bodies: Bodies, near: VertexEdgePairs, objective: Objective, *, length: float) -> DistanceProgram:
-    """Put all distances and the objective into one program; arguments as for `build`."""
-    program = build(bodies, near, objective, length=length)
+    """Put all distances and the objective into one program; arguments as for `build_program`."""
+    program = build_program(bodies, near, objective, length=length)
     return DistanceProgram(**{field.name: getattr(program, field.name) for field in fields(program)})

@@ -274,7 +274,7 @@ def _sum(terms: list[Floats]) -> Floats:
     return terms[0]
 
 
-def build(
+def build_program(
     bodies: Bodies, cells: Regions, objective: Objective, *, length: float, like: Program | None = None
 ) -> Program:
     """Put all pairs and the objective into one program.

@@ -46,7 +46,7 @@ def _distance(x, y, e, corner, normal, length):
 
 
 @njit(**NO_ALLOCATION)
-def distances(g, row, kind, edge, vertex, corner, normal, length, unit, h):
+def distance_values(g, row, kind, edge, vertex, corner, normal, length, unit, h):
     """Distances h (R,) in units of `unit`; negative behind an edge."""
     for p in range(len(row) - 1):
         c, s = np.cos(g[p, 2]), np.sin(g[p, 2])
@@ -57,7 +57,7 @@ def distances(g, row, kind, edge, vertex, corner, normal, length, unit, h):
 
 
 @njit(**NO_ALLOCATION)
-def distance_rows(g, row, kind, edge, vertex, corner, normal, length, unit, h, d):
+def distance_gradients(g, row, kind, edge, vertex, corner, normal, length, unit, h, d):
     """Distances h (R,) and their derivatives d (R, 3) with respect to (q, psi), in units of `unit`."""
     for p in range(len(row) - 1):
         c, s = np.cos(g[p, 2]), np.sin(g[p, 2])

@@ -12,7 +12,7 @@ from wiggleroom.search.answer import Answer
 
 
 def answer_arrays(answer: Answer) -> dict[str, NDArray[Any]]:
-    """What an answer found, n parts, k way-points, c contacts.
+    """What an answer found, n parts, k waypoints, c contacts.
 
     Returns
     -------

@@ -70,7 +70,7 @@ def spatial_towards(direction: tuple[float, float, float]) -> str:
     return f"({', '.join(number(x, 3) for x in unit.tolist())})"
 
 
-def spatial_ask(goal: SpatialGoal) -> str:
+def spatial_goal_text(goal: SpatialGoal) -> str:
     """One goal in a few words."""
     match goal:
         case SpatialPull():
@@ -81,11 +81,11 @@ def spatial_ask(goal: SpatialGoal) -> str:
             return f"weight towards {spatial_towards(goal.direction)}"
 
 
-def ask(goal: Goal | SpatialGoal) -> str:
+def goal_text(goal: Goal | SpatialGoal) -> str:
     """One goal in a few words: the part and the direction in which it is pulled or turned."""
     match goal:
         case SpatialPull() | SpatialTurn() | Weight():
-            return spatial_ask(goal)
+            return spatial_goal_text(goal)
         case Pull():
             return f"{short(goal.part)} in {towards(goal.direction)}"
         case Turn():
@@ -107,7 +107,7 @@ def goals_text(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
     'a in +y and 1 more'
     """
     more = f" and {len(goals) - most} more" if len(goals) > most else ""
-    return ", ".join(ask(g) for g in goals[:most]) + more
+    return ", ".join(goal_text(g) for g in goals[:most]) + more
 
 
 def assembly_lines(assembly: Assembly | SpatialAssembly) -> list[str]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.report import frame, palette
 from wiggleroom.report.answer_words import number
-from wiggleroom.report.text import escape, width, wrap
+from wiggleroom.report.text import escape, text_width, wrap
 
 Floats = NDArray[np.float64]
 
@@ -90,7 +90,7 @@ def plot(
     """
     head, below = frame.header(title, facts, WIDTH + 40)
     rows = ticks(*y)
-    left = palette.MARGIN + max(width(number(t), palette.TEXT_SIZE) for t in rows) + 10
+    left = palette.MARGIN + max(text_width(number(t), palette.TEXT_SIZE) for t in rows) + 10
     axes = Axes(x, y, left, below + 46)
     bottom = axes.top + HEIGHT
     found = [*head, text(palette.MARGIN, axes.top - 18, palette.TEXT_SIZE, palette.INK, labels[1])]
@@ -118,7 +118,7 @@ def vertical_lines(axes: Axes, marks: Sequence[tuple[float, str]], colours: Sequ
             f'<path d="M{x:.2f},{axes.top:.2f}v{HEIGHT:.2f}" stroke="{colour}" stroke-width="1.5" '
             'stroke-dasharray="5 4" fill="none"/>'
         )
-        left = x + 8 + width(label, palette.TEXT_SIZE) > axes.left + WIDTH
+        left = x + 8 + text_width(label, palette.TEXT_SIZE) > axes.left + WIDTH
         y, side = axes.top + 14 + 20 * row, "end" if left else "start"
         said = text(x + (-7 if left else 7), y, palette.TEXT_SIZE, palette.INK, label, side)
         # a rim of paper round the letters, so that lines and bars behind them do not disturb

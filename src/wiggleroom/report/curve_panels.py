@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.report import palette
 from wiggleroom.report.answer_words import number
 from wiggleroom.report.axes import line, span, text, ticks
-from wiggleroom.report.text import elide, width
+from wiggleroom.report.text import elide, text_width
 
 Floats = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ def legend(entries: Sequence[tuple[str, Style]], left: float, top: float, room: 
     """Marks with their names in as many lines as they need, and where they end [px]."""
     x, y, found = left, top, []
     for name, style in entries:
-        long = 16 + width(name, palette.TEXT_SIZE) + LEGEND_SPACING
+        long = 16 + text_width(name, palette.TEXT_SIZE) + LEGEND_SPACING
         if x > left and x + long - LEGEND_SPACING > left + room:
             x, y = left, y + 24
         found.append(mark(x + 5, y - 5, style) + text(x + 18, y, palette.TEXT_SIZE, palette.INK, name))

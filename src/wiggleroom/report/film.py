@@ -100,7 +100,7 @@ def film(
 
 
 def film_of_answer(answer: Answer, path: str | PathLike[str], *, progress: Progress | None = None) -> None:
-    """Write a film of an answer: from rest along its way-points and, where something holds it, back again."""
+    """Write a film of an answer: from rest along its waypoints and, where something holds it, back again."""
     film(
         answer.assembly,
         answer.waypoints,

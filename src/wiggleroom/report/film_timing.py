@@ -72,7 +72,7 @@ def checked_waypoints(assembly: Assembly, points: Floats) -> Floats:
     points, n = np.asarray(points, dtype=float), len(assembly.parts)
     if points.ndim != 3 or points.shape[1:] != (n, 3) or not len(points) or not np.isfinite(points).all():
         finding = (
-            f"way-points have shape {points.shape}: they must be (k, {n}, 3) finite numbers, x, y [mm] and turn [rad]"
+            f"waypoints have shape {points.shape}: they must be (k, {n}, 3) finite numbers, x, y [mm] and turn [rad]"
         )
         raise InputError(finding)
     return points

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from wiggleroom.report import palette
 from wiggleroom.report.answer_words import number
 from wiggleroom.report.layout import View, round_down
-from wiggleroom.report.text import escape, width, wrap
+from wiggleroom.report.text import escape, text_width, wrap
 
 LegendEntry = tuple[str, str]
 """Swatch (SVG, in a box of 16 x 12 px with its upper left corner at 0, 0) and its meaning."""
@@ -39,10 +39,10 @@ def footer(view: View, y: float, legend: Sequence[LegendEntry], command: str) ->
         f'<path d="M{x:.2f},{y - 5:.2f}v5h{wide:.2f}v-5" fill="none" stroke="{palette.INK}" stroke-width="1.5"/>'
         + _text(x + wide + 8, y + 1, palette.TEXT_SIZE, palette.INK, label)
     )
-    x += wide + 8 + width(label, palette.TEXT_SIZE) + 36
+    x += wide + 8 + text_width(label, palette.TEXT_SIZE) + 36
     begin, end = x, view.canvas - palette.MARGIN
     for swatch, meaning in legend:
-        long = 24 + width(meaning, palette.TEXT_SIZE)
+        long = 24 + text_width(meaning, palette.TEXT_SIZE)
         if x > begin and x + long > end:
             x, y = begin, y + 22
         found.append(f'<g transform="translate({x:.2f} {y - 11:.2f})">{swatch}</g>')

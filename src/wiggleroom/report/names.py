@@ -13,7 +13,7 @@ from shapely import affinity
 from wiggleroom.report import palette
 from wiggleroom.report.answer_words import short
 from wiggleroom.report.part_paths import PartPath
-from wiggleroom.report.text import escape, width
+from wiggleroom.report.text import escape, text_width
 
 _SMALLEST, _LARGEST = 7.0, 15.0
 """Least and largest size of the text [px]."""
@@ -49,7 +49,7 @@ def name_position(
     marks : tree of areas [px]
         What the name must not cover.
     """
-    wide = width(name, 1.0)
+    wide = text_width(name, 1.0)
     size = min(fitting_font_size(name, shape), largest)
     if size < _SMALLEST:
         return None
@@ -77,7 +77,7 @@ def text_at(name: str, middle: Floats, size: float) -> str:
 
 def fitting_font_size(name: str, shape: PartPath) -> float:
     """Font size [px] at which a name fits into the largest circle inside a shape."""
-    wide = width(name, 1.0)
+    wide = text_width(name, 1.0)
     # no part holds a circle larger than its area says
     most = _size(math.sqrt(shape.polygon.area / math.pi), wide)
     return most if most < _SMALLEST else _size(shape.circle[1], wide)

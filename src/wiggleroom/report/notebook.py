@@ -74,10 +74,10 @@ def mime_bundle(found: Displayable) -> dict[str, str]:
     """
     said, page = lines(found), _page(found)
     shown = {"text/plain": "\n".join(said)}
-    return shown if page is None else shown | {"text/html": frame(page, said[0])}
+    return shown if page is None else shown | {"text/html": sandboxed_frame(page, said[0])}
 
 
-def frame(page: str, title: str) -> str:
+def sandboxed_frame(page: str, title: str) -> str:
     """Page in a frame of its own: it sees nothing of the notebook, and the notebook nothing of it."""
     return (
         f'<iframe title="{html.escape(title)}" srcdoc="{html.escape(page)}" sandbox="allow-scripts allow-downloads" '

@@ -67,7 +67,7 @@ def _separability(found: Interlock) -> SeparabilityEntry:
 
 
 def _waypoints(names: tuple[str, ...], escape: Escape) -> list[dict[str, PartMotion]]:
-    """Way-points; each says only the parts that are not at rest anywhere on the path."""
+    """Waypoints; each says only the parts that are not at rest anywhere on the path."""
     moved = np.flatnonzero((np.abs(escape.path) > MIN_MOTION).any(axis=(0, 2)))
     return [
         {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in moved}

@@ -8,7 +8,7 @@ from wiggleroom.mating.assembled_sheet import AssembledSheet
 from wiggleroom.mating.flanks import SheetPlate
 from wiggleroom.mating.hints import EdgeReference, Hints, write_hints
 from wiggleroom.mating.plates_writer import write_plates
-from wiggleroom.mating.refinement import solid
+from wiggleroom.mating.refinement import plate_solid
 from wiggleroom.report.sheet_record import assemble_record, sheet_headline, sheet_point
 from wiggleroom.report.solid_page import packed
 from wiggleroom.schema.fields import Point
@@ -87,7 +87,7 @@ def _solids(found: AssembledSheet) -> Solids:
     shapes, reference = [], []
     for body in found.bodies:
         for row, turn, move in zip(body.rows, body.turns, body.moves, strict=True):
-            mesh = solid(found.plates[row], found.thickness[row], turn, np.zeros(3), found.relief).to_mesh()
+            mesh = plate_solid(found.plates[row], found.thickness[row], turn, np.zeros(3), found.relief).to_mesh()
             vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)
             shapes.append(SolidShape(packed(vertices, "<f4"), packed(triangles, "<u4")))
             x, y, z = move.tolist()

@@ -174,7 +174,7 @@ def spatial_check_message(found: SpatialDisassembly, command: str) -> CheckReply
 def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:
     """Motions (k, n, 7) along a path (m, n, 6), evenly along it: displacements [mm] and quaternions x, y, z, w.
 
-    Between two frames positions go straight and turns about one constant axis, as between way-points; the first and the last of
+    Between two frames positions go straight and turns about one constant axis, as between waypoints; the first and the last of
     the path are as they are.
     """
     if len(points) == 1:

@@ -1,4 +1,4 @@
-"""Paths in space followed evenly: positions go straight between way-points, turns about one constant axis."""
+"""Paths in space followed evenly: positions go straight between waypoints, turns about one constant axis."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MAX_SHARE = 0.5
 
 
 def waypoint_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
-    """When each way-point (k,) is reached, from 0 to 1, by how far corners move."""
+    """When each waypoint (k,) is reached, from 0 to 1, by how far corners move."""
     reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
     step = np.linalg.norm(np.diff(waypoints[:, :, :3], axis=0), axis=2)
     turn = np.linalg.norm(np.diff(waypoints[:, :, 3:], axis=0), axis=2) * reach

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.answer_words import few, number, rounded_up, short, spatial_ask, spatial_towards, unit
+from wiggleroom.report.answer_words import few, number, rounded_up, short, spatial_goal_text, spatial_towards, unit
 from wiggleroom.report.table import columns, fixed
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
@@ -29,7 +29,7 @@ _SENTENCES = {
 
 def spatial_headline(answer: SpatialAnswer) -> str:
     """Say what was found, in one line, such as "lid moves 0.2 mm in +z"."""
-    asked = ", ".join(spatial_ask(g) for g in answer.goals[:4]) + (" and more" if len(answer.goals) > 4 else "")
+    asked = ", ".join(spatial_goal_text(g) for g in answer.goals[:4]) + (" and more" if len(answer.goals) > 4 else "")
     if answer.objective is None:
         return f"nothing stops {asked}"
     if len(answer.goals) == 1:

@@ -9,9 +9,9 @@ import numpy as np
 
 from wiggleroom.drawing.model import part_of
 from wiggleroom.report.answer_words import (
-    ask,
     certainty,
     force_bearing_contacts,
+    goal_text,
     headline,
     number,
     proven,
@@ -60,7 +60,7 @@ def table(answer: Answer) -> Group:
         Text.assemble((answer.verdict.value, f"bold {colour}"), f": {verdict_sentence(answer)}"),
     ]
     if answer.objective is not None and len(answer.goals) > 1:
-        lines += [Text(f"  {ask(goal)}, weight {number(goal.weight)}") for goal in answer.goals]
+        lines += [Text(f"  {goal_text(goal)}, weight {number(goal.weight)}") for goal in answer.goals]
     if answer.leaves:
         lines.append(Text(f"leaves: {', '.join(answer.leaves)}"))
     if answer.turns:

@@ -16,10 +16,10 @@ _WIDTHS = bytes.fromhex(
 _FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
-def width(text: str, size: float) -> float:
+def text_width(text: str, size: float) -> float:
     """Width of `text` at a font size, an upper estimate for the usual sans-serif fonts.
 
-    >>> width("ab", 10)
+    >>> text_width("ab", 10)
     12.4
     """
     return sum(_WIDTHS[ord(c) - 32] if " " <= c <= "~" else 105 for c in text) * size / 100
@@ -31,11 +31,11 @@ def elide(text: str, size: float, room: float) -> str:
     >>> elide("a very long name", 10, 60)
     'a ve…ame'
     """
-    if width(text, size) <= room:
+    if text_width(text, size) <= room:
         return text
     for kept in range(len(text) - 1, 1, -1):
         head, tail = text[: kept - kept // 2], text[len(text) - kept // 2 :]
-        if width(f"{head}…{tail}", size) <= room:
+        if text_width(f"{head}…{tail}", size) <= room:
             return f"{head}…{tail}"
     return "…"
 
@@ -49,7 +49,7 @@ def wrap(pieces: Sequence[str], between: str, size: float, room: float, lines: i
     rows: list[str] = []
     for piece in pieces:
         longer = f"{rows[-1]}{between}{piece}" if rows else piece
-        if rows and (width(longer, size) <= room or len(rows) == lines):
+        if rows and (text_width(longer, size) <= room or len(rows) == lines):
             rows[-1] = longer
         else:
             rows.append(piece)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wiggleroom.report.write_study import StudyResult
 
 
-def draw(
+def write_picture(
     found: Answer | SpatialAnswer | SpatialDisassembly | StudyResult,
     path: str | PathLike[str],
     *,

@@ -17,7 +17,7 @@ class EscapeEntry(Struct):
     parts: Names
     path: Annotated[
         list[dict[str, PartMotion]],
-        Meta(description="way-points from rest on, each with the parts that move on this path"),
+        Meta(description="waypoints from rest on, each with the parts that move on this path"),
     ]
 
 

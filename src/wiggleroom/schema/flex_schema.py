@@ -36,10 +36,10 @@ class PeriodEntry(Struct):
     turns_deg: Annotated[
         dict[str, float], Meta(description="how far each part turns in it [deg]; those that do not are left out")
     ]
-    first: Annotated[int, Meta(description="index of the way-point in `path` at which it begins; it ends at the last")]
+    first: Annotated[int, Meta(description="index of the waypoint in `path` at which it begins; it ends at the last")]
     path: Annotated[
         list[dict[str, PartMotion]],
-        Meta(description="checked way-points from rest on, each with the parts that move on this path"),
+        Meta(description="checked waypoints from rest on, each with the parts that move on this path"),
     ]
 
 

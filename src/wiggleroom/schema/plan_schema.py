@@ -22,7 +22,7 @@ class PlanStepEntry(Struct, kw_only=True):
     path: Annotated[
         list[dict[str, PartMotion]],
         Meta(
-            description="way-points, each with the motions since rest of all parts that are still there and not at rest"
+            description="waypoints, each with the motions since rest of all parts that are still there and not at rest"
         ),
     ]
     clearance: Annotated[float, Meta(description="least distance between what moves and all else [mm]")]
@@ -79,7 +79,7 @@ class PlanGapEntry(Struct, kw_only=True):
     step: Annotated[int | None, Meta(description="that step, from 1; null where parts touch at rest or none fails")]
     parts: Annotated[list[str], Meta(description="the two parts that are in each other's way there")]
     paths: Annotated[
-        list[list[dict[str, PartMotion]]], Meta(description="way-points of every step at the smallest gap that works")
+        list[list[dict[str, PartMotion]]], Meta(description="waypoints of every step at the smallest gap that works")
     ]
 
 

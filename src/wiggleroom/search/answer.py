@@ -79,7 +79,7 @@ class Period:
     turn : (n,) float64 [rad]
         How far every part turns in it.
     first : int
-        Way-point at which it begins; it ends at the last one.
+        Waypoint at which it begins; it ends at the last one.
     """
 
     objective: float

@@ -42,14 +42,14 @@ def answer_of(
     search.tell(Progress("check", search.rounds, 0, found.value))
     checked, safe = search.checked_path(found), OVERLAP_TOLERANCE * ready.size
     value, motions = found.value, checked.motions
-    if not checked.sure:  # back to the last way-point up to which the path is certain
+    if not checked.sure:  # back to the last waypoint up to which the path is certain
         motions = motions[: max(checked.certain, 1)]
         value = search.objective.value(motions[-1])
     arrived = value >= found.value - END_TOLERANCE * max(abs(found.value), ready.clearance)
     forces = contact_forces(found.program, found.solution.u, found.active)
     verdict = _verdict(search, found, forces, checked.sure or arrived)
     deepest = overlaps(ready.bodies, motions[-1], ready.ignored).deepest
-    if deepest > safe:  # never report an overlap: back to the last way-point without one
+    if deepest > safe:  # never report an overlap: back to the last waypoint without one
         motions, deepest = _safe_part(search, motions, safe)
         verdict, value = Verdict.STOPPED, search.objective.value(motions[-1])
     first = search.objective.value(motions[0])

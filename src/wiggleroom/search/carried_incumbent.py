@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import grow_cells, select
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.canonical_frame import CanonicalFrame
@@ -65,7 +65,7 @@ def carried_incumbent(
     cells, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, path[-2]), room, keep=keep)
     if not good.all():
         return None
-    free = build(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
+    free = build_program(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
     segment = PathSegment(free, tuple(free.variables(motion) for motion in path[:-1]))
     search = LocalSearch(ready, objective, solve, ONE_ROUND)
     mu = there.solution.inner_mu / frame.scale

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.search.incumbent import Start
-from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
+from wiggleroom.solve.carried_multipliers import even_multipliers, pair_wrenches
 from wiggleroom.solve.interior_point import barrier_unit
 from wiggleroom.solve.solution import Solution
 
@@ -19,8 +19,8 @@ def carried_start(start: Start, program: Program, solution: Solution, fresh: NDA
     lam = solution.inner_lam
     if lam is None:
         return start
-    forces = wrenches(program.linearise(solution.inner), lam)
-    renewed = build(program.bodies, start.cells, program.objective, length=program.length, like=program)
+    forces = pair_wrenches(program.linearise(solution.inner), lam)
+    renewed = build_program(program.bodies, start.cells, program.objective, length=program.length, like=program)
     at = renewed.linearise(renewed.variables(start.inner))
     given = np.full(renewed.rows, np.nan)
     given[~fresh[start.cells.pair]] = lam[~fresh[program.cells.pair]]

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import about
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.incumbent import Start

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import Cells, replaced, select
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, relative_pose
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.relative_pose import relative_pose, rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,7 +43,7 @@ def congruent_swaps(bodies: Bodies, cells: Cells, motion: Floats, clearance: flo
     rest = relative_pose(bodies, cells.a, cells.b)
     if not _is_tree(bodies, cells):
         return []
-    _, label = classes(bodies, cells.a, cells.b, rest)
+    _, label = congruence_classes(bodies, cells.a, cells.b, rest)
     end = relative_pose(bodies, cells.a, cells.b, motion) - rest
     end[:, 2] *= np.maximum(bodies.radius[cells.a], bodies.radius[cells.b])
     together: list[CongruentSwap] = []
@@ -87,10 +87,10 @@ def followed(bodies: Bodies, cells: Cells, swap: CongruentSwap, motions: Floats)
         a, b = int(cells.a[pair]), int(cells.b[pair])
         if forward:
             pose[:, b, 2] = pose[:, a, 2] + now[pair, :, 2]
-            pose[:, b, :2] = pose[:, a, :2] + turn(now[pair, :, :2], pose[:, a, 2])
+            pose[:, b, :2] = pose[:, a, :2] + rotated(now[pair, :, :2], pose[:, a, 2])
         else:
             pose[:, a, 2] = pose[:, b, 2] - now[pair, :, 2]
-            pose[:, a, :2] = pose[:, b, :2] - turn(now[pair, :, :2], pose[:, a, 2])
+            pose[:, a, :2] = pose[:, b, :2] - rotated(now[pair, :, :2], pose[:, a, 2])
         moved = b if forward else a
         out[:, moved] = pose[:, moved] - bodies.rest[moved]
     still = ~motions.any(axis=(1, 2))  # rest stays rest, to the last digit

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.active_set import EDGE_END_TOLERANCE, ActiveSet
@@ -104,7 +104,7 @@ def _touching(program: Program, pair: int, pose: Floats) -> tuple[Ints, Ints, In
     found = []
     for kind, edges, corners in ((kernel.A_EDGE, rows[0], rows[1]), (kernel.B_EDGE, rows[1], rows[0])):
         own = shapes.corner[corners]
-        seen = turn(own, angle) + q if kind == kernel.A_EDGE else turn(own - q, -angle)
+        seen = rotated(own, angle) + q if kind == kernel.A_EDGE else rotated(own - q, -angle)
         off = seen[:, None] - shapes.corner[edges]
         ahead = (off * shapes.normal[edges]).sum(2)
         along = (off * tangents[edges]).sum(2) / shapes.length[edges]
@@ -113,7 +113,7 @@ def _touching(program: Program, pair: int, pose: Floats) -> tuple[Ints, Ints, In
         if kind == kernel.A_EDGE:
             arm, normal = seen[v] - q, shapes.normal[edges[e]]
         else:
-            arm, normal = own[v] - q, -turn(shapes.normal[edges[e]], angle)
+            arm, normal = own[v] - q, -rotated(shapes.normal[edges[e]], angle)
         d = np.column_stack([normal, normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]])
         found.append((np.full(len(v), kind), edges[e], corners[v], along[v, e], d))
     kinds, edge, corner, place, d = (np.concatenate(column) for column in zip(*found, strict=True))
@@ -131,8 +131,8 @@ def contacts(
     pair, of_a = held.pair[order], held.kind[order] == kernel.A_EDGE
     a, b, edge, corner = cells.a[pair], cells.b[pair], held.edge[order], held.corner[order]
     owner, other = np.where(of_a, a, b), np.where(of_a, b, a)
-    point = pose[other, :2] + turn(shapes.corner[corner], pose[other, 2])
-    normal = turn(shapes.normal[edge], pose[owner, 2]) * np.where(of_a, 1.0, -1.0)[:, None]
+    point = pose[other, :2] + rotated(shapes.corner[corner], pose[other, 2])
+    normal = rotated(shapes.normal[edge], pose[owner, 2]) * np.where(of_a, 1.0, -1.0)[:, None]
     one, two = np.where(of_a, edge, corner), np.where(of_a, corner, edge)
     bodies_of = zip(a.tolist(), b.tolist(), shapes.member[one].tolist(), shapes.member[two].tolist(), strict=True)
     names = [(name[bodies.members[i][m]], name[bodies.members[j][n]]) for i, j, m, n in bodies_of]

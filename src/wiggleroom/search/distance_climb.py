@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from wiggleroom.errors import StoppedError, go_on
 from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells, replaced, select
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.constraint_rows import rows_of
 from wiggleroom.program.contact_functions import wall_values

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, StoppedError, go_on
 from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells
-from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import Overlaps, overlaps
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, PathSegment, Start, start_at_rest
@@ -290,7 +290,9 @@ class LocalSearch:
         """Build and solve the program of some cells."""
         began = time.perf_counter()
         before = start.segments[-1].program if start.segments else None
-        program = build(self.ready.bodies, start.cells, self.objective, length=self.ready.clearance, like=before)
+        program = build_program(
+            self.ready.bodies, start.cells, self.objective, length=self.ready.clearance, like=before
+        )
         self.rounds += 1
         number, begin = self.rounds, program.variables(start.inner)
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance

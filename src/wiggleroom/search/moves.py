@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import grow_cells, replaced, select
-from wiggleroom.geometry.neighbours import relative_pose
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.search.active_set import target_poses
 from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, exchanged, followed
@@ -156,7 +156,7 @@ def _swapped(search: LocalSearch, incumbent: Incumbent, swap: CongruentSwap) -> 
     bodies, segments = search.ready.bodies, []
     for segment in incumbent.start().segments:
         cells = segment.program.cells
-        program = build(bodies, exchanged(bodies, cells, swap), search.objective, length=search.ready.clearance)
+        program = build_program(bodies, exchanged(bodies, cells, swap), search.objective, length=search.ready.clearance)
         motions = followed(bodies, cells, swap, np.array([segment.program.motion(point) for point in segment.points]))
         segments.append(PathSegment(program, tuple(program.variables(motion) for motion in motions)))
     last = segments[-1]

@@ -1,4 +1,4 @@
-"""The path from rest: way-points that the audit vouches for, with more of them where straight motion cuts a corner."""
+"""The path from rest: waypoints that the audit vouches for, with more of them where straight motion cuts a corner."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class CheckedPath:
     Parameters
     ----------
     motions : (k, n, 3) float64 [mm, mm, rad]
-        Way-points of the bodies.
+        Waypoints of the bodies.
     waypoints : (k, parts, 3) float64 [mm, mm, rad]
         The same of their parts, about the reference points, which move straight in between.
     certain : int
-        Number of way-points up to which certainly no two parts overlap anywhere.
+        Number of waypoints up to which certainly no two parts overlap anywhere.
     kept : tuple of PathSegment
         The legs up to the last point of the search that is certain.
     missed : (p,) and (p,) int64
@@ -66,7 +66,7 @@ class CheckedPath:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A way-point: variables in the program of a leg, the point of the leg at or before it, and how often its piece was halved."""
+    """A waypoint: variables in the program of a leg, the point of the leg at or before it, and how often its piece was halved."""
 
     segment: int
     index: int
@@ -83,14 +83,14 @@ class CertainPrefix:
     segments : tuple of PathSegment
         The legs of the path, which may go on.
     points : tuple
-        Its way-points, those between points of the search included, from rest to the last that is certain.
+        Its waypoints, those between points of the search included, from rest to the last that is certain.
     """
 
     segments: tuple[PathSegment, ...] = ()
     points: tuple[_Point, ...] = ()
 
     def along(self, segments: Sequence[PathSegment]) -> list[_Point]:
-        """Those of its way-points that are on another path as well, up to the last common point of the search; at least the first."""
+        """Those of its waypoints that are on another path as well, up to the last common point of the search; at least the first."""
         common, last = (0, 0), 0
         for k, (own, other) in enumerate(zip(self.segments, segments, strict=False)):
             if own.program is not other.program:
@@ -114,7 +114,7 @@ def check_path(
 ) -> CheckedPath:
     """Check a path that consists of legs, each inside the cells of one program.
 
-    Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help. What is `known` is not
+    Pieces of which the audit is not certain are halved, with waypoints inside the cells, as long as that may help. What is `known` is not
     audited again. Once it is asked to stop, the audit goes on for what is left of a grace period; up to where it gets the path is certain.
     """
     begun = (known or CertainPrefix()).along(segments)
@@ -143,7 +143,7 @@ def certain_prefix(
 def _audited(
     ready: Prepared, segments: Sequence[PathSegment], begun: list[_Point], stop: Stop | None
 ) -> tuple[list[_Point], int, PathAudit]:
-    """Way-points of a path whose first ones are certain, up to how many of them it is, and the audit that ended it.
+    """Waypoints of a path whose first ones are certain, up to how many of them it is, and the audit that ended it.
 
     After a request to stop a few pieces are audited at a time, so that those which are certain by the end of the grace period count.
     """
@@ -243,14 +243,14 @@ def _refined_stretch(
 
 
 class _Refiner:
-    """Way-points in between, inside the cells of each leg's program."""
+    """Waypoints in between, inside the cells of each leg's program."""
 
     def __init__(self, segments: Sequence[PathSegment]) -> None:
         self._segments = segments
         self._tools: dict[int, tuple[Retraction, Factor]] = {}
 
     def middle(self, before: _Point, after: _Point) -> _Point:
-        """The way-point half way between two that follow each other."""
+        """The waypoint half way between two that follow each other."""
         segment = after.segment
         program = self._segments[segment].program
         if segment not in self._tools:

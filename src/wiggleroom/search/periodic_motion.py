@@ -23,7 +23,7 @@ from wiggleroom.search.incumbent import PathSegment, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import CLIMB
 from wiggleroom.search.path_check import CheckedPath, check_path
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.symmetric_cover import symmetric_cover
 from wiggleroom.verdict import SolverStatus
 
@@ -51,7 +51,7 @@ ARRIVAL = 0.3
 MIN_TURN = 0.3
 """Gears are looked at more closely where one that is asked for turns by this share of its pitch."""
 PLACES_IN_A_TURN = 64
-"""Way-points of a turn in place."""
+"""Waypoints of a turn in place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +61,11 @@ class PeriodicMotion:
     Parameters
     ----------
     motions : (k, n, 3) float64 [mm, mm, rad]
-        Way-points of the bodies, from rest to one period on.
+        Waypoints of the bodies, from rest to one period on.
     waypoints : (k, parts, 3) float64 [mm, mm, rad]
         The same of the parts.
     first : int
-        The way-point at which the period begins.
+        The waypoint at which the period begins.
     turn : (n,) float64 [rad]
         How far each body is turned in a period.
     gain : float
@@ -122,7 +122,7 @@ def _cover_repeats(
     if (np.abs(best.motion[:, 2]) < MIN_TURN * 2 * np.pi / orders)[weights != 0].all():
         return None
     try:
-        wider = prepare(cover[0], stop=search.stop)
+        wider = prepare_as_drawn(cover[0], stop=search.stop)
     except (InputError, StoppedError):  # the cover touches
         return None
     climb = LocalSearch(wider, wider.objective(asked), search.solve, search.policy, search.stop, search.tell)

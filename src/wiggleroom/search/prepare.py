@@ -17,7 +17,10 @@ from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
 from wiggleroom.freespace.models.pair_models import Walls
 from wiggleroom.geometry.bodies import Bodies, bodies
-from wiggleroom.geometry.neighbours import Pairs, classes, neighbours, placed, relative_pose
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.neighbours import Pairs, neighbours
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program.objectives import Objective, objective
 
 Floats = NDArray[np.float64]
@@ -76,13 +79,13 @@ class Prepared(Displayable):
         return objective(self.assembly, self.bodies, goals, (near // n, near % n))
 
 
-def prepare(assembly: Assembly, *, ground: Survey | None = None, stop: Stop | None = None) -> Prepared:
+def prepare_as_drawn(assembly: Assembly, *, surveyed: Survey | None = None, stop: Stop | None = None) -> Prepared:
     """Find the pairs that can meet and work out their cells round rest, congruent pairs once.
 
     Parameters
     ----------
     assembly : Assembly
-    ground : Survey, optional
+    surveyed : Survey, optional
         Of the same assembly, where it was made already.
     stop : optional
         Anything with `is_set()`, asked now and then.
@@ -96,16 +99,16 @@ def prepare(assembly: Assembly, *, ground: Survey | None = None, stop: Stop | No
     InputError
         If nothing can move.
     """
-    ground = ground or survey(assembly)
-    them, geometry, near = ground.bodies, ground.geometry, ground.near
+    surveyed = surveyed or survey(assembly)
+    them, geometry, near = surveyed.bodies, surveyed.geometry, surveyed.near
     a, b = near.a, near.b
     go_on(stop)
-    first, label = classes(them, a, b, relative_pose(them, a, b))
-    facing = _facing(geometry[a[first]], geometry[b[first]], ground.clearance)[label]
+    first, label = congruence_classes(them, a, b, relative_pose(them, a, b))
+    facing = _facing(geometry[a[first]], geometry[b[first]], surveyed.clearance)[label]
     go_on(stop)
     cells = cells_at(assembly, them, a[facing], b[facing], near.clearance[facing], stop)
     corners = a[~facing] * len(geometry) + b[~facing]
-    return Prepared(assembly, them, ground.ignored, ground.clearance, ground.size, cells, corners)
+    return Prepared(assembly, them, surveyed.ignored, surveyed.clearance, surveyed.size, cells, corners)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +178,7 @@ def congruent_cells(
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Cells of some pairs round rest, and which of them (P,) are free there; congruent pairs are worked out once."""
     pose = relative_pose(them, a, b)
-    first, label = classes(them, a, b, pose)
+    first, label = congruence_classes(them, a, b, pose)
     grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first], stop=stop)
     cells = select(grown, label)
     turns = np.round((pose[:, 2] - pose[first[label], 2]) / (2 * np.pi)) * (2 * np.pi)

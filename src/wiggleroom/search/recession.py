@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.prepare import Prepared
 

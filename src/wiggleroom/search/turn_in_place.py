@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.freespace.cells.cells import grow_cells, select
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import about, of_parts
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION, Objective, PointMotion
 from wiggleroom.search.incumbent import PathSegment, Start
 from wiggleroom.search.loop import LocalSearch
@@ -26,7 +26,7 @@ MIN_CORNERS = 12
 ANGLES = 720
 """Turns that are compared."""
 TURN_STEP = 0.1
-"""Way-points of the turn are at most so far apart [rad]."""
+"""Waypoints of the turn are at most so far apart [rad]."""
 
 
 def turned_in_place(ready: Prepared, objective: Objective) -> Start | None:
@@ -74,7 +74,7 @@ def start_after(ready: Prepared, motions: Floats) -> Start | None:
     grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, motions[-1]), np.full(len(a), ready.clearance))
     if not good.all():
         return None
-    program = build(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
+    program = build_program(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
     segment = PathSegment(program, tuple(program.variables(motion) for motion in motions))
     return Start(grown, motions[-1], (segment,))
 

@@ -21,7 +21,7 @@ from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.incumbent import Incumbent, start_at_rest
@@ -117,7 +117,7 @@ def objective_in_same_walls(base: PerturbationBase, inward: Floats) -> float:
         bodies = offset_bodies(old.bodies, inward)
     except InputError:
         return np.nan
-    program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
+    program = build_program(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
     solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
     motion = program.motion(solution.u)
     overlapping = overlaps(bodies, motion, base.ready.ignored).deepest > OVERLAP_TOLERANCE * base.ready.size

@@ -21,7 +21,7 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.simplified_outlines import prepare_outlines, refined_at_contacts
+from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
@@ -58,7 +58,7 @@ class PlanarModel:
     @cached_property
     def ready(self) -> Prepared:
         """Pairs and free spaces."""
-        return prepare_outlines(self.question) if isinstance(self.question, Assembly) else self.question
+        return prepare_walls(self.question) if isinstance(self.question, Assembly) else self.question
 
     @property
     def clearance(self) -> float:

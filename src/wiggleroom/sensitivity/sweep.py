@@ -21,8 +21,8 @@ from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.offset_bodies import offset_bodies
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import objective
@@ -32,7 +32,7 @@ from wiggleroom.search.incumbent import Start
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.simplified_outlines import prepare_outlines
+from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.solve.dual_linear_program import need_highs
 from wiggleroom.solve.interior_point import solve
@@ -292,7 +292,7 @@ def _step(
     try:
         answer = None if last is None or ready is None else _from(last, ready, goals, stop)
         if answer is None or ready is None:
-            ready = prepare_outlines(made, stop=stop)
+            ready = prepare_walls(made, stop=stop)
             answer = witness(ready, goals, stop=stop)
     except StoppedError:
         return SweepStep(gap, None, Verdict.STOPPED, False), last

@@ -18,7 +18,7 @@ LEAST_CARRIED_SLACK = 1e-7
 """Slacks begin no smaller, as a share of `program.length`: a new wall may pass through the point itself."""
 
 
-def wrenches(at: Linearised, lam: Floats) -> Floats:
+def pair_wrenches(at: Linearised, lam: Floats) -> Floats:
     """Force and torque (P, 3) of the rows of each pair, from their multipliers (R,)."""
     return np.add.reduceat(at.d * lam[:, None], at.program.cells.row[:-1])
 

@@ -98,7 +98,7 @@ def distance(P, NP, EP, Q, NQ, EQ, axis):
 
 
 @njit(**OPTIONS)
-def turned(V, R, T):
+def posed_points(V, R, T):
     """Points V (k, 3) turned by R (3, 3) and moved by T (3,)."""
     out = np.empty_like(V)
     for k in range(len(V)):

@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.separating_axis import distance, turned
+from wiggleroom.spatial.separating_axis import distance, posed_points, separation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+DISTANCE_RATIO = 4 / 3
+"""A plane begins across the line between the nearest points where these are so many times further apart than along any normal of a
+face or pair of edges."""
 PLANE_DAMPING = 1e-9
 """Curvature added to every plane's own block, in units of the objective's largest derivative per clearance."""
 
@@ -225,9 +228,19 @@ class LinearisedSeparatingPlanes:
 
 
 def build_planes(
-    bodies: RigidBodies, objective: SpatialObjective, pieces: Ints, *, length: float, rest: SpatialPose | None = None
+    bodies: RigidBodies,
+    objective: SpatialObjective,
+    pieces: Ints,
+    *,
+    length: float,
+    rest: SpatialPose | None = None,
+    distance_ratio: float = DISTANCE_RATIO,
 ) -> SeparatingPlaneProgram:
-    """Planes between pairs of pieces (K, 4), each at rest where it parts them best, put into one program."""
+    """Planes between pairs of pieces (K, 4), each at rest where it parts them best, put into one program.
+
+    A plane begins across the line between the nearest points where these are `distance_ratio` times further apart than along any normal
+    of a face or pair of edges, and at that normal otherwise.
+    """
     pieces = _framed(bodies, pieces)
     keys, pair = np.unique(pieces[:, [0, 2]], axis=0, return_inverse=True)
     pair = pair.ravel()
@@ -240,7 +253,7 @@ def build_planes(
     corners, own, count = [], np.empty(K, dtype=np.int64), np.empty(K, dtype=np.int64)
     for k, who in enumerate(pieces.tolist()):
         P, Q = bodies.pieces[who[0]][who[1]], bodies.pieces[who[2]][who[3]]
-        clearance[k], other = best_axis(bodies, pose, who, n[k])
+        clearance[k], other = best_axis(bodies, pose, who, n[k], distance_ratio)
         p, v = P.corners @ n[k], other @ n[k]
         middle, band = (p.max() + v.min()) / 2, max(abs(clearance[k]), 1e-6 * length)
         near = np.vstack([P.corners[p > p.max() - band], other[v < v.min() + band]])
@@ -261,14 +274,28 @@ def build_planes(
     )  # fmt: skip
 
 
-def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: Floats) -> tuple[float, Floats]:
-    """Distance of two pieces [mm], and the second one's corners in the first one's frame; `axis` (3,) becomes the best one there."""
+def best_axis(
+    bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: Floats, distance_ratio: float = 1.0
+) -> tuple[float, Floats]:
+    """Distance of two pieces [mm], and the second one's corners in the first one's frame; `axis` (3,) becomes the best one there.
+
+    That is the one along which they are furthest apart; a normal of a face or pair of edges is kept unless the distance is
+    `distance_ratio` times what it shows.
+    """
     i, pi, j, pj = who
     P, Q = bodies.pieces[i][pi], bodies.pieces[j][pj]
     Psi = np.ascontiguousarray(pose.R[i].T @ pose.R[j])
-    other, zero = turned(Q.corners, Psi, pose.R[i].T @ (pose.T[j] - pose.T[i])), np.zeros(3)
-    normals, edges = turned(Q.normals, Psi, zero), turned(Q.edges, Psi, zero)
-    return distance(P.corners, P.normals, P.edges, other, normals, edges, axis), other
+    other, zero = posed_points(Q.corners, Psi, pose.R[i].T @ (pose.T[j] - pose.T[i])), np.zeros(3)
+    normals, edges = posed_points(Q.normals, Psi, zero), posed_points(Q.edges, Psi, zero)
+    nearest = np.empty(3)
+    apart = distance(P.corners, P.normals, P.edges, other, normals, edges, nearest)
+    if (
+        distance_ratio > 1.0
+        and separation(P.corners, P.normals, P.edges, other, normals, edges, axis) * distance_ratio >= apart
+    ):
+        return apart, other
+    axis[:] = nearest
+    return apart, other
 
 
 def beside_rest(program: SeparatingPlaneProgram, seed: int = 0, share: float = 1e-2) -> SeparatingPlanePoint:

@@ -89,7 +89,7 @@ def _to_boundary(at: Floats, direction: Floats) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _BestIterate:
-    """The iterate at which the conditions held best, and how many way-points there were."""
+    """The iterate at which the conditions held best, and how many waypoints there were."""
 
     error: float
     state: SeparatingPlaneIterate

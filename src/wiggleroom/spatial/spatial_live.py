@@ -21,7 +21,7 @@ from wiggleroom.spatial.spatial_approach import SpatialApproach
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
-from wiggleroom.spatial.spatial_path_check import refined
+from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
 from wiggleroom.verdict import SolverStatus
 
@@ -297,7 +297,7 @@ class _Drag:
             program, inside=True, most=ITERATIONS, tolerance=TOLERANCE, horizon=np.inf, stop=self.until
         )
         found = solver.solve()
-        path, whole = refined(ready, program, found.path or [program.start])
+        path, whole = free_path(ready, program, found.path or [program.start])
         if ready.checker.overlaps(motion, path[0]):
             return motion, None
         ended = whole and found.status is SolverStatus.CONVERGED

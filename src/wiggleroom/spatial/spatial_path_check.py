@@ -1,4 +1,4 @@
-"""The path from rest: way-points of the solver, and more between them until every piece of the path is checked."""
+"""The path from rest: waypoints of the solver, and more between them until every piece of the path is checked."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ Floats = NDArray[np.float64]
 
 MOST_HALVINGS = 9
 MOST_STRAIN = 1e-5
-"""Glued parts shift against each other by at most this share of the size between two way-points."""
+"""Glued parts shift against each other by at most this share of the size between two waypoints."""
 MOST_LIFTS, ENOUGH_LIFT = 6, 0.2
 """Corrections of a point half way, until no row is below this share of the mean of both ends."""
 
 
-def refined(
+def free_path(
     ready: SpatialPrepared, program: SeparatingPlaneProgram, points: Sequence[SeparatingPlanePoint]
 ) -> tuple[Floats, bool]:
     """Motions (k, n, 6) of the parts along a path through legal points, as far as every piece of it is free.

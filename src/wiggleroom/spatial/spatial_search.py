@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.separating_plane_program import (
+    DISTANCE_RATIO,
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     best_axis,
@@ -18,10 +19,10 @@ from wiggleroom.spatial.separating_plane_program import (
 )
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
-from wiggleroom.spatial.spatial_path_check import refined
+from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.spatial.straight_departure import StraightDeparture
-from wiggleroom.spatial.working_set import facing
+from wiggleroom.spatial.working_set import facing_pairs
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -148,7 +149,14 @@ class SpatialSearch:
         """The program, and its solution from beside rest, twists up to a limit [rad]."""
         ready, horizon = self.ready, HORIZON * self.ready.size
         pieces = self._working_set() if damped else self.pieces
-        program = build_planes(ready.grouping.bodies, self.objective, pieces, length=ready.clearance, rest=self.begin)
+        program = build_planes(
+            ready.grouping.bodies,
+            self.objective,
+            pieces,
+            length=ready.clearance,
+            rest=self.begin,
+            distance_ratio=1.0 if damped else DISTANCE_RATIO,
+        )
         if self.solver == "ipopt":
             from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
 
@@ -172,12 +180,12 @@ class SpatialSearch:
     def _working_set(self) -> Ints:
         """Pairs of pieces that face each other at the begin, and those that met on the way in an earlier round."""
         bodies, pose = self.ready.grouping.bodies, self.begin or self.ready.grouping.bodies.rest
-        near = facing(bodies, pose, self.pieces, self.ready.clearance, REACH * self.ready.clearance)
+        near = facing_pairs(bodies, pose, self.pieces, self.ready.clearance, REACH * self.ready.clearance)
         return np.unique(np.vstack([self.pieces[near], self.met]), axis=0)
 
     def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
         """The end with its path, as far as that is free."""
-        return SearchEnd(program, found, *refined(self.ready, program, found.path or [program.start]))
+        return SearchEnd(program, found, *free_path(self.ready, program, found.path or [program.start]))
 
     def _departed(self, done: SearchEnd) -> SearchEnd:
         """The same end where what is pulled can go on straight for ever from it, else unchanged."""
@@ -199,7 +207,7 @@ class SpatialSearch:
     def _missed(
         self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
     ) -> tuple[Ints, list[SeparatingPlanePoint]]:
-        """Pairs of pieces outside the program that come near where some of them meet, and the way-points where none do.
+        """Pairs of pieces outside the program that come near where some of them meet, and the waypoints where none do.
 
         Where they meet at the end, the way is not looked at.
         """

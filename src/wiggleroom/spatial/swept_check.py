@@ -1,4 +1,4 @@
-"""Whether a path is free: all parts, all pairs of their pieces, and every moment between two way-points.
+"""Whether a path is free: all parts, all pairs of their pieces, and every moment between two waypoints.
 
 Nothing is taken from the program: axes are found anew, and between two moments a bound of the acceleration of corners, seen from the other
 part, shows that the pieces stay apart, or the time between is halved.
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 DEPTH = 14
-"""The time between two way-points is halved at most this many times."""
+"""The time between two waypoints is halved at most this many times."""
 
 
 class SweptCheck:

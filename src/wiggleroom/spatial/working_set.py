@@ -22,7 +22,7 @@ BAND = 0.1
 """Corners within this share of the clearance are at the same level."""
 
 
-def facing(bodies: RigidBodies, pose: SpatialPose, pieces: Ints, clearance: float, reach: float) -> Bools:
+def facing_pairs(bodies: RigidBodies, pose: SpatialPose, pieces: Ints, clearance: float, reach: float) -> Bools:
     """Which pairs of pieces (k, 4) are within `reach` and face each other: what is nearest of both overlaps, seen along the axis."""
     return np.array([_faces(bodies, pose, who, clearance, reach) for who in pieces.tolist()], dtype=bool)
 

@@ -28,7 +28,7 @@ WINDOW = {"placements", "pairs", "far", "steps", "low", "high"}
 STEP = {"low", "high", "turns"}
 
 
-def read(text: str) -> dict[str, Any]:
+def read_certificate(text: str) -> dict[str, Any]:
     """Content of a certificate's file; every number must stand there as it is written, so that no digit is without meaning.
 
     Raises

@@ -19,12 +19,12 @@ from flint import arb, ctx
 from wiggleroom.verify.ball_arithmetic import Point, Refused, exact, less, need, point, size, turned
 from wiggleroom.verify.ball_bounds import RangedCase
 from wiggleroom.verify.caging_check import Material, check_caging_surface
-from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read
+from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read_certificate
 from wiggleroom.verify.claim import Claim, claim_of, sentence
 from wiggleroom.verify.known_ranges import Case, Enclosure
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
-__all__ = ["Refused", "Verified", "read", "verify"]
+__all__ = ["Refused", "Verified", "read_certificate", "verify"]
 
 BITS = 128
 """Precision of ball arithmetic: more than twice that of doubles."""
@@ -67,7 +67,7 @@ def verify(content: Any) -> Verified:
     Parameters
     ----------
     content : dict
-        `answer.bound.certificate`, or what `read` makes of a file. It is read strictly, see `certificate_structure`.
+        `answer.bound.certificate`, or what `read_certificate` makes of a file. It is read strictly, see `certificate_structure`.
 
     Returns
     -------

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.freespace.cells.grow import grow
+from wiggleroom.freespace.cells.grow import grow_from_seeds
 from wiggleroom.freespace.cells.pair_edges import edge_table
 from wiggleroom.freespace.cells.wall_search import SEED
 from wiggleroom.geometry.batches import in_batches
@@ -135,7 +135,7 @@ def grow_cells(
 
     def grown(part: slice) -> Ints:
         go_on(stop)
-        return grow(table, seeds[part], keeps[part])
+        return grow_from_seeds(table, seeds[part], keeps[part])
 
     batches = 1 if work < MIN_PARALLEL_CORNERS else min(count, max(8, work // STOP_CHECK_CORNERS))
     walls = np.concatenate(in_batches(count, batches, grown))

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, concatenated, grow_cells, select
-from wiggleroom.freespace.cells.walls import clip
+from wiggleroom.freespace.cells.walls import clip_polygon
 from wiggleroom.freespace.slices import Slice, SliceSequence
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
 from wiggleroom.geometry.jit_options import njit
-from wiggleroom.geometry.relative_pose import Relative, turn
+from wiggleroom.geometry.relative_pose import PairFrames, rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -51,7 +51,7 @@ class Cover:
 
 
 def cover(
-    bodies: Bodies, pair: tuple[int, int], relation: Relative, space: SliceSequence, stop: Stop | None = None
+    bodies: Bodies, pair: tuple[int, int], relation: PairFrames, space: SliceSequence, stop: Stop | None = None
 ) -> Cover:
     """Grow cells in the largest uncovered pieces until hardly anything is left or nothing is gained.
 
@@ -95,7 +95,7 @@ def _share(left: Geometries, slices: tuple[Slice, ...]) -> float:
 class _Work:
     bodies: Bodies
     pair: tuple[int, int]
-    relation: Relative
+    relation: PairFrames
     space: SliceSequence
     stop: Stop | None
 
@@ -205,7 +205,7 @@ def _roomy_point(piece: shapely.Polygon) -> tuple[Floats, float]:
 
 
 def half_planes_at_angles(
-    shapes: BodyShapes, cells: Cells, c: int, relation: Relative, psi: Floats, phi: Floats
+    shapes: BodyShapes, cells: Cells, c: int, relation: PairFrames, psi: Floats, phi: Floats
 ) -> tuple[Floats, Floats]:
     """Walls of one cell at some angles: normal (k, R, 2) and offset (k, R) of n . shift >= offset."""
     rows = np.arange(cells.row[c], cells.row[c + 1])
@@ -214,13 +214,13 @@ def half_planes_at_angles(
     n, start = shapes.normal[edge], shapes.corner[edge]
     angles = psi[:, None] + np.zeros(len(rows))
     of_b = cells.kind[rows] == 1
-    turned = turn(n, angles)
+    turned = rotated(n, angles)
     q_normal = np.where(of_b[:, None], -turned, n)
     least = np.where(
-        of_b, (n * start).sum(-1) - (turned * corner).sum(-1), (n * (start - turn(corner, angles))).sum(-1)
+        of_b, (n * start).sum(-1) - (turned * corner).sum(-1), (n * (start - rotated(corner, angles))).sum(-1)
     )
-    origin = relation.apart + turn(relation.origin, phi)
-    normal = turn(q_normal, np.full(angles.shape, relation.turned))
+    origin = relation.apart + rotated(relation.origin, phi)
+    normal = rotated(q_normal, np.full(angles.shape, relation.turned))
     return normal, least - (normal * origin[:, None]).sum(-1)
 
 
@@ -236,7 +236,7 @@ def _clipped(normal: Floats, offset: Floats, boxes: Floats) -> tuple[Floats, Int
         poly[2, 0], poly[2, 1], poly[3, 0], poly[3, 1] = x1, y1, x0, y1
         n = 4
         for r in range(rows):
-            n = clip(poly, n, normal[k, r, 0], normal[k, r, 1], offset[k, r], spare)
+            n = clip_polygon(poly, n, normal[k, r, 0], normal[k, r, 1], offset[k, r], spare)
             poly, spare = spare, poly
             if n < 3:
                 break

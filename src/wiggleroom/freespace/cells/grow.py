@@ -96,7 +96,7 @@ def grow_many(outlines, work, seeds, keeps, begin, walls):
     return len(seeds), total
 
 
-def grow(outlines: EdgeTable, seeds: np.ndarray, keeps: NDArray[np.float64]) -> NDArray[np.int64]:
+def grow_from_seeds(outlines: EdgeTable, seeds: np.ndarray, keeps: NDArray[np.float64]) -> NDArray[np.int64]:
     """Grow one cell per seed, with room to work in of its own: several threads may do so at once.
 
     Parameters

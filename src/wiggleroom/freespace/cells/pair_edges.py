@@ -88,7 +88,7 @@ def copy_shape(outlines, shape, edges, n, runs, r):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def length(x, y):
+def vector_length(x, y):
     """Length of a vector; the library's own, which guards against overflow, takes ten times as long."""
     return np.sqrt(x * x + y * y)
 

@@ -19,9 +19,9 @@ from wiggleroom.freespace.cells.pair_edges import (
     RUN,
     EdgeTable,
     corner_in_frame,
-    length,
     normal_in_frame,
     squared_distance,
+    vector_length,
 )
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
@@ -249,7 +249,7 @@ def classify_run_pairs(pair, work, pose, tiny):
         for i in range(pair.ra):
             a, run_pair = pair.runs[i], work.run_pairs[i, j - pair.ra]
             run_pair.state = SEPARATED if separated(pair, work, work.run_ahead, i, j, tiny) else UNSEEN
-            run_pair.bound = max(0.0, length(x - a.x, y - a.y) - b.radius - a.radius)
+            run_pair.bound = max(0.0, vector_length(x - a.x, y - a.y) - b.radius - a.radius)
 
 
 @njit(**COMPILED_CALLERS_ONLY)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.freespace.cells.pair_edges import corner_in_frame, length, posed, wall_value
+from wiggleroom.freespace.cells.pair_edges import corner_in_frame, posed, vector_length, wall_value
 from wiggleroom.freespace.cells.separating_lines import LINES
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def clip(poly, n, nx, ny, off, out):
+def clip_polygon(poly, n, nx, ny, off, out):
     """Part of a convex polygon where n . p >= off."""
     m = 0
     for k in range(n):
@@ -47,7 +47,7 @@ def height(pair, edge, v, mx, my, pose):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def direction(pair, edge, pose):
+def edge_normal(pair, edge, pose):
     """Normal of the line of `edge` in A's frame."""
     e = pair.edges[edge]
     if edge < pair.na:
@@ -62,13 +62,13 @@ def slice_middle(pair, work, pose, half):
     n = square(poly, pose.x, pose.y, half)
     for k in range(work.number[LINES]):
         line = work.lines[k]
-        mx, my = direction(pair, line.edge, pose)
+        mx, my = edge_normal(pair, line.edge, pose)
         least = np.inf
         for w in range(line.count):
             least = min(least, height(pair, line.edge, line.walls[w], mx, my, pose))
         if line.edge >= pair.na:
             mx, my = -mx, -my
-        n = clip(poly, n, mx, my, pair.edges[line.edge].off - least, spare)
+        n = clip_polygon(poly, n, mx, my, pair.edges[line.edge].off - least, spare)
         if n < 3:
             return 0, 0.0, 0.0, False
         poly, spare = spare, poly
@@ -112,13 +112,13 @@ def wall_contains(pair, edge, v, keep, tiny, margin):
 @njit(**COMPILED_CALLERS_ONLY)
 def segment_inside(pair, work, one, other):
     """True where the straight path between two relative poses certainly stays inside all walls."""
-    turn, move = other.psi - one.psi, length(other.x - one.x, other.y - one.y)
-    away = max(length(one.x, one.y), length(other.x, other.y))
+    turn, move = other.psi - one.psi, vector_length(other.x - one.x, other.y - one.y)
+    away = max(vector_length(one.x, one.y), vector_length(other.x, other.y))
     for k in range(work.number[LINES]):
         line = work.lines[k]
         for w in range(line.count):
             v = line.walls[w]
-            far = length(pair.edges[v].x, pair.edges[v].y)
+            far = vector_length(pair.edges[v].x, pair.edges[v].y)
             if line.edge >= pair.na:
                 far += away
             bend = far * turn * turn + 2.0 * move * abs(turn)
@@ -137,7 +137,7 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
     """
     far = 0.0
     for k in range(pair.na, pair.n):
-        far = max(far, length(pair.edges[k].x, pair.edges[k].y))
+        far = max(far, vector_length(pair.edges[k].x, pair.edges[k].y))
     bend = 2.0 * np.sin(min(max(pose.psi - p, q - pose.psi), np.pi) / 2.0)
     room = 0.999 * (apart - bend * far)
     if room <= 0.0:
@@ -146,7 +146,7 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
     n = square(poly, pose.x, pose.y, 2.0 * room)
     for k in range(work.number[LINES]):
         line = work.lines[k]
-        mx, my = direction(pair, line.edge, pose)
+        mx, my = edge_normal(pair, line.edge, pose)
         sign, x, y, reach = 1.0, 0.0, 0.0, 0.0
         if line.edge >= pair.na:
             sign, x, y, reach = -1.0, pose.x, pose.y, room
@@ -155,10 +155,10 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
             if wall_value(pair, line.edge, v, pose) < -tiny:
                 return False
             least = pair.edges[line.edge].off - height(pair, line.edge, v, mx, my, pose)
-            least -= bend * (length(pair.edges[v].x - x, pair.edges[v].y - y) + reach)
-            n = clip(poly, n, sign * mx, sign * my, least, spare)
+            least -= bend * (vector_length(pair.edges[v].x - x, pair.edges[v].y - y) + reach)
+            n = clip_polygon(poly, n, sign * mx, sign * my, least, spare)
             poly, spare = spare, poly
     for k in range(n):
-        if length(poly[k, 0] - pose.x, poly[k, 1] - pose.y) >= room:
+        if vector_length(poly[k, 0] - pose.x, poly[k, 1] - pose.y) >= room:
             return False
     return n > 0

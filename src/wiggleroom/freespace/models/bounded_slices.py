@@ -68,10 +68,10 @@ def _cut(ring: Floats, normal: Floats, at: Floats, spot: Floats) -> Floats:
     n = normal / size
     if (spot - at) @ n < -1e-12 * max(1.0, np.abs(ring).max()):
         n = -n
-    return clip(ring, n, float(n @ at))
+    return clipped(ring, n, float(n @ at))
 
 
-def clip(ring: Floats, normal: Floats, off: float) -> Floats:
+def clipped(ring: Floats, normal: Floats, off: float) -> Floats:
     """Part of a convex polygon (k, 2) where normal . x >= off."""
     height = ring @ normal - off
     after, rise = np.roll(ring, -1, axis=0), np.roll(height, -1)
@@ -109,7 +109,7 @@ def _ball(pair: PairOutlines, phi: float, spot: Floats, window: float) -> shapel
     flip = (quads.mean(axis=1) * normal).sum(1) > off  # the pair meets on the other side
     normal[flip], off[flip] = -normal[flip], -off[flip]
     for k in np.flatnonzero(normal @ spot - off < radius):
-        ring = clip(ring, normal[k], float(off[k]))
+        ring = clipped(ring, normal[k], float(off[k]))
     return (
         shapely.Polygon(ring) if len(ring) > 2 else shapely.Polygon(shapely.Point(spot).buffer(AREA_TOLERANCE * window))
     )

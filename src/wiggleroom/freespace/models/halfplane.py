@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.jit_options import njit
-from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.relative_pose import relative_pose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

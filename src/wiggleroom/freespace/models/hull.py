@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.models.bounded_slices import bounded
 from wiggleroom.freespace.models.pair_models import Hull
 from wiggleroom.freespace.slices import PairOutlines, Slice, slice_near, slice_sequence
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def _first_touch(pair: PairOutlines, centre: Floats, sense: float) -> float:
     a, b = pair.material
     angle = 0.0
     for _ in range(MAX_MARCH_STEPS):
-        moved = shapely.transform(b, lambda p: turn(p, np.array([sense * angle])) + centre)  # noqa: B023
+        moved = shapely.transform(b, lambda p: rotated(p, np.array([sense * angle])) + centre)  # noqa: B023
         apart = float(shapely.distance(a, moved))
         if apart < CONTACT_TOLERANCE * pair.clearance or angle >= np.pi:
             break

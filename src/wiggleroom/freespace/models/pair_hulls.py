@@ -14,8 +14,9 @@ from wiggleroom.freespace.models.hull import PairHull, pair_hull
 from wiggleroom.freespace.models.pair_models import Hull
 from wiggleroom.freespace.slices import pair_outlines
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, placed, relative_pose
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose, rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -60,7 +61,7 @@ def hulls(
         If it was asked to stop.
     """
     pose = relative_pose(bodies, a, b, motion)
-    first, label = classes(bodies, a, b, pose)
+    first, label = congruence_classes(bodies, a, b, pose)
     key = np.column_stack([label, np.round(reference[b] / (1e-9 * bodies.radius[b, None]))])
     _, first, label = np.unique(key, axis=0, return_index=True, return_inverse=True)
     label = label.ravel()
@@ -73,11 +74,11 @@ def hulls(
         material = geometry[one], geometry[other]
         if model.about == "joint":
             pivot = joint_point(*material)
-            points[k] = turn(pivot - where[other, :2], np.array([-where[other, 2]]))[0]
+            points[k] = rotated(pivot - where[other, :2], np.array([-where[other, 2]]))[0]
         else:
             points[k] = reference[other]
-            pivot = where[other, :2] + turn(points[k], where[other, 2:])[0]
-        own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-where[one, 2]]))) for g in material]  # noqa: B023
+            pivot = where[other, :2] + rotated(points[k], where[other, 2:])[0]
+        own = [shapely.transform(g, lambda p: rotated(p - pivot, np.array([-where[one, 2]]))) for g in material]  # noqa: B023
         hull = pair_hull(pair_outlines(own[0], own[1]), model, float(bodies.radius[[one, other]].max()))
         if hull is None:
             return None

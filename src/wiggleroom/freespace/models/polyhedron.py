@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wiggleroom.displayable import Displayable
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.slices import Slice
-from wiggleroom.geometry.relative_pose import Relative
+from wiggleroom.geometry.relative_pose import PairFrames
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class Polyhedron(Displayable):
     angles: tuple[float, float]
     closed: bool
     pivot: Floats
-    _relation: Relative
+    _relation: PairFrames
 
     @property
     def rows(self) -> int:

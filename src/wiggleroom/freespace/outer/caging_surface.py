@@ -20,7 +20,7 @@ from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, stitched
 from wiggleroom.freespace.outer.outer_region import ReachedSlices
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, core, forbidden, uncovered
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -202,7 +202,7 @@ def _next(
 
 def _pieces(material: PairMaterial, angle: float, window: float, met: shapely.Geometry) -> NDArray[np.object_]:
     """What is free at an angle and meets `met`."""
-    turned = shapely.transform(_core(material), lambda p: turn(p, angle))
+    turned = shapely.transform(_core(material), lambda p: rotated(p, angle))
     pieces = uncovered(material.a, turned, window)
     pieces = pieces[shapely.dwithin(pieces, met, material.margin)]
     return pieces[~forbidden(material.a, turned, pieces, material.margin)]

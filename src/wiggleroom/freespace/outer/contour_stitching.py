@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.jit_options import njit
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -49,7 +49,7 @@ class Crossings:
 
     def at(self, angle: float, low: Floats, high: Floats) -> Depths:
         """Where chords cross, for the pairs that cross somewhere in the box from `low` to `high`."""
-        b = turn(self.b.reshape(-1, 2), np.full(2 * len(self.b), angle)).reshape(-1, 2, 2)
+        b = rotated(self.b.reshape(-1, 2), np.full(2 * len(self.b), angle)).reshape(-1, 2, 2)
         fits = np.ones((len(self.a), len(b)), dtype=bool)
         for k in (0, 1):
             fits &= self.a[:, None, :, k].min(2) - b[None, :, :, k].max(2) <= high[k]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.freespace.outer.outer_walls import corners_between, cut_corners
 from wiggleroom.geometry.jit_options import OPTIONS, njit
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -285,13 +285,13 @@ def _planes(sides: NearSides, kind: int, window: _Window) -> tuple[Floats, Ints]
     normal = np.column_stack([go[:, 1], -go[:, 0]])
     # where the points are in each window, seen by the part whose edges count, and how far a turn within the window carries them
     if kind == 0:
-        seen = turn(points[None], middle[:, None]) + window.centre[:, None]
+        seen = rotated(points[None], middle[:, None]) + window.centre[:, None]
         arm = np.broadcast_to(np.hypot(*points.T), seen.shape[:2])
         along_box, across_box = (np.broadcast_to(np.abs(v), (len(middle), *v.shape)) for v in (go, normal))
     else:
-        seen = turn(points - window.centre[:, None], -middle[:, None])
+        seen = rotated(points - window.centre[:, None], -middle[:, None])
         arm = np.hypot(seen[..., 0], seen[..., 1]) + size[:, None]
-        along_box, across_box = (np.abs(turn(v[None], middle[:, None])) for v in (go, normal))
+        along_box, across_box = (np.abs(rotated(v[None], middle[:, None])) for v in (go, normal))
     swing = 2 * np.sin(half[:, None] / 2) * arm + material.margin
     # and how far the box carries them (K, edges)
     sideways = (along_box * window.sides[:, None]).sum(2)
@@ -308,13 +308,13 @@ def _planes(sides: NearSides, kind: int, window: _Window) -> tuple[Floats, Ints]
     n, p, d = normal[j], points[i], half[k]
     bent = arm[k, i] * d * d / 2 + 2 * material.margin
     if kind == 0:
-        at = turn(p, middle[k])
+        at = rotated(p, middle[k])
         slope = n[:, 1] * at[:, 0] - n[:, 0] * at[:, 1]
         level = (n * (at - start[j])).sum(1) + bent
         n = -n
     else:
         level = -(n * start[j]).sum(1) + d * size[k] + bent
-        n, p = turn(n, middle[k]), p - window.centre[k]
+        n, p = rotated(n, middle[k]), p - window.centre[k]
         slope = n[:, 0] * p[:, 1] - n[:, 1] * p[:, 0]
         level += (n * points[i]).sum(1)
     return np.column_stack([n, -slope, level - slope * middle[k]]), k

@@ -89,7 +89,7 @@ def _unlike(normals: Floats, angle: float) -> Floats:
     return np.array(kept)
 
 
-def holding(outer: OuterRegion, found: Facets, which: Ints, accuracy: float) -> Ints:
+def intervals_at_facets(outer: OuterRegion, found: Facets, which: Ints, accuracy: float) -> Ints:
     """Intervals that keep some facets (k,) of `found` where they are, and are too wide.
 
     They are where they blur by more than `accuracy` [mm], and where they are wider than half of the turns that are looked at: what

@@ -278,7 +278,7 @@ def leftover(
     return Leftover(pieces, near.a, smaller, material.margin)
 
 
-def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
+def with_narrower_intervals(outer: OuterRegion, wanted: Ints) -> OuterRegion:
     """The same region with some intervals cut into narrower ones, whose slices are smaller.
 
     Free pieces of a narrower interval lie each inside one of the interval that it was cut from.

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Pieces = NDArray[np.object_]
@@ -103,7 +103,7 @@ def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shap
     swept_by = half * (1 + 1e-9) + 1e-15
     corners, after = loops(b)
     ends = np.stack([corners, corners[after]], 1).reshape(-1, 2)
-    both = [turn(ends, np.full(len(ends), s * swept_by)) for s in (-1, 1)]
+    both = [rotated(ends, np.full(len(ends), s * swept_by)) for s in (-1, 1)]
     six = np.stack([*both, ends / np.cos(swept_by)], 1).reshape(-1, 6, 1, 2)
     points = (six + margin * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])).reshape(-1, 24, 2)
     swept = shapely.convex_hull(shapely.linestrings(points))
@@ -112,7 +112,7 @@ def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shap
         left = shapely.remove_repeated_points(left, 1e-3 * margin)
     except shapely.errors.GEOSException:
         left = shapely.multipolygons([])  # no core covers nothing: too little, never too much
-    return shapely.transform(left, lambda p: turn(p, np.full(len(p), middle)))
+    return shapely.transform(left, lambda p: rotated(p, np.full(len(p), middle)))
 
 
 def uncovered(a: shapely.Geometry, b: shapely.Geometry, window: float) -> Pieces:

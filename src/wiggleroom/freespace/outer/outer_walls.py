@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, corners_of
 from wiggleroom.geometry.jit_options import OPTIONS, njit
-from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -64,7 +64,7 @@ def _walls(
     """Planes (normal, slope by turn, offset) of walls that lie near the sides `at` (k, 2) with normals `out` and hold throughout."""
     middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-9) + 1e-14
     a, b = corners_of(near.a), corners_of(near.b)
-    seen = tuple(turn(v, np.full(len(v), middle)) for v in b)
+    seen = tuple(rotated(v, np.full(len(v), middle)) for v in b)
     spots = shapely.get_coordinates(region)
     width = float(np.hypot(*np.ptp(spots, axis=0)))
     reach = 2 * np.sin(half / 2)
@@ -106,7 +106,7 @@ def _corner_of_b(
 ) -> Floats | None:
     """Wall of A's edge (a, n) and B's corner v, turned to the middle: n . (tau + R v - a) >= 0."""
     half = (high - low) / 2 * (1 + 1e-9) + 1e-14
-    ends = [turn(v, np.array([t]))[0] for t in (-half, half)]
+    ends = [rotated(v, np.array([t]))[0] for t in (-half, half)]
     swept = np.array([*ends, v / np.cos(half)])
     beyond = _beyond(region, -n, float((swept @ n).min() - n @ a), material.margin)
     for part in shapely.get_parts(beyond):
@@ -128,14 +128,14 @@ def _corner_of_a(
     beyond = _beyond(region, n, float(n @ u - n @ b) - 2 * np.sin(half / 2) * far, material.margin)
     for part in shapely.get_parts(beyond):
         seen = u - shapely.get_coordinates(part)
-        places = np.vstack([*(turn(seen, np.full(len(seen), t)) for t in (-half, half)), seen / np.cos(half)])
-        back = turn(places, np.full(len(places), -middle))
-        m, start = turn(np.stack([n, b]), np.full(2, -middle))
+        places = np.vstack([*(rotated(seen, np.full(len(seen), t)) for t in (-half, half)), seen / np.cos(half)])
+        back = rotated(places, np.full(len(places), -middle))
+        m, start = rotated(np.stack([n, b]), np.full(2, -middle))
         if not _inside(material.b, back, m, start, material.margin):
             return None
     centre = (spots.min(0) + spots.max(0)) / 2
     round_it = float(np.hypot(*(spots - centre).T).max())
-    normals = [turn(n, np.array([t]))[0] for t in (-half, half)]
+    normals = [rotated(n, np.array([t]))[0] for t in (-half, half)]
     mean = (normals[0] + normals[1]) / 2
     # n(t) . (u - tau) >= n . b, about the slice's middle
     level = [float(m @ (u - centre) - n @ b + mean @ centre) for m in normals]

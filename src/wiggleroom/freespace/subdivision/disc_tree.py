@@ -44,13 +44,13 @@ class DiscTree:
         return self.edge, self.normal, self.disc, self.kid
 
 
-def solid(material: shapely.Geometry, origin: Floats) -> DiscTree:
+def disc_tree(material: shapely.Geometry, origin: Floats) -> DiscTree:
     """Solid of a polygon or of several that do not overlap, measured from `origin` (2,) [mm].
 
     Examples
     --------
     >>> import numpy as np, shapely
-    >>> square = solid(shapely.box(0, 0, 2, 2), np.array([1.0, 1.0]))
+    >>> square = disc_tree(shapely.box(0, 0, 2, 2), np.array([1.0, 1.0]))
     >>> square.edge.shape, round(square.radius, 3)
     ((4, 4), 1.414)
     """

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.box_search import CLOSED, FOUND, PAUSED, best_corner, search_boxes
-from wiggleroom.freespace.subdivision.disc_tree import solid
+from wiggleroom.freespace.subdivision.disc_tree import disc_tree
 from wiggleroom.freespace.subdivision.passage import (
     WINDOW_OFFSET,
     middle_of_contact,
@@ -75,7 +75,7 @@ class MotionBoxes:
     def __post_init__(self) -> None:
         """Begin with one box."""
         self.pivot = middle_of_contact(self.a, self.b)
-        one, other = solid(self.a, self.pivot), solid(self.b, self.pivot)
+        one, other = disc_tree(self.a, self.pivot), disc_tree(self.b, self.pivot)
         self._pair = (*one.arrays, other.edge, other.disc, other.kid)
         self._wrap = self.turn == 0.0
         self._scale = np.array([1.1 * (one.radius + other.radius), np.pi if self._wrap else MAX_TURN])
@@ -152,7 +152,7 @@ class MotionBoxes:
             np.linspace(one, other, n, endpoint=False) for one, other, n in zip(path, path[1:], count, strict=False)
         ]
         points = about(np.concatenate([*finer, path[-1:]])[:, None], (spot - self.pivot)[None])[:, 0]
-        one, other = solid(self.a, spot), solid(self.b, spot)
+        one, other = disc_tree(self.a, spot), disc_tree(self.b, spot)
         return shortcut(points, (*one.arrays, other.edge, other.disc, other.kid))
 
     def _round(self, last: Floats) -> Floats:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.box_search import CLOSED, PAUSED, SPENT, search_boxes
 from wiggleroom.freespace.subdivision.classify_box import is_free_segment
-from wiggleroom.freespace.subdivision.disc_tree import solid
+from wiggleroom.freespace.subdivision.disc_tree import disc_tree
 
 Floats = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
     True
     """
     pivot = middle_of_contact(a, b)
-    one, other = solid(a, pivot), solid(b, pivot)
+    one, other = disc_tree(a, pivot), disc_tree(b, pivot)
     scale = np.array([1.1 * (one.radius + other.radius), np.pi])
     origin = WINDOW_OFFSET * scale[[0, 0, 1]]
     middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
@@ -109,7 +109,7 @@ def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
 def waypoints_through(
     path: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
 ) -> Floats:
-    """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
+    """Waypoints: rest, middles of boxes and of the faces between them, turns unwrapped."""
     box, half = middle[path].copy(), 0.5 ** level[path]
     for k in range(1, len(box)):
         box[k, 2] += 2 * np.round((box[k - 1, 2] - box[k, 2]) / 2)

@@ -13,7 +13,7 @@ from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.geometry.outer_simplification import MIN_CORNERS, is_fine, simplified_outward
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.search.prepare import Prepared, Survey, prepare, typical_clearance
+from wiggleroom.search.prepare import Prepared, Survey, prepare_as_drawn, typical_clearance
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | 
     for tolerance in TOLERANCES:
         cover = simplified_outward(assembly, clearance, tolerance * clearance, near, FINE_TOLERANCE * clearance)
         try:
-            ready = prepare(cover, stop=stop)
+            ready = prepare_as_drawn(cover, stop=stop)
         except TouchingError:  # what was drawn may touch, or not
             return None
         except InputError:
@@ -54,9 +54,9 @@ def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | 
     return None
 
 
-def prepare_outlines(assembly: Assembly, ground: Survey | None = None, stop: Stop | None = None) -> Prepared:
+def prepare_walls(assembly: Assembly, surveyed: Survey | None = None, stop: Stop | None = None) -> Prepared:
     """The assembly made ready: with fewer corners where its outlines have more than they need, else as it is; raises as `prepare` does."""
-    return prepare_simplified(assembly, stop=stop) or prepare(assembly, ground=ground, stop=stop)
+    return prepare_simplified(assembly, stop=stop) or prepare_as_drawn(assembly, surveyed=surveyed, stop=stop)
 
 
 def refined_at_contacts(ready: Prepared, answer: Answer) -> Prepared:
