@@ -221,7 +221,7 @@ def test_a_file_that_names_meshes_opens_from_the_command_line(browser: Any) -> N
     served = Served(first_request(str(path), QuestionOptions(pull=("t3-3:+z",))))
     try:
         with visiting(browser, served) as page:
-            answered(page, "t3-3 moves 0.3519 mm in +z", 120)
+            answered(page, "t3-3 moves 0.3628 mm in +z", 120)
     finally:
         served.close()
 
