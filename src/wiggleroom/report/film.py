@@ -30,6 +30,7 @@ def film(
     path: str | PathLike[str],
     *,
     goals: tuple[Goal, ...] = (),
+    pulled: str = "pulled",
     title: str = "",
     facts: tuple[str, ...] = (),
     command: str = "",
@@ -52,6 +53,8 @@ def film(
         .gif and .mp4 need the extra `film`; .svg plays in browsers.
     goals : tuple of Pull, Turn or W
         Drawn as arrows; their parts are blue.
+    pulled : str
+        What the legend calls these parts.
     title, facts, command : str, tuple of str, str
         Said above and below.
     back : bool
@@ -90,6 +93,7 @@ def film(
         waypoints,
         rate=RATES[kind],
         goals=goals,
+        pulled=pulled,
         title=title or f"{len(assembly.parts)} parts",
         facts=facts,
         command=command,

@@ -133,6 +133,7 @@ def scene(
     *,
     rate: float,
     goals: tuple[Goal, ...],
+    pulled: str = "pulled",
     title: str,
     facts: tuple[str, ...],
     command: str,
@@ -149,6 +150,8 @@ def scene(
         Frames a second; fewer where there are very many parts.
     goals : tuple
         What is drawn as pulled or turned.
+    pulled : str
+        What the legend calls these parts.
     magnify : float, optional
         Factor by which the motion is enlarged; by default as in pictures, but a motion that is large is not made small:
         what leaves the frame fades.
@@ -177,7 +180,7 @@ def scene(
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
     if goals:
-        legend.insert(1, (frame.swatch(*palette.PULLED), "pulled"))
+        legend.insert(1, (frame.swatch(*palette.PULLED), pulled))
     foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
     stage = (view.x - 12, view.y - 12, view.width + 24, view.height + 24)
     words = "; ".join(said)

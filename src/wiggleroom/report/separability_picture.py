@@ -41,6 +41,7 @@ def film_of_check(
         answer.waypoints,
         path,
         goals=answer.goals,
+        pulled="leaves",
         title=check_title(checked.found),
         facts=tuple(check_facts(checked.found, checked.border)),
         command=command,
