@@ -203,8 +203,8 @@ def test_many_drags_keep_memory_flat():
         part = str(random.choice(free_parts(assembly)))
         grip = assembly.rest[assembly.names.index(part), :2]
         live.drag(part, tuple(grip), tuple(grip + random.uniform(-0.3, 0.3, 2)))
-        assert len(live._state.cells.a) <= most
-        assert live._state.cells.row[-1] < 40 * most
+        assert len(live._dragged.state.cells.a) <= most
+        assert live._dragged.state.cells.row[-1] < 40 * most
 
 
 @pytest.mark.parametrize("gaps", [(0.021, 0.022, 0.03, 0.04), (0.019, 0.018, 0.0175, 0.01), (0.02, 0.035, 0.011)])
@@ -467,6 +467,36 @@ def test_a_drag_goes_on_where_the_answer_ended():
     from_there = live.drag("b3", grip, tuple(there), start="answer", goals=wr.Pull("b3", (1.0, 0.0)))
     assert np.hypot(*(np.array(from_there.reached) - there)) < 0.02 * 0.02
     assert from_there.motion == pytest.approx(answer.motion, abs=0.05 * 0.02)
+
+
+def test_a_drag_goes_on_where_the_answer_about_finer_outlines_ended():
+    jigsaw = wr.read(JIGSAW, gap=1.0, fix=["p1"])
+    live, pull = wr.Live(jigsaw), wr.Pull("p20", (1.0, 0.0))
+    answer = live.settle(pull)
+    grip = jigsaw.rest[jigsaw.names.index("p13"), :2]
+    there = grip_at(jigsaw, "p13", grip, answer.motion)
+    here = live.drag("p13", tuple(grip), tuple(there), start="answer", goals=pull)
+    assert np.abs(here.motion - answer.motion).max() < 0.1 * np.abs(answer.motion).max()
+    back = live.drag("p13", tuple(grip), tuple(there - 20.0), seconds=20.0)
+    assert back.distance < 0.1
+    assert max(overlap(jigsaw, shot.motion) for shot in (here, back)) < 1e-6
+    smaller = live.design(gap=1.2)
+    assert overlap(smaller, live.drag("p13", tuple(grip), tuple(grip), start="rest").motion) < 1e-6
+
+
+def test_few_parts_that_are_dragged_on_and_on_come_as_far_as_in_one_drag():
+    grid = wr.patterns.grid(9, 8, joint="swallowtail", gap=0.01)
+    k = 40
+    grip, target = tuple(grid.rest[k, :2]), tuple(grid.rest[k, :2] + (0.3, 0.2))
+    at_once = wr.Live(grid).drag(grid.names[k], grip, target, within=12, seconds=20.0)
+    live = wr.Live(grid)
+    last = np.inf
+    for _ in range(12):
+        shot = live.drag(grid.names[k], grip, target, within=12, seconds=1e-3)
+        assert shot.distance < last + 1e-3
+        assert overlap(grid, shot.motion) < 1e-9
+        last = shot.distance
+    assert last < at_once.distance + 0.02 * np.hypot(0.3, 0.2)
 
 
 def test_designs_are_changed_as_often_as_one_likes():

@@ -246,7 +246,7 @@ def test_long_work_in_space_stops_within_a_second(lid: Served) -> None:
             began = time.perf_counter()
             page.send("cancel", of=kind)
             page.ask("release")
-            assert time.perf_counter() - began < 5  # one second on an idle machine; the whole work takes longer
+            assert time.perf_counter() - began < 20  # one second on an idle machine; the whole work takes minutes
 
 
 def test_questions_of_drawings_are_refused_in_space_in_one_line(lid: Served) -> None:

@@ -46,6 +46,10 @@ NEIGHBOURHOODS = (64, 512, None)
 """Number of parts that may give way to a dragged one: at first, then where others hold it, then all."""
 MAX_WHOLE_BODIES = 300
 """In smaller assemblies all may give way from the first: that takes no longer, and there is nothing to be found afterwards."""
+DRAG_SECONDS = {2: (0.04, 0.1), 3: (0.4, 0.4)}
+"""Time that the first reply to a drag takes in the plane and in space, about [s], and each after it: a moving hand sees first ones."""
+HAND_SECONDS = 0.04
+"""A hand that moves on asks anew within this time of a reply [s]: only after it more work is begun that would have to be stopped first."""
 MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
 """A drag is continued at most this many times, and at most this many times without gain."""
 MIN_APPROACH = 1e-4
@@ -102,11 +106,12 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     goals = document.asked(request.design) if request.from_ == "answer" else None
     start, shown, last = request.from_, math.inf, math.inf
     stuck, large = 0, isinstance(live, Live) and len(live.ready.bodies.fixed) > MAX_WHOLE_BODIES
+    first, later = DRAG_SECONDS[2 if isinstance(live, Live) else 3]
     for times in range(MAX_DRAG_STEPS):
         within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)] if large else None
         result = live.drag(
             request.part, grip, target,
-            start=start, goals=goals, within=within, stop=out.stop,
+            start=start, goals=goals, within=within, seconds=later if times else first, stop=out.stop,
         )  # fmt: skip
         out.check()
         assert result.distance is not None
@@ -132,6 +137,9 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
         if settled:
             return
         outlines, shown = None, min(shown, result.distance)
+        if not times or within is not None:
+            out.stop.wait(HAND_SECONDS)
+            out.check()
 
 
 def _spot(place: tuple[float, ...], live: Live | SpatialLive) -> Any:

@@ -200,7 +200,8 @@ def listen_anywhere(port: int) -> socket.socket:
 
 def listen(port: int) -> socket.socket:
     """Socket on this machine's own address; raises OSError where the port is taken."""
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    # asyncio sends small frames at once only where the protocol is named: else replies wait 40 ms for an acknowledgement
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(("127.0.0.1", port))

@@ -51,10 +51,11 @@ def dragged_among_few(
     after = near.whole(state, there)
     if not free_of_overlap(ready, after.motion):
         return None
-    held = {name for contact in holding_contacts(search, 1.0) for name in contact.parts}
     short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
-    arrived = short <= ARRIVAL_TOLERANCE * ready.clearance
-    return after, search, settled and (arrived or not held & near.held)
+    if settled and short > ARRIVAL_TOLERANCE * ready.clearance:
+        held = holding_contacts(search, 1.0)
+        settled = not near.held.intersection(name for contact in held for name in contact.parts)
+    return after, search, settled
 
 
 def holding_contacts(search: WarmSearch, unit: float) -> tuple[Contact, ...]:

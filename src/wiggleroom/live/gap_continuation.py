@@ -22,8 +22,8 @@ MAX_KEPT_ENDS = 16
 
 
 @dataclass(frozen=True, eq=False)
-class _End:
-    """Where a largest motion ended, in which design."""
+class KnownEnd:
+    """Where a largest motion ended, in which design; its outlines may have been refined where they touch."""
 
     goals: tuple[Goal, ...]
     design: GapDesign
@@ -34,16 +34,16 @@ class KnownEnds:
     """Ends of the last largest motions."""
 
     def __init__(self) -> None:
-        self._ends: list[_End] = []
+        self._ends: list[KnownEnd] = []
 
     def keep(self, goals: tuple[Goal, ...], design: GapDesign, state: State) -> None:
         """Keep an end, in place of an older one of the same design and goals."""
         others = [e for e in self._ends if e.goals != goals or e.design.assembly is not design.assembly]
-        self._ends = [*others, _End(goals, design, state)][-MAX_KEPT_ENDS:]
+        self._ends = [*others, KnownEnd(goals, design, state)][-MAX_KEPT_ENDS:]
 
-    def at(self, goals: tuple[Goal, ...], design: GapDesign) -> State | None:
+    def at(self, goals: tuple[Goal, ...], design: GapDesign) -> KnownEnd | None:
         """The end of these goals in this very design."""
-        found = [e.state for e in self._ends if e.goals == goals and e.design.assembly is design.assembly]
+        found = [e for e in self._ends if e.goals == goals and e.design.assembly is design.assembly]
         return found[-1] if found else None
 
     def near(self, goals: tuple[Goal, ...], design: GapDesign) -> State | None:

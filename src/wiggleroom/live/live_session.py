@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -21,7 +21,7 @@ from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_amon
 from wiggleroom.live.gap_continuation import KnownEnds, kept
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
-from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
+from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns, with_outlines
 from wiggleroom.live.warm_start import (
     FIRST_BARRIER,
     State,
@@ -43,6 +43,24 @@ Spot = tuple[float, float]
 
 MAX_TARGET_DISTANCE = 3.0
 """A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
+
+
+@dataclass(frozen=True, eq=False)
+class _AmongFew:
+    """Where `body` was brought while `count` bodies were free to move, not settled."""
+
+    body: int
+    count: int
+    state: State
+
+
+@dataclass(frozen=True, eq=False)
+class _Dragged:
+    """Where the last drag ended: a state in the cells of `ready`, whose outlines may be finer than those of the design."""
+
+    ready: Prepared
+    state: State
+    few: _AmongFew | None = None
 
 
 class Live:
@@ -71,7 +89,7 @@ class Live:
             require_planar(drawing, "Live")
         self._designs = PreparedDesigns(drawing.drawing if isinstance(drawing, Assembly) else drawing)
         self._now: GapDesign | None = None
-        self._state: State | None = None
+        self._dragged: _Dragged | None = None
         self._ends = KnownEnds()
 
     def design(
@@ -106,8 +124,10 @@ class Live:
         """
         new, old = self._designs.design(gap, extra or {}, fixed, glue), self._now
         if new is not old:
-            self._state = None if self._state is None or old is None else kept(self._state, old, new)
-            self._now = new
+            last, self._dragged, self._now = self._dragged, None, new
+            state = None if last is None or old is None else kept(last.state, replace(old, ready=last.ready), new)
+            if state is not None:
+                self._dragged = _Dragged(new.ready, state)
         return new.assembly
 
     @property
@@ -123,15 +143,15 @@ class Live:
     @contextmanager
     def aside(self) -> Iterator[None]:
         """Drags in here leave no trace: the next one begins where the last one before ended."""
-        before = self._state
+        before = self._dragged
         try:
             yield
         finally:
-            self._state = before
+            self._dragged = before
 
     def rest(self) -> None:
         """Put all parts back to rest: the next drag begins there."""
-        self._state = None
+        self._dragged = None
 
     def drag(
         self,
@@ -159,8 +179,8 @@ class Live:
             These goals; by default what the drawing asks for.
         within : int, optional
             Number of bodies that may move, those that the part pushes first; all others stand where they are. The motion is one
-            of the whole assembly, but not settled where others that stand hold the part; then the next drag begins where
-            this one did. By default all may move.
+            of the whole assembly, but not settled where others that stand hold the part; then the next drag of this part among
+            as many or fewer goes on from there, and one among more begins where this one did. By default all may move.
         seconds : float
             After that time the best safe motion so far is returned, not settled; asking again goes on from there.
         stop : optional
@@ -172,7 +192,7 @@ class Live:
             If there is no such part, or it cannot move.
         """
         began = time.perf_counter()
-        ready = self.ready
+        ready, state, few = self._begun(start, goals)
         away = np.subtract(target, grip)
         far = float(np.hypot(*away))
         if far > MAX_TARGET_DISTANCE * ready.size:
@@ -180,11 +200,15 @@ class Live:
         aim = np.add(grip, away)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
-        state, until = self._begun(start, goals), TimeBudget(seconds, stop)
-        near = None if within is None else dragged_among_few(ready, term, aim, state, within, until)
+        body, until = int(term.points.body[0]), TimeBudget(seconds, stop)
+        near = None
+        if within is not None:
+            begin = few.state if few is not None and few.body == body and within <= few.count else state
+            near = dragged_among_few(ready, term, aim, begin, within, until)
         after, search, settled = near or dragged(ready, term, state, float(away @ away), until)
-        # pressed against what could give way, few parts are a bad place for all to begin at
-        self._state = after if near is None or settled else state
+        # pressed against what could give way, few parts are a bad place for more to begin at
+        few = None if near is None or within is None or settled else _AmongFew(body, within, after)
+        self._dragged = _Dragged(ready, state if few else after, few)
         motion = of_parts(ready.assembly, ready.bodies, after.motion[None])[0]
         x, y = np.add(grip, term.points.moved(after.motion)[0]).tolist()
         reached = (x, y)
@@ -257,14 +281,17 @@ class Live:
         asked = self._asked(goals)
         old, self._now = self._design, self._designs.prove(self._design, stop)
         if self._now is not old:
-            self._state = None
+            self._dragged = None
         answer = witness(self.ready, asked, stop=stop, progress=progress)
         found = answer.warm_start
         if found is not None and answer.objective == found.value and answer.collision_free:  # else it was cut back
             cells = found.program.cells
             ended = relative_pose(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
-            self._ends.keep(asked, self._design, state)
+            bodies, design = found.program.bodies, self._design
+            if bodies is not design.ready.bodies:  # outlines of many corners were refined where they touch
+                design = replace(design, ready=with_outlines(design.ready, bodies))
+            self._ends.keep(asked, design, state)
         return answer
 
     def wiggle(
@@ -305,12 +332,12 @@ class Live:
         """Goals, by default what the drawing asks for, once it is sure that they make sense."""
         return asked_goals(self.assembly.drawing, self._designs.drawing.goals if goals is None else goals)
 
-    def _begun(self, start: str, goals: Goal | Sequence[Goal] | None) -> State:
-        """Where a drag begins."""
-        if start == "here" and self._state is not None:
-            return self._state
+    def _begun(self, start: str, goals: Goal | Sequence[Goal] | None) -> tuple[Prepared, State, _AmongFew | None]:
+        """Where a drag begins, and in which outlines."""
+        if start == "here" and self._dragged is not None:
+            return self._dragged.ready, self._dragged.state, self._dragged.few
         if start == "answer":
             found = self._ends.at(self._asked(goals), self._design)
-            if found is not None and found.linked:
-                return replace(found, mu=FIRST_BARRIER, ended=None)
-        return state_at_rest(self.ready)
+            if found is not None and found.state.linked:
+                return found.design.ready, replace(found.state, mu=FIRST_BARRIER, ended=None), None
+        return self.ready, state_at_rest(self.ready), None

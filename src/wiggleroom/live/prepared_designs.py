@@ -166,6 +166,13 @@ def outline_corners(assembly: Assembly) -> Floats:
     return np.vstack([ring for part in assembly.parts for ring in rings_at(part)])
 
 
+def with_outlines(ready: Prepared, bodies: Bodies) -> Prepared:
+    """Return the same with other outlines of its bodies, and cells grown for them at rest."""
+    a, b = ready.cells.a, ready.cells.b
+    cells = cells_at(ready.assembly, bodies, a, b, np.full(len(a), ready.clearance))
+    return replace(ready, bodies=bodies, cells=cells)
+
+
 def _with_room(ready: Prepared) -> Prepared:
     """Return the same, with new cells for the pairs that have hardly any room at rest in the carried ones."""
     program = build_program(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)

@@ -28,9 +28,9 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 
 MAX_LEVELS = 3
-"""Cross-sections that are looked at, those of most parts."""
+"""Number of cross-sections that are looked at, at most: those of most parts."""
 MAX_SECONDS = 5.0
-"""What the bound of one cross-section may take."""
+"""Time for the bound of one cross-section [s]."""
 ROUNDING = 1e-10
 """Corners of cross-sections are rounded to this share of the size, and outlines then moved inward by twice as much."""
 MARGIN = 1e-9

@@ -159,8 +159,10 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
         case.work,
         exact(doubt),
     )
-    for at, p in enumerate(pairs[0]):
-        small.known[at] = (*small.known[at][:2], *case.known[p][2:])
+    # what holds of a pair in every placement, not only in the first
+    for at, joined in enumerate(zip(*pairs, strict=True)):
+        case.work.spend(len(joined))
+        small.narrow(at, min(case.known[p][2] for p in joined), max(case.known[p][3] for p in joined))
     small.known += _known_in_all(case, placements)
     first = window["steps"][0]
     ranges = first["low"], first["high"], window["far"]
@@ -173,7 +175,8 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
         fits = low[k] <= min(ranges[0][k], 0) and high[k] >= max(ranges[1][k], 0)
         need(fits, "the steps of a window do not prove what it says of turns")
     for placement in placements:
-        case.known += [(placement[0], placement[k], low[k], high[k]) for k in range(1, len(bodies))]
+        for k in range(1, len(bodies)):
+            case.learn(placement[0], placement[k], low[k], high[k])
 
 
 def _known_in_all(case: Case, placements: list[list[int]]) -> list[tuple[int, int, float, float]]:

@@ -49,7 +49,7 @@ class Enclosure:
 class Case:
     """Bodies, regions and pairs, what is known of turns between bodies, and the goal, if there is one.
 
-    `known` holds (a, b, low, high): in every motion low <= t_b - t_a <= high.
+    `known` holds (a, b, low, high): in every motion low <= t_b - t_a <= high. Its first rows belong to the pairs.
     """
 
     def __init__(
@@ -70,6 +70,22 @@ class Case:
         for a, b, kind, *_ in pairs:
             turns = enclosures[kind].angles
             self.known.append((a, b, float(turns[0]), float(turns[-1])))
+        self._pairs_of: dict[tuple[int, int], list[int]] = {}
+        for p, (a, b, *_) in enumerate(pairs):
+            self._pairs_of.setdefault((a, b), []).append(p)
+
+    def learn(self, a: int, b: int, low: float, high: float) -> None:
+        """Add what was shown of the turn of b against a, of their pair too if they are one."""
+        self.known.append((a, b, low, high))
+        for p in self._pairs_of.get((a, b), []):
+            self.narrow(p, low, high)
+        for p in self._pairs_of.get((b, a), []):
+            self.narrow(p, -high, -low)
+
+    def narrow(self, p: int, low: float, high: float) -> None:
+        """Keep the turn of a pair between two ends."""
+        a, b, least, most = self.known[p]
+        self.known[p] = a, b, max(least, low), min(most, high)
 
     def first(self, low: list, high: list, far: list, names: list[str]) -> None:
         """Refuse first ranges that nothing shows: turns and shifts add up along paths to a fixed body."""
