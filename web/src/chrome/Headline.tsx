@@ -95,16 +95,17 @@ const NAMES: Record<string, string> = {
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
   const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["assemble", "lay", "check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
+  if (!rows.length) return null;
   return (
-    <>
+    <div class="works">
       {rows.map(([kind, told]) => (
         <div class="work" key={kind} role="status">
           <progress aria-label={NAMES[kind]} value={told?.share ?? undefined} />
-          <span>{NAMES[kind]}{told?.objective != null ? `: ${number(told.objective)} so far` : ""}{told?.stage && kind !== told.stage ? `, ${told.stage}` : ""}</span>
+          <span title={NAMES[kind]}>{NAMES[kind]}{told?.objective ? `: ${number(told.objective)} so far` : ""}{told?.stage && kind !== told.stage ? `, ${told.stage}` : ""}</span>
           <button type="button" class="link" onClick={() => cancel(kind as Kind)}>cancel</button>
         </div>
       ))}
-    </>
+    </div>
   );
 }
 
