@@ -2,7 +2,7 @@
 
 import { asks, design, goals, inSpace } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, tab, unsure } from "../state.ts";
+import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, running, selected, tab, unsure } from "../state.ts";
 import { assembled } from "../sheet.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
@@ -61,7 +61,7 @@ function said(): Said {
   }
   const asked = goals.value.length ? few(goals.value.map(ask), 2) : whole[String(design.value.goals)] ?? "parts as far as they go";
   if (what === "between" || unsure.value || !about || about.design !== design.value) {
-    if (!unsure.value) return { title: asked, line: about ? "" : "no answer", tone: "guess" };
+    if (!unsure.value) return { title: asked, line: line.value !== "open" ? "no answer while the server is away" : about ? "" : "no answer", tone: "guess" };
     const far = about?.design === design.value ? about.reply.objective : null;
     const least = far !== null && far > 0.01 * gap ? [`at least ${number(far, 3)} ${unitOf()} so far`] : [];
     return { title: asked, line: [`solving at gap ${number(gap)} mm`, ...least].join(" · "), tone: "guess" };
