@@ -27,7 +27,7 @@ from wiggleroom import flex_walls, maximise
 from wiggleroom.search import global_search, moves
 from wiggleroom.search.loop import Move
 
-LEAST_LOSS = 1e-4
+MIN_LOSS = 1e-4
 """A smaller share of the objective counts as the same."""
 CHAIN_LENGTH = 10
 
@@ -121,8 +121,8 @@ def table(names: list[str], runs: dict[str, list[tuple[float, bool, int, float]]
         change = np.array([share(*pair) for pair in zip(other, value, strict=True)])
         worst = int(np.argmin(change))
         print(
-            f"| `{move}` | {(change < -LEAST_LOSS).sum()} | {(change > LEAST_LOSS).sum()} | {-change[worst]:.2%} "
-            f"| {names[worst] if change[worst] < -LEAST_LOSS else ''} | {sure.sum()} | {turns.sum()} | {spent.sum():.1f} |"
+            f"| `{move}` | {(change < -MIN_LOSS).sum()} | {(change > MIN_LOSS).sum()} | {-change[worst]:.2%} "
+            f"| {names[worst] if change[worst] < -MIN_LOSS else ''} | {sure.sum()} | {turns.sum()} | {spent.sum():.1f} |"
         )
 
 

@@ -291,6 +291,7 @@ def _certified(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> lis
             continue
         judged = verify(json.loads(json.dumps(paper)))
         if not judged.proven:
+            REFUSED[0] += 1
             print(f"a certificate is refused: {judged.why}", flush=True)
         found.append(judged.at_most if judged.proven else np.inf)
         WINDOWS[0] += len(bounding.windows)
@@ -306,8 +307,8 @@ def _quick(answer: Answer) -> float:
     return np.inf if most is None else most
 
 
-WINDOWS = [0]
-"""So many local windows were worked out."""
+WINDOWS, REFUSED = [0], [0]
+"""So many local windows were worked out; so many certificates were refused."""
 KINDS: dict[str, Callable[[int], Case]] = {
     "chain": a_chain,
     "pair": a_pair,
@@ -361,7 +362,7 @@ def main(words: list[str]) -> None:
     asked, unknown, without, below = sum(rows.values(), np.zeros(4, dtype=int))
     print(
         f"{asked} assemblies, {asked - unknown - without} of them judged by {judged} bounds, {below} of them with one that lies too low; "
-        f"{WINDOWS[0]} local windows"
+        f"{WINDOWS[0]} local windows, {REFUSED[0]} certificates refused"
     )
 
 

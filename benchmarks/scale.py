@@ -33,7 +33,7 @@ from wiggleroom.search.prepare import survey
 from wiggleroom.solve.multifrontal import FrontalPlan
 
 GAP = 0.01
-LEAST_FACTORISATIONS = 30
+MIN_FACTORISATIONS = 30
 FLEX = "import sys; from wiggleroom.cli import main; sys.exit(main())"
 IMPORTS = (
     "import wiggleroom.cli.flex_command, wiggleroom.maximise, wiggleroom.report.table, wiggleroom.report.json_results"
@@ -163,7 +163,7 @@ def measured(name: str, case: Case, times: int, speed: float, folder: Path) -> t
         )
         if wrong
     ]
-    floor = LEAST_FACTORISATIONS * factor_operations(assembly) / speed
+    floor = MIN_FACTORISATIONS * factor_operations(assembly) / speed
     cells = (
         name, f"{len(assembly.parts):,}", beside(f"{best.wall:.1f}", case.seconds), f"{min(r.processor for r in runs):.1f}", f"{floor:.2g}",
         beside(f"{best.memory:.0f}", case.memory), beside(f"{moves:.5f}", case.least), answer["verdict"], answer["path"],

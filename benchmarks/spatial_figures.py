@@ -195,7 +195,7 @@ def plate_of_tetrahedra(count: int, gap: float) -> SpatialAssembly:
 
 
 def tetrahedra() -> None:
-    """Five by five tetrahedra in a frame of others: the one in the middle is pushed out."""
+    """Five by five tetrahedra in a frame of others: the middle one is pushed out. Local optima 0.36278, 0.35193, 0.35183 are known."""
     line("5 x 5 tetrahedra", *timed(plate_of_tetrahedra(7, 0.01), SpatialPull("t3-3", (0, 0, 1))), 0.35193)
 
 

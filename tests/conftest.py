@@ -31,7 +31,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(autouse=True)
 def from_rest_only(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Climb from rest alone, in tests that are not marked `searches`: going on beyond the nearest hill would take most of their time."""
+    """Climb from rest alone, in tests that are not marked `searches`: going on beyond the nearest optimum would take most of their time."""
     if "searches" in request.keywords:
         return
     from wiggleroom import flex_walls

@@ -20,8 +20,10 @@ from tests.flexing import polygon_part, row_of
 from tests.oracle import blocks, chain
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
+from wiggleroom.deadline import Deadline
 from wiggleroom.drawing import write_drawing
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Translation
+from wiggleroom.sensitivity.motion_border import MotionBorder, PlanarGapModel
 from wiggleroom.verdict import Certainty
 
 PEG = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
@@ -61,6 +63,26 @@ def test_a_chain_whose_optimum_is_known(joint: str, count: int, gap: float) -> N
     assert found.gap <= gap * (1 + 1e-4)  # never above the truth: there is a motion beyond the limit there
     assert found.gap >= 0.985 * gap
     assert found.beyond >= gap * (1 - 1e-9)
+
+
+def test_a_bound_of_a_smaller_gap_is_none_of_a_larger_one() -> None:
+    """Where a search falls short, what a smaller gap has shown stands in for it, but not what was proven there."""
+
+    class Halfway(PlanarGapModel):
+        def flexed(self, made, search, stop, progress):  # type: ignore[no-untyped-def]
+            found = super().flexed(made, search, stop, progress)
+            if made.gap < 0.3 or found.objective is None:
+                return found
+            return replace(found, objective=found.objective / 2, motion=found.motion / 2, at_most=None, bound=None)
+
+    drawing = peg_in_slot()
+    model = Halfway(assemble(drawing, gap=0.25), drawing.goals)
+    found = MotionBorder(model, 3.5, Deadline(60.0, None), None).enclose()
+    assert found.gap is not None
+    assert found.gap > 1.0  # the search misses that it moves further
+    assert found.certainty is Certainty.SEARCHED
+    for trial in found.trials:
+        assert trial.at_most is None or trial.at_most >= 3.0 + trial.gap - 1e-9
 
 
 def test_a_chain_by_a_search_of_its_own() -> None:

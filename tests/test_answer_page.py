@@ -153,7 +153,7 @@ def foot(page: Any) -> tuple[float, float]:
 def test_a_reader_sees_all_of_the_answer(opened: Any) -> None:
     at = opened(page_of_answer(replace(row(), bound=Bound(0.303, 0.01, 2.0), at_most=0.303)))
     assert at.locator("#answer").inner_text() == "b5 moves 0.3 mm in +y"
-    for said in ("optimal", "gap 0.1 mm", "5 parts", "proven", "way from rest checked"):
+    for said in ("optimal", "gap 0.1 mm", "5 parts", "proven", "path from rest checked"):
         assert said in at.locator(".headline .facts").inner_text()
     assert at.locator("tbody tr", has_text="b1 | b2").inner_text().split() == ["b1", "|", "b2", "0.5000", "0", "0.7000"]
     assert parts_at(at)[0] == ["b5", "0", "0.3000", "2.292", "0.3000"]

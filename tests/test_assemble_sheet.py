@@ -18,13 +18,13 @@ from benchmarks.sheet_judge import judge, rotation
 
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
-from wiggleroom.mating.beam_search import BeamState
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.edge_constraints import edge_flanks
 from wiggleroom.mating.edge_ends import aligned_ends
 from wiggleroom.mating.hints import EdgeReference, FixedPlate, Hints, edge_reference, read_hints, write_hints
 from wiggleroom.mating.laying import laid_plates
+from wiggleroom.mating.panel_set import PanelSet
 from wiggleroom.mating.plates_writer import fixed_axis_turns, write_plates
 
 SHEETS = Path(__file__).parent / "sheets"
@@ -472,7 +472,7 @@ def test_edges_of_different_length_whose_fingers_fit_are_told_apart_by_their_end
         sheets.append(long)
     design = sheets[0]
     found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
-    ends = aligned_ends(BeamState(found.plates), found.bodies[0])
+    ends = aligned_ends(PanelSet(found.plates), found.bodies[0])
     assert ends == 2 * len(found.joints)
 
 

@@ -20,9 +20,12 @@ pytest.importorskip("highspy")
 pytest.importorskip("flint")
 import flint
 
+from wiggleroom.verify.ball_arithmetic import Refused, point
 from wiggleroom.verify.ball_bounds import highest
-from wiggleroom.verify.caging_check import Refused, check_caging_surface, check_inside, point
+from wiggleroom.verify.caging_check import check_caging_surface
 from wiggleroom.verify.checker import read_certificate, verify
+from wiggleroom.verify.chord_check import Material
+from wiggleroom.verify.work_limit import WorkLimit
 
 
 def sealed(content):
@@ -221,10 +224,8 @@ def test_smaller_parts_are_refused(proven):
 
 
 def test_chords_lie_inside():
-    square = [
-        [[point(p) for p in ([0, 0], [4, 0], [4, 4], [0, 4])], [point(p) for p in ([1, 1], [1, 2], [2, 2], [2, 1])]]
-    ]
-    check_inside((point([0.5, 0.5]), point([3.5, 0.5])), square)
+    square = Material([[[[0, 0], [4, 0], [4, 4], [0, 4]], [[1, 1], [1, 2], [2, 2], [2, 1]]]], WorkLimit(16))
+    square.check((point([0.5, 0.5]), point([3.5, 0.5])))
     for start, end in (
         ([0.5, 0.5], [4.5, 0.5]),
         ([0.5, 1.5], [3, 1.5]),
@@ -233,7 +234,7 @@ def test_chords_lie_inside():
         ([0, 0], [4, 0]),
     ):
         with pytest.raises(Refused):
-            check_inside((point(start), point(end)), square)
+            square.check((point(start), point(end)))
 
 
 def test_highest_is_above_all_samples():

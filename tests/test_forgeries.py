@@ -25,7 +25,7 @@ pytest.importorskip("flint")
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.verify_drawing import drawn_by
 from wiggleroom.drawing.assembly_writer import write_assembly
-from wiggleroom.verify.caging_check import Refused
+from wiggleroom.verify.ball_arithmetic import Refused
 from wiggleroom.verify.certificate_structure import check_structure
 from wiggleroom.verify.checker import read_certificate, verify
 from wiggleroom.verify.claim import claim_of
@@ -845,14 +845,25 @@ def test_a_split_needs_both_sides(honest: Content) -> None:
 @pytest.fixture(scope="module")
 def windowed() -> Content:
     """Certificate of a small grid whose proof looks at windows first and then at one neighbourhood after the other."""
+    return grid_with_windows("tee", within=0.01)
+
+
+@pytest.fixture(scope="module")
+def narrowing() -> Content:
+    """The same of blocks whose windows narrow the turn of single joints too."""
+    return grid_with_windows("swallowtail", within=0.2)
+
+
+def grid_with_windows(joint: str, within: float) -> Content:
+    """Certificate of nine blocks that are proven as very many are."""
     from wiggleroom.bound import branch_and_bound, neighbourhood_tightening
 
-    made = wr.patterns.grid(3, 3, joint="tee", gap=GAP)
+    made = wr.patterns.grid(3, 3, joint=joint, gap=GAP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(branch_and_bound, "MANY_BODIES", 4)
         patch.setattr(branch_and_bound, "MAX_WHOLE_BODIES", 4)
         patch.setattr(neighbourhood_tightening, "REACH", 2)
-        return proof_of(made, wr.Pull(made.names[-1], (0, 1)), within=0.01)
+        return proof_of(made, wr.Pull(made.names[-1], (0, 1)), within=within)
 
 
 def in_window(change: Callable[[Content], Any]) -> Forgery:
@@ -928,6 +939,46 @@ def test_what_one_placement_alone_knows_is_refused(windowed: Content) -> None:
 
     assert "window" not in why(0)
     assert "nothing shows that body 2 of a window" in why(0, 1)
+
+
+def test_what_windows_show_of_single_joints_is_used(narrowing: Content) -> None:
+    assert narrowed_joint(narrowing)
+    assert verify(narrowing).proven
+
+
+def test_what_one_placement_alone_knows_of_a_joint_is_refused(narrowing: Content) -> None:
+    """A joint stands alike in two places, in one of them in a ring that is looked at: what that shows does not hold of both."""
+    ring, joint, other, wide = narrowed_joint(narrowing)
+    low, high = ([0.0, 1.000001 * ring[key][other]] for key in ("low", "high"))
+    step = {"low": low, "high": high, "turns": [[low[1], high[1]]], "cuts": []}
+    window = {"far": [0.0, 10.0], "low": [-0.0, 2 * low[1]], "high": [0.0, 2 * high[1]], "steps": [step]}
+    first = ring | {"placements": ring["placements"][:1], "pairs": ring["pairs"][:1]}
+
+    def why(*places: int) -> str:
+        rows = {
+            "placements": [[ring["placements"][n][k] for k in (0, other)] for n in places],
+            "pairs": [[ring["pairs"][n][joint]] for n in places],
+        }
+        before = [k for k in narrowing["windows"] if k is not ring][:1]
+        return verify(forged(narrowing, put("windows", [*before, first, window | rows]))).why
+
+    assert "window" not in why(0)
+    assert "nothing shows that body 1 of a window" in why(0, 1)
+    step |= {"low": [0.0, 2 * wide[0]], "high": [0.0, 2 * wide[1]]}  # so only the pair's own turn says too much
+    assert "window" not in why(0)
+    assert "nothing shows that a pair stays within its range" in why(0, 1)
+
+
+def narrowed_joint(content: Content) -> tuple[dict[str, Any], int, int, list[float]] | None:
+    """A window, a joint by its place there, the place of its other body, and what its region says: the window says less of its turn."""
+    for window in content["windows"]:
+        bodies = window["placements"][0]
+        for k, p in enumerate(window["pairs"][0]):
+            a, b, kind, *_ = content["pairs"][p]
+            loops = content["regions"][kind]["loops"]
+            if a == bodies[0] and window["low"][bodies.index(b)] > 0.99 * loops[0][0]:
+                return window, k, bodies.index(b), [loops[0][0], loops[-1][0]]
+    return None
 
 
 def in_step(change: Callable[[Content], Any]) -> Forgery:

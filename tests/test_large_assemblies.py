@@ -9,6 +9,7 @@ import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.geometry.row_kinds import A_EDGE
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
 from wiggleroom.program.distance_program import build_distances
@@ -85,7 +86,7 @@ def test_distances_are_those_of_the_geometry(program):
     h = program.values(u) * program.length
     for r in range(0, len(h), 7):
         a, b = near.a[near.pair[r]], near.b[near.pair[r]]
-        holder, other = (a, b) if near.kind[r] == 0 else (b, a)
+        holder, other = (a, b) if near.kind[r] == A_EDGE else (b, a)
         edge = place(shapes.corner[[near.edge[r], shapes.after[near.edge[r]]]], pose[holder])
         corner = place(shapes.corner[[near.corner[r]]], pose[other])[0]
         assert abs(h[r]) == pytest.approx(shapely.distance(shapely.LineString(edge), shapely.Point(corner)), abs=1e-12)

@@ -23,7 +23,7 @@ from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.hull import pair_hull
 from wiggleroom.freespace.slices import pair_outlines
 from wiggleroom.geometry.overlap import overlaps
-from wiggleroom.program import contact_functions as kernel
+from wiggleroom.geometry.row_kinds import FACE
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import objective
 from wiggleroom.report.answer_words import verdict_sentence
@@ -192,7 +192,7 @@ def test_faces_in_a_program_have_exact_derivatives() -> None:
     made = chain("hook", 0.02, 4, 0.5)
     ready = approximate(made, wr.Hull("joint"))
     of = build_program(ready.bodies, ready.faces, objective(made, ready.bodies, made.goals), length=ready.clearance)
-    assert (of.kind == kernel.FACE).all()
+    assert (of.kind == FACE).all()
     random = np.random.default_rng(3)
     motion = np.zeros((4, 3))
     motion[of.free] = random.uniform(-0.3, 0.3, (3, 3))

@@ -11,13 +11,13 @@ import scipy.sparse as sp
 from wiggleroom.assembly import patterns
 from wiggleroom.drawing.model import Closer, Pull, Towards, Translation, Turn, W
 from wiggleroom.geometry.relative_pose import relative_pose
-from wiggleroom.program import contact_functions as kernel
+from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, HIGH_TURN, LOW_TURN
 from wiggleroom.program.objectives import TERMS, objective
 from wiggleroom.program.retraction import Retraction
 
 from .programs import ASSEMBLIES, first_program
 
-KINDS = {"corner of B": kernel.A_EDGE, "corner of A": kernel.B_EDGE, "angle from": kernel.LOW, "angle to": kernel.HIGH}
+KINDS = {"corner of B": A_EDGE, "corner of A": B_EDGE, "angle from": LOW_TURN, "angle to": HIGH_TURN}
 GOALS = {
     Pull: lambda name: [Pull(name, (0.6, -0.8)), Pull(name, (-3, 1), point=(2.5, -1.2), weight=0.3)],
     Turn: lambda name: [Turn(name, "ccw", 0.7), Turn(name, "cw", -1.3)],

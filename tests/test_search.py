@@ -1,4 +1,4 @@
-"""The search beyond the nearest hill, and the complete search of a single body."""
+"""The search beyond the nearest local optimum, and the complete search of a single body."""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.assembly import patterns
 from wiggleroom.errors import InputError, MissingExtraError
+from wiggleroom.geometry.row_kinds import HIGH_TURN, LOW_TURN
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import SOLVERS, interior_point, ipopt, solver_named
 from wiggleroom.solve.kkt_conditions import conditions
@@ -132,7 +133,10 @@ def test_multipliers_are_derivatives_of_the_optimum(solver):
     e = 1e-5
     eased = replace(
         program,
-        off=program.off + np.where(program.kind == 3, 1, -1) * e / np.where(program.kind >= 2, program.normal[:, 0], 1),
+        off=program.off
+        + np.where(program.kind == HIGH_TURN, 1, -1)
+        * e
+        / np.where(np.isin(program.kind, (LOW_TURN, HIGH_TURN)), program.normal[:, 0], 1),
     )
     np.testing.assert_allclose(eased.values(solution.u), program.values(solution.u) + e / program.length, atol=1e-12)
     gained = value(eased, solver_named(solver)(eased, tolerance=TIGHT)) - value(program, solution)

@@ -16,9 +16,9 @@ Floats = NDArray[np.float64]
 
 TOLERANCE = 1.5e-9
 """Overlap that counts as none, as a share of the size; the contract says 1e-9, the rest is for rounding."""
-MOST_LEVELS = 7
+MAX_LEVELS = 7
 """Pieces are halved at most so often where parts touch."""
-MOST_LOOKS = 30_000
+MAX_LOOKS = 30_000
 """Positions of a pair that are looked at on a path, at most."""
 
 
@@ -106,7 +106,7 @@ class Ground:
         """An overlap at one motion (n, 3)."""
         return self.overlap_on(np.stack([motion, motion]))
 
-    def overlap_on(self, waypoints: Floats, levels: int = MOST_LEVELS, without: Collection[str] = ()) -> Overlap | None:
+    def overlap_on(self, waypoints: Floats, levels: int = MAX_LEVELS, without: Collection[str] = ()) -> Overlap | None:
         """The first overlap that is found along straight motion between waypoints (k, n, 3) of all parts but some, or None."""
         for i, j in self.pairs:
             if self.names[i] in without or self.names[j] in without:
@@ -141,7 +141,7 @@ class Ground:
             close = shapely.distance(one, other) <= speed[piece] * half
             piece, middle = piece[close], middle[close]
             half /= 2
-            if level == levels or looks + 2 * len(piece) > MOST_LOOKS:
+            if level == levels or looks + 2 * len(piece) > MAX_LOOKS:
                 break
             piece, middle = np.repeat(piece, 2), np.repeat(middle, 2)
             middle[0::2] -= half

@@ -15,9 +15,9 @@ Floats = NDArray[np.float64]
 
 REACH = 3.0
 """Corners nearer to an edge than this multiple of a step are in the linear program."""
-LEAST_STEP, FIRST_STEP, LARGEST_STEP = 1e-5, 0.01, 0.08
+MIN_STEP, FIRST_STEP, LARGEST_STEP = 1e-5, 0.01, 0.08
 """Steps, as shares of the size."""
-MOST_AWAY = 4.0
+MAX_AWAY = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +60,8 @@ class Climber:
         for _ in range(most):
             if (
                 self.left <= 0
-                or np.abs(at[:, :2]).max() > MOST_AWAY * self.ground.size
-                or step < LEAST_STEP * self.ground.size
+                or np.abs(at[:, :2]).max() > MAX_AWAY * self.ground.size
+                or step < MIN_STEP * self.ground.size
             ):
                 break
             self.left -= 1

@@ -30,7 +30,7 @@ _LETTERS = 0.17
 """Height of labels as a fraction of the pitch; the longest has five letters in one pitch."""
 _STRAY = 0.05
 """Mitred corners move further than edges by this share at most, unless the tab has lost its end."""
-_MOST = 60
+_MAX_GAPS = 60
 """Gaps on one coupon."""
 
 
@@ -72,8 +72,8 @@ def gap_steps(start: float, stop: float, step: float) -> tuple[float, ...]:
         )
         raise InputError(message)
     count = math.floor((stop - start) / step + 1e-6) + 1
-    if count > _MOST:
-        message = f"gaps from {start:g} to {stop:g} in steps of {step:g} are {count}: take at most {_MOST}"
+    if count > _MAX_GAPS:
+        message = f"gaps from {start:g} to {stop:g} in steps of {step:g} are {count}: take at most {_MAX_GAPS}"
         raise InputError(message)
     return tuple(round(start + i * step, 9) + 0.0 for i in range(count))
 

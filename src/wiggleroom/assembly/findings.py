@@ -125,13 +125,13 @@ def opened_overlaps(drawing: Drawing) -> tuple[str, ...]:
         for a, b, depth in pairs
         if depth > _ROUNDING * drawing.gap
     ]
-    more = [f"{len(lines) - _MOST_LINES} more pairs overlap as drawn; the gap opens that"]
-    return _located(drawing, lines if len(lines) <= _MOST_LINES else [*lines[:_MOST_LINES], *more])
+    more = [f"{len(lines) - _MAX_LINES} more pairs overlap as drawn; the gap opens that"]
+    return _located(drawing, lines if len(lines) <= _MAX_LINES else [*lines[:_MAX_LINES], *more])
 
 
 _ROUNDING = 0.041
 """Parts that share a curve may overlap by its chord error, a fiftieth of the gap on either side."""
-_MOST_LINES = 5
+_MAX_LINES = 5
 """Lines on overlaps that the gap opens."""
 
 

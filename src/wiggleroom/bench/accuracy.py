@@ -34,6 +34,8 @@ Bools = NDArray[np.bool_]
 
 SAMPLES = 1_000_000
 """Random motions of one pair."""
+SEED = 0
+"""Of the random motions, so that all runs judge the same ones."""
 WALLS = "walls"
 HULLS = {"hull, reference": Hull("reference"), "hull, joint": Hull("joint")}
 HALF_PLANES = {"half-planes": HalfPlane(iterated=False)}
@@ -59,8 +61,6 @@ COLUMNS = (
 def accuracy(
     samples: int = SAMPLES,
     *,
-    pairs: tuple[str, ...] = tuple(PAIRS),
-    seed: int = 0,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Bench:
@@ -70,9 +70,6 @@ def accuracy(
     ----------
     samples : int
         Of each pair.
-    pairs : tuple of str
-        Names from `wiggleroom.bench.pairs.PAIRS`.
-    seed : int
     stop, progress : optional
         Asked between pairs; told how many pairs are done, and how many there are.
 
@@ -87,13 +84,13 @@ def accuracy(
         finding = f"samples {samples}: there must be at least 1"
         raise InputError(finding)
     found: list[Record] = []
-    for done, name in enumerate(pairs):
+    for done, name in enumerate(PAIRS):
         if stop is not None and stop.is_set():
             break
         if progress is not None:
-            progress(done, len(pairs))
-        found += of_pair(name, PAIRS[name](), samples, seed)
-    cut = sum(r["method"] == WALLS for r in found) < len(pairs)
+            progress(done, len(PAIRS))
+        found += of_pair(name, PAIRS[name](), samples)
+    cut = sum(r["method"] == WALLS for r in found) < len(PAIRS)
     notes = (
         f"{samples:,} samples a pair, gap {GAP:g}, blocks of side 1. Right, unsafe and lost are shares of all "
         "samples, lost of free of the free ones. Unsafe: accepted though parts overlap; lost: refused though "
@@ -125,7 +122,7 @@ def accuracy(
     return Bench("accuracy", title, (*found, *ACCURACY), sheets, notes, command, cut)
 
 
-def of_pair(name: str, assembly: Assembly, samples: int, seed: int = 0) -> list[Record]:
+def of_pair(name: str, assembly: Assembly, samples: int) -> list[Record]:
     """Figures of all models for one pair."""
     hulls = {key: _polyhedron(assembly, model) for key, model in HULLS.items()}
     planes = {key: _polyhedron(assembly, model) for key, model in HALF_PLANES.items()}
@@ -138,10 +135,10 @@ def of_pair(name: str, assembly: Assembly, samples: int, seed: int = 0) -> list[
         if needed > walls.reach:
             walls = free_space(assembly, *PAIR, reach=needed)
     models: dict[str, FreeSpace | Polyhedron] = {WALLS: walls, **hulls, **planes}
-    found = _judged(models, walls, assembly, np.random.default_rng(seed).uniform(*box, (samples, 3)))
+    found = _judged(models, walls, assembly, np.random.default_rng(SEED).uniform(*box, (samples, 3)))
     for key, hull in hulls.items():
         low, high = _span([s.region for s in hull.slices], hull.angles)
-        about = np.random.default_rng(seed).uniform(low, high, (samples, 3))
+        about = np.random.default_rng(SEED).uniform(low, high, (samples, 3))
         about[:, :2] += hull.pivot - rotated(np.broadcast_to(hull.pivot, (samples, 2)), about[:, 2])
         needed = float(np.abs(about[:, :2]).max() + np.hypot(*walls.pivot) * np.abs(about[:, 2]).max())
         around = walls if walls.closed or needed <= walls.reach else free_space(assembly, *PAIR, reach=needed)

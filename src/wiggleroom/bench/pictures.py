@@ -51,7 +51,7 @@ def accuracy_picture(found: Bench, command: str) -> str:
         "accuracy_percent": "Judged rightly [% of the samples]",
         "lost_of_free_percent": "Lost [% of the free space]",
     }
-    return _two_panels_of_rows(found, command, "pair", pairs, titles)
+    return _two_panels_of_rows(found, command, pairs, titles)
 
 
 def speed_picture(found: Bench, command: str) -> str:
@@ -149,17 +149,17 @@ PICTURES: dict[str, Callable[[Bench, str], str]] = {
 """Registry: what draws each comparison."""
 
 
-def _two_panels_of_rows(found: Bench, command: str, group: str, names: Sequence[str], titles: dict[str, str]) -> str:
+def _two_panels_of_rows(found: Bench, command: str, pairs: Sequence[str], titles: dict[str, str]) -> str:
     body, top = frame.header(found.title, _facts(found), 2 * WIDE)
     top += TOP
-    left, high = palette.MARGIN + NAME_WIDTH, ROW_HEIGHT * len(names)
+    left, high = palette.MARGIN + NAME_WIDTH, ROW_HEIGHT * len(pairs)
     for k, (key, title) in enumerate(titles.items()):
         shown = [r for r in found.records if r.get(key) is not None]
-        panel = Panel(left, top, WIDE, high, (-3.0, 103.0), (len(names) - 0.5, -0.5))
-        rows = names if k == 0 else [""] * len(names)
+        panel = Panel(left, top, WIDE, high, (-3.0, 103.0), (len(pairs) - 0.5, -0.5))
+        rows = pairs if k == 0 else [""] * len(pairs)
         body += panel.axes(title, ("", ""), rows)
         for r in shown[::-1]:
-            at = np.array([names.index(r[group])], dtype=float)
+            at = np.array([pairs.index(r["pair"])], dtype=float)
             body += panel.curve(Curve("", np.array([r[key]]), at, STYLES.get(r["method"], OTHER)))
         left += WIDE + BETWEEN / 2
     return _finished(

@@ -15,7 +15,7 @@ from wiggleroom.search.prepare import survey
 def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> float | None:
     """A distance [mm] that no point of any part exceeds in any motion that starts at rest; None where none was found in time.
 
-    It needs joints that close round each other. Along ways to what is fixed, turns add up, and so do shifts of the joints' pivots
+    It needs joints that close round each other. Along paths to what is fixed, turns add up, and so do shifts of the joints' pivots
     and the swing of the arms between them.
 
     Examples

@@ -111,7 +111,7 @@ def first_ranges(
     turns: TurnDifferences | None = None,
     deviation: float = 0.0,
 ) -> AngleRanges:
-    """Turns and shifts add up along ways to fixed bodies; the shortest path counts. Equations of joints hold up to `deviation` [mm]."""
+    """Turns and shifts add up along paths to fixed bodies; the shortest path counts. Equations of joints hold up to `deviation` [mm]."""
     turns = turn_differences(joints, regions) if turns is None else turns
     up = shortest_paths(turns.a, turns.b, turns.high, -turns.low, fixed)
     down = shortest_paths(turns.a, turns.b, -turns.low, turns.high, fixed)

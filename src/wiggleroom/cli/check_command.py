@@ -28,7 +28,7 @@ def check(
 ) -> int:
     """Say whether it comes apart: whether some parts can be moved without limit away from the others.
 
-    Says which parts leave, alone or together, in which order and along which way, every step checked for overlap; or
+    Says which parts leave, alone or together, in which order and along which path, every step checked for overlap; or
     that they interlock, proven or searched. Fixed parts stand; where none is fixed, the largest part stands. Turning in
     place is not coming apart. Exit code: 0 interlocked, 1 comes apart, 3 unknown.
 

@@ -30,7 +30,7 @@ def plan(
     smallest_gap: Annotated[bool, Parameter(negative="")] = False,
     stills: Annotated[Path | None, Parameter(group=RESULTS)] = None,
 ) -> int:
-    """Plan how it is taken apart and, backwards, put together: who moves when, along which way, with how much room.
+    """Plan how it is taken apart and, backwards, put together: who moves when, along which path, with how much room.
 
     Parts may move aside and come back, alone, as one or several at once. Fixed parts stand; where none is fixed, the
     largest part stands. Every step is checked for overlap. Exit code: 0 a plan, or nothing leaves; 3 unknown.

@@ -52,7 +52,7 @@ def flex_half_planes(
     """Largest motion by one linear program at rest, or by many.
 
     Source: Lensgraf and others, "PuzzleFlex: kinematic motion of chains with loose joints" (ICRA 2020): local distance constraints,
-    linearised, and steps in time. Bounds, pairing and stopping are ours, for theirs are not public.
+    linearised, and steps in time. Bounds, pairing and stopping are ours: its text (arXiv 1906.08708) was not read in full.
     """
     steps = _Steps(ready, objective, stop, tell)
     first = [steps.first_step(pull) for pull in pulls(ready.bodies, objective, ready.clearance)] or [steps.begin()]

@@ -14,9 +14,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-TURN_STEP = 0.01
-"""Turns are cut into steps of at most this [rad]."""
-
 
 def least_distances(bodies: Bodies, path: Floats, there: Bools, ignored: Ints, most: float) -> Floats:
     """Least distances (n, n) of bodies on a path [mm], of which only those below `most` are worked out; others are `most`.
@@ -49,7 +46,6 @@ def least_distances(bodies: Bodies, path: Floats, there: Bools, ignored: Ints, m
                 if (low[a] > high[b] + most).any() or (low[b] > high[a] + most).any():
                     continue
                 found[a, b] = found[b, a] = swept_distance(
-                    shapes.corner, shapes.after, shapes.first, bodies.shape, radius, a, b, begin, end, TURN_STEP,
-                    found[a, b],
+                    shapes.corner, shapes.after, shapes.first, bodies.shape, radius, a, b, begin, end, found[a, b],
                 )  # fmt: skip
     return found

@@ -150,7 +150,7 @@ def next_stage(
     ground = int(np.flatnonzero(bodies.fixed)[0])
     rest = np.zeros((1, n, 3))
     still = MoveSequence(rest, NO_BODIES)
-    tell(Progress("straight ways"))
+    tell(Progress("straight paths"))
     found = translation_escapes(bodies, rest[0], ground, surveyed.ignored, surveyed.size, begin.group, stop=stop)
     first = _with_largest_clearance(surveyed, found, targets, holding_cost)
     if first is not None and _wanted(first.who, targets):

@@ -138,7 +138,7 @@ def escape_path(
     looks: int | None = None,
     stop: Stop | None = None,
 ) -> tuple[Floats, TranslationEscape] | None:
-    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its waypoints are looked at, or all."""
+    """Return the path (k, n, 3) up to where bodies leave straight; `looks` of its waypoints are looked at, or all."""
     last = len(motions) - 1
     for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
         found = translation_escape(ready.bodies, motions[k], ground, ready.ignored, ready.size, group, stop)

@@ -11,6 +11,9 @@ import numpy as np
 
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
+TURN_STEP = 0.01
+"""Turns are cut into steps of at most this [rad]."""
+
 
 @njit(**COMPILED_CALLERS_ONLY)
 def point_distance(px, py, ax, ay, bx, by):
@@ -70,13 +73,13 @@ def seen_from(a, b, out):
 
 
 @njit(**OPTIONS)
-def swept_distance(corner, after, first, shape, radius, a, b, begin, end, step, least):
+def swept_distance(corner, after, first, shape, radius, a, b, begin, end, least):
     """Least distance of bodies a and b while all go evenly from the poses `begin` (n, 3) to `end`; `least` where it is not less.
 
-    Turns are cut into steps of at most `step` [rad]; by so much as corners leave the straight line in one the distance is less.
+    Turns are cut into steps of at most TURN_STEP; by so much as corners leave the straight line in one the distance is less.
     """
     turn = max(abs(end[a, 2] - begin[a, 2]), abs(end[b, 2] - begin[b, 2]))
-    pieces = max(1, int(np.ceil(turn / step)))
+    pieces = max(1, int(np.ceil(turn / TURN_STEP)))
     apart = max(
         np.hypot(begin[b, 0] - begin[a, 0], begin[b, 1] - begin[a, 1]),
         np.hypot(end[b, 0] - end[a, 0], end[b, 1] - end[a, 1]),

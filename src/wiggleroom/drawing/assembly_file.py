@@ -100,7 +100,7 @@ class _PlanarReader(EntryReader[FileEntry]):
         glue = tuple(self._together(f"glue[{i}]", value) for i, value in enumerate(entry.glue))
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
         gaps = tuple(found for i, value in enumerate(entry.gaps) if (found := self._gap(i, value)))
-        self._twice((frozenset(joint.parts) for joint in gaps), "gaps")
+        self._check_repeated(gaps)
         tolerances = tuple(one for i, value in enumerate(entry.tolerances) if (one := self._tolerance(i, value)))
         goals: tuple[Goal, ...] = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
         if entry.objective in WHOLE:
@@ -129,10 +129,10 @@ class _PlanarReader(EntryReader[FileEntry]):
             return 0.0
         return scaled
 
-    def _twice(self, keys: Iterable[frozenset[str]], what: str) -> None:
-        for pair, count in Counter(keys).items():
+    def _check_repeated(self, gaps: Iterable[JointGap]) -> None:
+        for pair, count in Counter(frozenset(joint.parts) for joint in gaps).items():
             if count > 1:
-                self._say(what, f"parts {' and '.join(sorted(pair))} are given {count} times; once is right")
+                self._say("gaps", f"parts {' and '.join(sorted(pair))} are given {count} times; once is right")
 
     def _shape(self, name: str, value: Any) -> tuple[Region, ...]:
         where = f'shape "{name}"'

@@ -24,6 +24,7 @@ from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import PairFrames, relate, rotated
+from wiggleroom.geometry.row_kinds import A_EDGE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -92,7 +93,7 @@ class FreeSpace(FreeSlices, Drawable):
     @property
     def rows(self) -> int:
         """Walls of all cells, the ends of their angle intervals not counted."""
-        return int((self.cells.kind < 2).sum())
+        return int(self.cells.is_wall.sum())
 
     @property
     def intervals(self) -> Floats:
@@ -119,7 +120,7 @@ class FreeSpace(FreeSlices, Drawable):
         pose = self._relation.pose(shift, motion[:, 2])
         inside = np.abs(shift).max(axis=1, initial=0.0) <= self.reach
         shapes, cells = self._bodies.shapes, self.cells
-        walls = cells.kind < 2
+        walls = cells.is_wall
         row = np.concatenate([[0], np.cumsum(walls)])[cells.row]
         edge = cells.edge[walls]
         normal, start, corner = shapes.normal[edge], shapes.corner[edge], shapes.corner[cells.corner[walls]]
@@ -142,7 +143,7 @@ def _in_any(
                 continue
             good = True
             for r in range(row[cell], row[cell + 1]):
-                if kind[r] == 0:
+                if kind[r] == A_EDGE:
                     px = c * corner[r, 0] - s * corner[r, 1] + x - start[r, 0]
                     py = s * corner[r, 0] + c * corner[r, 1] + y - start[r, 1]
                 else:
@@ -221,9 +222,7 @@ def free_space(
     return _polyhedron(assembly, them, rows, (a, b), wanted)
 
 
-def free_slices(
-    assembly: Assembly, a: str, b: str, count: int = 40, *, reach: float | None = None, stop: Stop | None = None
-) -> FreeSlices:
+def free_slices(assembly: Assembly, a: str, b: str, count: int = 40, *, stop: Stop | None = None) -> FreeSlices:
     """Exact slices of the free space of two parts, its two ends among them, without the cells that fill it.
 
     Parameters, errors: see `free_space`.
@@ -235,7 +234,7 @@ def free_slices(
     >>> len(found.slices), found.closed, round(found.slices[2].area, 6)
     (5, True, 0.0004)
     """
-    them, rows, material, usual = _pair(assembly, a, b, reach)
+    them, rows, material, usual = _pair(assembly, a, b, None)
     space, relation = _marched(assembly, them, rows, (a, b), material, usual, stop)
     low, high = space.ends
     found = []

@@ -11,12 +11,10 @@ from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.geometry.row_kinds import A_EDGE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-A_EDGE, B_EDGE = 0, 1
-"""Kinds of rows: a corner of B at an edge of A, and the other way round; as in `wiggleroom.program.contact_functions`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +28,7 @@ class VertexEdgePairs:
     row : (P + 1,) int64
         Rows of pair p are row[p] .. row[p + 1].
     kind, edge, corner : (R,) int64
-        Edge and corner as rows of `BodyShapes`; kind 0: an edge of A and a corner of B, 1: an edge of B and a corner of A.
+        Edge and corner as rows of `BodyShapes`; kind A_EDGE or B_EDGE of `row_kinds`.
     seed : (P, 3) float64 [mm, mm, rad]
         Relative poses at which they were listed.
     """

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.body_frame import outward, side_by_side, upright, without_panel
 from wiggleroom.mating.body_search import bodies_of, panel_names
 from wiggleroom.mating.cutting_sheet import CuttingSheet
@@ -18,6 +17,7 @@ from wiggleroom.mating.flanks import SheetPlate, bits, plates_of
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.known import with_fixed_plates
 from wiggleroom.mating.pair_poses import PairPoseTable
+from wiggleroom.mating.panel_set import PanelSet, Placement
 from wiggleroom.mating.refinement import least_squares_placement, pressed_panel, relief_needed
 from wiggleroom.mating.sheet_settings import SETTINGS
 
@@ -125,15 +125,15 @@ def assemble_sheet(
     drawn = [size if abs(size - thickness) > 0.15 * thickness else thickness for size in real]
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
     constraints = edge_constraints(sheet, plates, hints)
-    bench = BeamState(_told_apart(plates, constraints.named), constraints)
-    whole = PairPoseTable(bench, whole=True)
-    tables = PairPoseTable(bench, whole=True, aligned_of=whole), whole, PairPoseTable(bench, whole=False)
-    found, doubts = bodies_of(bench, tables, hints, stop, progress)
+    panel_set = PanelSet(_told_apart(plates, constraints.named), constraints)
+    whole = PairPoseTable(panel_set, whole=True)
+    tables = PairPoseTable(panel_set, whole=True, aligned_of=whole), whole, PairPoseTable(panel_set, whole=False)
+    found, doubts = bodies_of(panel_set, tables, hints, stop, progress)
     bodies, unplaced = with_fixed_plates(
-        bench, [outward(bench, least_squares_placement(bench, body)) for body in found], constraints
+        panel_set, [outward(panel_set, least_squares_placement(panel_set, body)) for body in found], constraints
     )
     notes = [*sheet.notes]
-    bodies, relief, pressed = _relieved(bench, bodies, real, thickness)
+    bodies, relief, pressed = _relieved(panel_set, bodies, real, thickness)
     unplaced = sorted({*unplaced, *pressed})
     doubts += [f'panel "{names[row]}" overlaps others where its flanks meet, and is left out' for row in pressed]
     if relief > 1e-3:
@@ -145,14 +145,14 @@ def assemble_sheet(
     joints: list[FoundJoint] = []
     left: dict[int, NDArray[np.int64]] = {}
     for body in bodies:
-        joints += [FoundJoint((a, b), pairs) for a, b, pairs in bench.met(body)[0]]
-        left |= {row: rows for row, rows in bench.open(body).items() if len(rows)}
+        joints += [FoundJoint((a, b), pairs) for a, b, pairs in panel_set.met(body)[0]]
+        left |= {row: rows for row, rows in panel_set.open(body).items() if len(rows)}
     if left:
         doubts.append(
             f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {panel_names(names, list(left))}"
         )
     doubts += _not_kept(constraints, bodies)
-    loose = _loose(bench, tables[1], bodies, unplaced)
+    loose = _loose(panel_set, tables[1], bodies, unplaced)
     if loose:
         fits = (
             "no edge of it fits another panel: it lies"
@@ -163,18 +163,20 @@ def assemble_sheet(
     waiting = [row for row in unplaced if row not in loose]
     if waiting:
         doubts.append(f"not placed: {panel_names(names, waiting)}")
-    placed = side_by_side(bench, [upright(bench, body) for body in bodies])
+    placed = side_by_side(panel_set, [upright(panel_set, body) for body in bodies])
     return AssembledSheet(
         plates, tuple(real), tuple(placed), tuple(joints), left, tuple(unplaced), tuple(loose), taken, relief,
         tuple(dict.fromkeys(doubts)), tuple(notes), sheet.source,
     )  # fmt: skip
 
 
-def _loose(bench: BeamState, table: PairPoseTable, bodies: Sequence[Placement], unplaced: Sequence[int]) -> list[int]:
+def _loose(
+    panel_set: PanelSet, table: PairPoseTable, bodies: Sequence[Placement], unplaced: Sequence[int]
+) -> list[int]:
     """Panels of which no row of fingers fits one of another panel that is still open."""
     met = dict.fromkeys(unplaced, 0)
     for body in bodies:
-        _, flags = bench.met(body)
+        _, flags = panel_set.met(body)
         met |= {row: bits(rows[None])[0] if len(rows) else 0 for row, rows in flags.items()}
     found = []
     for row in unplaced:
@@ -199,7 +201,7 @@ def _not_kept(constraints: EdgeConstraints, bodies: Sequence[Placement]) -> list
 
 
 def _relieved(
-    bench: BeamState, bodies: list[Placement], real: list[float], thickness: float
+    panel_set: PanelSet, bodies: list[Placement], real: list[float], thickness: float
 ) -> tuple[list[Placement], float, list[int]]:
     """Bodies in which no plates overlap, the relief that takes [mm], and panels that had to be left out."""
     result: list[Placement] = []
@@ -207,13 +209,13 @@ def _relieved(
     pressed: list[int] = []
     for body in bodies:
         while len(body.rows) > 1:
-            needed = relief_needed(bench, body, real, SETTINGS.max_relief * thickness)
+            needed = relief_needed(panel_set, body, real, SETTINGS.max_relief * thickness)
             if np.isfinite(needed):
                 relief = max(relief, needed)
                 break
-            row = pressed_panel(bench, body, real, SETTINGS.max_relief * thickness)
+            row = pressed_panel(panel_set, body, real, SETTINGS.max_relief * thickness)
             pressed.append(row)
-            body = least_squares_placement(bench, without_panel(body, row))
+            body = least_squares_placement(panel_set, without_panel(body, row))
         if len(body.rows) > 1:
             result.append(body)
         else:

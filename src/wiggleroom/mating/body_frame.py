@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.mating.beam_search import BeamState, Placement
+from wiggleroom.mating.panel_set import PanelSet, Placement
 from wiggleroom.mating.sheet_settings import SETTINGS
 
 
@@ -14,9 +14,9 @@ def without_panel(body: Placement, row: int) -> Placement:
     return Placement(tuple(body.rows[k] for k in keep), body.turns[keep], body.moves[keep], body.met, {})
 
 
-def outward(bench: BeamState, body: Placement) -> Placement:
+def outward(panel_set: PanelSet, body: Placement) -> Placement:
     """Body or its mirror image: the one whose panels show their drawn side outward."""
-    areas = np.array([bench.plates[row].polygon.area for row in body.rows])
+    areas = np.array([panel_set.plates[row].polygon.area for row in body.rows])
     centre = areas @ body.moves / areas.sum()
     if areas @ np.einsum("ki,ki->k", body.turns[:, :, 2], body.moves - centre) >= 0:
         return body
@@ -24,13 +24,13 @@ def outward(bench: BeamState, body: Placement) -> Placement:
     return Placement(body.rows, flip @ body.turns @ flip, body.moves @ flip, body.met, {})
 
 
-def upright(bench: BeamState, body: Placement) -> Placement:
+def upright(panel_set: PanelSet, body: Placement) -> Placement:
     """Body standing on the panel called bottom or on the one that suits it."""
     turns, moves = body.turns, body.moves
-    areas = np.array([bench.plates[row].polygon.area for row in body.rows])
+    areas = np.array([panel_set.plates[row].polygon.area for row in body.rows])
     calling = ("bottom", "floor", "base", "boden")
-    said = [k for k, row in enumerate(body.rows) if bench.plates[row].name.lower().startswith(calling)]
-    points = np.vstack(bench.places(Placement(body.rows, turns, moves, 0.0, {})))
+    said = [k for k, row in enumerate(body.rows) if panel_set.plates[row].name.lower().startswith(calling)]
+    points = np.vstack(panel_set.places(Placement(body.rows, turns, moves, 0.0, {})))
 
     def tilted(i: int) -> tuple[float, int]:
         """Size of the box round everything in the frame of one panel, then how many panels stand askew in it."""
@@ -46,13 +46,13 @@ def upright(bench: BeamState, body: Placement) -> Placement:
     return Placement(body.rows, np.round(turns, 12) + 0.0, moves, body.met, {})
 
 
-def side_by_side(bench: BeamState, bodies: list[Placement]) -> list[Placement]:
+def side_by_side(panel_set: PanelSet, bodies: list[Placement]) -> list[Placement]:
     """Bodies moved apart along x."""
     result: list[Placement] = []
     reach = 0.0
     for body in bodies:
-        thick = max(plate.thickness for plate in bench.plates)
-        points = np.vstack(bench.places(body))
+        thick = max(plate.thickness for plate in panel_set.plates)
+        points = np.vstack(panel_set.places(body))
         shift = np.array([reach - points[:, 0].min() + thick, 0.0, 0.0]) if result else np.zeros(3)
         reach = float((points + shift)[:, 0].max() + thick + SETTINGS.body_distance)
         result.append(Placement(body.rows, body.turns, body.moves + shift, body.met, {}))

@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.contact import MAX_ASKEW_COSINE, MET_TOLERANCE
 from wiggleroom.mating.flanks import bits, flank_rows
 from wiggleroom.mating.pair_poses import PairPoseTable
+from wiggleroom.mating.panel_set import PanelSet, Placement
 
 Floats = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ class Closed:
 
 
 def closed_placements(
-    bench: BeamState,
+    panel_set: PanelSet,
     starts: Sequence[Placement],
     free: Iterable[int],
     table: PairPoseTable,
@@ -91,7 +91,7 @@ def closed_placements(
 
     Parameters
     ----------
-    bench : BeamState
+    panel_set : PanelSet
     starts : sequence of Placement
         Of the same panels.
     free : iterable of int
@@ -107,12 +107,12 @@ def closed_placements(
     Complete as far as flanks decide: two placements count as one when they cover the same places, up to a mirror.
     Flanks that no panel of the sheet could meet do not count as needed here.
     """
-    kinds = {bench.plates[row].kind: row for row in free}
+    kinds = {panel_set.plates[row].kind: row for row in free}
     for a in kinds.values():
         for b in kinds.values():
             go_on(stop)
             table.between(a, b)
-    search = _ExhaustiveSearch(bench, frozenset(free), table, stop)
+    search = _ExhaustiveSearch(panel_set, frozenset(free), table, stop)
     most = share * SETTINGS.max_poses
     found = search.closed(starts, 0, int(most))
     for spare in range(1, max_open_lines + 1):
@@ -137,13 +137,13 @@ _Tried = dict[tuple[float, ...], tuple[int, _Partial] | None]
 class _ExhaustiveSearch:
     def __init__(
         self,
-        bench: BeamState,
+        panel_set: PanelSet,
         free: frozenset[int],
         table: PairPoseTable,
         stop: Stop | None,
     ) -> None:
-        self.bench, self.free, self.table, self.stop = bench, free, table, stop
-        plates = bench.plates
+        self.panel_set, self.free, self.table, self.stop = panel_set, free, table, stop
+        plates = panel_set.plates
         self._needed = [bits(plate.needed[None])[0] if len(plate.needed) else 0 for plate in plates]
         self._lines = [
             [sum(1 << k for k in line.rows.tolist()) & self._needed[row] for line in plate.lines]
@@ -155,7 +155,7 @@ class _ExhaustiveSearch:
     def _matchable(self, row: int) -> int:
         """Flanks of a panel that some other free panel can meet."""
         matchable = 0
-        for other in {self.bench.plates[i].kind: i for i in self.free if i != row}.values():
+        for other in {self.panel_set.plates[i].kind: i for i in self.free if i != row}.values():
             for met, _ in self.table.between(row, other).met:
                 matchable |= met
         return matchable
@@ -166,7 +166,7 @@ class _ExhaustiveSearch:
         self.result = Closed(open_lines=spare)
         self._seen: dict[int, tuple[list[Floats], list[Placement]]] = {}
         for start in starts:
-            _, flags = self.bench.met(start)
+            _, flags = self.panel_set.met(start)
             met = tuple(bits(flags[row][None])[0] if len(flags[row]) else 0 for row in start.rows)
             self.descend(_Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows)), spare)
         return self.result
@@ -177,12 +177,12 @@ class _ExhaustiveSearch:
         if self.left <= 0 or len(self.result.placements) >= SETTINGS.max_assemblies:
             self.result.exhausted = False
             return
-        mark = self.bench.signature(node.state)
+        mark = self.panel_set.signature(node.state)
         marks, states = self._seen.setdefault(spare, ([], []))
         if marks:
             near = np.abs(np.array(marks) - mark).max(axis=1) < SETTINGS.moment_tolerance
             if any(
-                self._same(states[k], node.state, self.bench.told_isometries) for k in np.flatnonzero(near).tolist()
+                self._same(states[k], node.state, self.panel_set.told_isometries) for k in np.flatnonzero(near).tolist()
             ):
                 return
         marks.append(mark)
@@ -202,7 +202,7 @@ class _ExhaustiveSearch:
     def _keep(self, state: Placement) -> None:
         """Keep an assembly; the larger one of two where lines stay open."""
         kept = self.result.placements
-        if any(self._same(other, state, self.bench.isometries) for other in kept):
+        if any(self._same(other, state, self.panel_set.isometries) for other in kept):
             return
         if self.result.open_lines and kept:
             if len(state.rows) < len(kept[0].rows):
@@ -217,11 +217,11 @@ class _ExhaustiveSearch:
         for place, row in enumerate(node.state.rows):
             met = node.met[place]
             fine = met | node.excused[place]
-            near = self.bench.plates[row].neighbours
+            near = self.panel_set.plates[row].neighbours
             for flank in flank_rows(self._needed[row] & ~fine):
                 if any(k >= 0 and met >> int(k) & 1 for k in near[flank]):
                     fine |= 1 << flank
-            kind = self.bench.plates[row].kind
+            kind = self.panel_set.plates[row].kind
             for number, line in enumerate(self._lines[row]):
                 rest = line & ~fine
                 if rest:
@@ -233,16 +233,16 @@ class _ExhaustiveSearch:
         """Whether two placements are congruent or mirror images."""
         panels = [
             [
-                (self.bench.plates[row].kind, turn, move)
+                (self.panel_set.plates[row].kind, turn, move)
                 for row, turn, move in zip(each.rows, each.turns, each.moves, strict=True)
             ]
             for each in (a, b)
         ]
-        return congruent(isometries, panels[0], panels[1], MET_TOLERANCE * self.bench.tolerance)
+        return congruent(isometries, panels[0], panels[1], MET_TOLERANCE * self.panel_set.tolerance)
 
     def _fewest(self, node: _Partial, left: list[tuple[int, int, int]]) -> tuple[int, int, list[_Partial]]:
         """Place and line of the open flank that leaves the fewest choices, and those choices: one panel more each."""
-        waiting = {self.bench.plates[i].kind: i for i in sorted(self.free - set(node.state.rows), reverse=True)}
+        waiting = {self.panel_set.plates[i].kind: i for i in sorted(self.free - set(node.state.rows), reverse=True)}
         best: tuple[int, int, list[_Partial]] | None = None
         tried: _Tried = {}
         for place, number, line in left[: SETTINGS.branching_lines]:
@@ -251,7 +251,7 @@ class _ExhaustiveSearch:
             if best is None or len(found) < len(best[2]):
                 best = place, line, found
             if not found:
-                self._failures[self.bench.plates[node.state.rows[place]].kind, number] += 1
+                self._failures[self.panel_set.plates[node.state.rows[place]].kind, number] += 1
             if len(best[2]) < 2:
                 break
         return (left[0][0], left[0][2], []) if best is None else best
@@ -260,7 +260,7 @@ class _ExhaustiveSearch:
         self, node: _Partial, place: int, flank: int, waiting: dict[int, int], tried: _Tried
     ) -> list[_Partial]:
         """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank."""
-        state, bench = node.state, self.bench
+        state, panel_set = node.state, self.panel_set
         row = state.rows[place]
         found: list[tuple[int, float, _Partial]] = []
         for kind, other in waiting.items():
@@ -275,7 +275,7 @@ class _ExhaustiveSearch:
                     continue
                 turn = state.turns[place] @ poses.turns[k]
                 move = state.turns[place] @ poses.moves[k] + state.moves[place]
-                mark = (kind, *np.round(bench.trace(kind, turn[None], move[None])[0], 2))
+                mark = (kind, *np.round(panel_set.trace(kind, turn[None], move[None])[0], 2))
                 if mark in marks:
                     continue
                 marks.add(mark)
@@ -290,7 +290,7 @@ class _ExhaustiveSearch:
         self, node: _Partial, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
     ) -> tuple[int, _Partial] | None:
         """The placement with one panel more, and how many flanks it closes; None where it overlaps or blocks others."""
-        state, bench = node.state, self.bench
+        state, panel_set = node.state, self.panel_set
         self.left -= 1
         everyone = list(node.met)
         everyone[place] |= met
@@ -302,13 +302,16 @@ class _ExhaustiveSearch:
             if q == place:
                 continue
             inner, shift = state.turns[q].T @ turn, state.turns[q].T @ (move - state.moves[q])
-            if float(shift @ shift) > (bench.radius[a] + bench.radius[other] + bench.plates[a].thickness) ** 2:
+            if (
+                float(shift @ shift)
+                > (panel_set.radius[a] + panel_set.radius[other] + panel_set.plates[a].thickness) ** 2
+            ):
                 continue
-            if bench.volume(a, other, inner, shift) > bench.most:
+            if panel_set.volume(a, other, inner, shift) > panel_set.most:
                 return None
             if abs(inner[2, 2]) > MAX_ASKEW_COSINE:
                 continue
-            flags = bench.masks(a, other, inner[None], shift[None])
+            flags = panel_set.masks(a, other, inner[None], shift[None])
             met_a, met_b, blocked_a, blocked_b = (bits(each)[0] if each.size else 0 for each in flags)
             everyone[q] |= met_a
             mine |= met_b
@@ -320,11 +323,11 @@ class _ExhaustiveSearch:
             return None
         if any(blocked & ~(everyone[q] | node.excused[q]) for q, blocked in refused):
             return None
-        if bench.constraints.named and not bench.constraints.allow(
+        if panel_set.constraints.named and not panel_set.constraints.allow(
             state.rows, state.turns, state.moves, other, turn, move, meeting
         ):
             return None
-        move = bench.centred(state, other, turn, move)
+        move = panel_set.centred(state, other, turn, move)
         turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])
         grown = Placement((*state.rows, other), turns, moves, state.met + closed, {})
         return closed, _Partial(grown, (*everyone, mine), (*node.excused, self._hopeless[other]))

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.mating.flanks import SAME_OUTLINE, same_outline
+from wiggleroom.mating.panel_outline import SAME_OUTLINE, same_outline
 
 Floats = NDArray[np.float64]
 Isometry = tuple[Floats, Floats]

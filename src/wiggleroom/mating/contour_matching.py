@@ -25,6 +25,8 @@ _VOTES = 3_000_000
 """With more votes only some of the samples are asked."""
 _SUPPORT = 0.2
 """Poses with less than this share of the best one's votes are not looked at."""
+_CHOICES = 5
+"""Poses that are looked at closely for two parts of usual size; more where an outline is longer."""
 _OPPOSED = -0.8
 """Largest cosine between the tangents of two contours that touch: they run against each other."""
 
@@ -191,7 +193,7 @@ class ContourMatch:
     salient: float = field(compare=False)
 
 
-def contour_matches(contours: list[SampledContour], tolerance: float, *, choices: int = 5) -> list[ContourMatch]:
+def contour_matches(contours: list[SampledContour], tolerance: float) -> list[ContourMatch]:
     """Poses of every two parts in which bent pieces of their outlines fit, the longest contact first.
 
     Parameters
@@ -200,8 +202,6 @@ def contour_matches(contours: list[SampledContour], tolerance: float, *, choices
         All with the same step and window.
     tolerance : float [mm]
         By how much outlines that belong together may miss each other.
-    choices : int
-        Poses that are looked at closely for two parts of usual size; more where an outline is longer.
 
     Notes
     -----
@@ -228,7 +228,7 @@ def contour_matches(contours: list[SampledContour], tolerance: float, *, choices
     result: list[ContourMatch] = []
     for number, rows in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
         a, b = divmod(number, len(contours))
-        count = round(choices * max(1.0, max(contours[a].length, contours[b].length) / usual))
+        count = round(_CHOICES * max(1.0, max(contours[a].length, contours[b].length) / usual))
         result += _refined_matches(contours[a], contours[b], (a, b), (index[i[rows]], index[j[rows]]), count, tolerance)
     return result
 

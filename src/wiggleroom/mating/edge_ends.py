@@ -12,8 +12,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.flanks import FlankLine, SheetPlate
+from wiggleroom.mating.panel_set import PanelSet, Placement
 
 Floats = NDArray[np.float64]
 
@@ -51,24 +51,24 @@ def _together(apart: Floats, thickness: float) -> NDArray[np.bool_]:
     return np.minimum(apart, np.abs(apart - thickness)) < SAME_END * thickness
 
 
-def aligned_ends(bench: BeamState, placed: Placement) -> float:
+def aligned_ends(panel_set: PanelSet, placed: Placement) -> float:
     """Sum of `ends_together` over all joints of a placement."""
-    return sum(_joint_ends(bench, placed))
+    return sum(_joint_ends(panel_set, placed))
 
 
-def _joint_ends(bench: BeamState, placed: Placement) -> Iterator[float]:
+def _joint_ends(panel_set: PanelSet, placed: Placement) -> Iterator[float]:
     place = {row: k for k, row in enumerate(placed.rows)}
-    for a, b, pairs in bench.met(placed)[0]:
+    for a, b, pairs in panel_set.met(placed)[0]:
         i, j = place[a], place[b]
         turn, move = placed.turns[i].T @ placed.turns[j], placed.turns[i].T @ (placed.moves[j] - placed.moves[i])
-        for line in bench.plates[a].lines:
+        for line in panel_set.plates[a].lines:
             met = pairs[np.isin(pairs[:, 0], line.rows)]
-            other = next((each for each in bench.plates[b].lines if len(met) and met[0, 1] in each.rows), None)
+            other = next((each for each in panel_set.plates[b].lines if len(met) and met[0, 1] in each.rows), None)
             if other is None:
                 continue
-            own, its = edge_ends(bench.plates[a], line), edge_ends(bench.plates[b], other)
+            own, its = edge_ends(panel_set.plates[a], line), edge_ends(panel_set.plates[b], other)
             if its is not None:
                 points = np.outer(its, other.along) + other.offset * other.across
                 low, high = np.sort((points @ turn[:2, :2].T + move[:2]) @ line.along).tolist()
                 its = low, high
-            yield ends_together(own, its, bench.plates[a].thickness)
+            yield ends_together(own, its, panel_set.plates[a].thickness)

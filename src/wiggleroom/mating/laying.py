@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.mating.assembled_sheet import AssembledSheet
-from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.flanks import SheetPlate
 from wiggleroom.mating.hints import FixedPlate
+from wiggleroom.mating.panel_set import PanelSet, Placement
 
 Floats = NDArray[np.float64]
 
@@ -113,8 +113,8 @@ def laid_plates(
     if not home.rows:
         message = f"{onto} stands alone; lay {panel} on a panel that others hold"
         raise InputError(message)
-    bench = BeamState(found.plates)
-    poses = _laid(bench, home, row, np.array(at), base, np.array(there), stop)
+    panel_set = PanelSet(found.plates)
+    poses = _laid(panel_set, home, row, np.array(at), base, np.array(there), stop)
     if not poses:
         message = f"{panel} cannot touch {onto} there without sharing material; press nearer to where it belongs"
         raise InputError(message)
@@ -134,10 +134,10 @@ def _fixed(panel: str, frame: str, turn: Floats, move: Floats) -> FixedPlate:
 
 
 def _laid(
-    bench: BeamState, home: Placement, row: int, at: Floats, base: int, there: Floats, stop: Stop | None
+    panel_set: PanelSet, home: Placement, row: int, at: Floats, base: int, there: Floats, stop: Stop | None
 ) -> list[tuple[Floats, Floats]]:
     """Poses of a panel, best first."""
-    plate, other = bench.plates[row], bench.plates[base]
+    plate, other = panel_set.plates[row], panel_set.plates[base]
     place = home.rows.index(base)
     turn, move = home.turns[place], home.moves[place]
     point, target = at - plate.centre, turn[:, :2] @ (there - other.centre) + move
@@ -148,11 +148,11 @@ def _laid(
     inner[:2, 0], inner[:2, 1] = own, (own[1], -own[0])
     inner[:, 2] = np.cross(inner[:, 0], inner[:, 1])
     anchor = inner.T @ np.append(point, 0.0)
-    mine = _planes([row], inner.T[None], np.zeros((1, 3)), bench, np.eye(3))
+    mine = _planes([row], inner.T[None], np.zeros((1, 3)), panel_set, np.eye(3))
     ranked: list[tuple[int, float, Floats, Floats]] = []
     for frame in _frames(along, out, normal, is_edge, on_edge):
         go_on(stop)
-        theirs = _planes(home.rows, home.turns, home.moves, bench, frame)
+        theirs = _planes(home.rows, home.turns, home.moves, panel_set, frame)
         named = theirs.owner == base
         if on_edge:  # then it is the narrow side that is touched
             outward, place_of_edge = frame.T @ out, frame.T @ (turn[:, :2] @ corner + move)
@@ -172,7 +172,7 @@ def _laid(
     for *_, frame, shift in ranked:
         pose = frame @ inner.T, frame @ shift
         mark = tuple(np.round([*pose[0].ravel(), *pose[1]], 2))
-        if mark in marks or bench.overlaps(home, row, *pose):
+        if mark in marks or panel_set.overlaps(home, row, *pose):
             continue
         marks.add(mark)
         found.append(pose)
@@ -211,11 +211,11 @@ def _frames(along: Floats, out: Floats, normal: Floats, is_edge: bool, on_edge: 
     return [np.column_stack([a, b, np.cross(a, b)]) for a, b in pairs]
 
 
-def _planes(rows: Sequence[int], turns: Floats, moves: Floats, bench: BeamState, frame: Floats) -> BoundaryPlanes:
+def _planes(rows: Sequence[int], turns: Floats, moves: Floats, panel_set: PanelSet, frame: Floats) -> BoundaryPlanes:
     """Faces and straight edges of placed panels whose normals are axes of a frame."""
     axes, signs, lows, highs, owners = [], [], [], [], []
     for row, turn, move in zip(rows, turns, moves, strict=True):
-        plate = bench.plates[row]
+        plate = panel_set.plates[row]
         half = plate.thickness / 2
         pose, shift = frame.T @ turn, frame.T @ move
         here, there = _edges(plate)

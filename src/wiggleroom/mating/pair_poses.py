@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.mating.beam_search import BeamState
 from wiggleroom.mating.candidates import VOTING
 from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE, finger_length, finger_setback, line_shifts
 from wiggleroom.mating.edge_constraints import JoinedEdges
 from wiggleroom.mating.edge_ends import edge_ends, ends_together
 from wiggleroom.mating.flanks import FlankLine, SheetPlate, bits, flank_rows, joint_angles
+from wiggleroom.mating.panel_set import PanelSet
 
 Floats = NDArray[np.float64]
 LONG_ROW = 4
@@ -59,32 +59,32 @@ class PairPoseTable:
 
     Parameters
     ----------
-    bench : BeamState
+    panel_set : PanelSet
     whole : bool
         Only poses in which rows of fingers meet from end to end: a joint is a row of one panel in a row of another.
     aligned_of : PairPoseTable, optional
         A table of which only those poses count in which the edges end together.
     """
 
-    def __init__(self, bench: BeamState, *, whole: bool, aligned_of: PairPoseTable | None = None) -> None:
-        self.bench = bench
+    def __init__(self, panel_set: PanelSet, *, whole: bool, aligned_of: PairPoseTable | None = None) -> None:
+        self.panel_set = panel_set
         self.whole = whole
         self.aligned_of = aligned_of
-        self.angles = joint_angles(bench.plates)
+        self.angles = joint_angles(panel_set.plates)
         self._known: dict[tuple[int, int], PairPoses] = {}
 
     def between(self, a: int, b: int) -> PairPoses:
         """Poses of a panel like `b` in the frame of a panel like `a`; both are rows."""
-        key = self.bench.plates[a].kind, self.bench.plates[b].kind
+        key = self.panel_set.plates[a].kind, self.panel_set.plates[b].kind
         if key not in self._known:
             if self.aligned_of is not None:
                 poses = self.aligned_of.between(a, b)
-                joined = bool(self.bench.constraints.between(a, b))
+                joined = bool(self.panel_set.constraints.between(a, b))
                 self._known[key] = poses if joined else _chosen(poses, poses.together == 2.0)
             elif key[::-1] in self._known:
                 self._known[key] = _inverse(self._known[key[::-1]])
             else:
-                self._known[key] = self._worked_out(a, b, self.bench.constraints.between(a, b))
+                self._known[key] = self._worked_out(a, b, self.panel_set.constraints.between(a, b))
         return self._known[key]
 
     def unjoined(self, a: int, b: int) -> PairPoses:
@@ -93,31 +93,33 @@ class PairPoseTable:
 
     def _worked_out(self, a: int, b: int, joins: Sequence[JoinedEdges]) -> PairPoses:
         """Poses in which every join holds; these need not close whole rows."""
-        bench = self.bench
-        found = list(_line_poses(bench.plates[a], bench.plates[b], bench.tolerance))
+        panel_set = self.panel_set
+        found = list(_line_poses(panel_set.plates[a], panel_set.plates[b], panel_set.tolerance))
         for angle in self.angles:
-            found += _askew_poses(bench.plates[a], bench.plates[b], bench.tolerance, float(np.cos(angle)))
+            found += _askew_poses(panel_set.plates[a], panel_set.plates[b], panel_set.tolerance, float(np.cos(angle)))
         if not found:
             return PairPoses(np.zeros((0, 3, 3)), np.zeros((0, 3)), (), (), np.zeros(0))
         turns, moves, together = (np.concatenate(values) for values in zip(*found, strict=True))
-        met_a, met_b = bench.met_flags(a, b, turns, moves)
+        met_a, met_b = panel_set.met_flags(a, b, turns, moves)
         fine = met_a.any(axis=1)
         for join in joins:
             for met, edge in zip((met_a, met_b), join.flanks, strict=True):
                 fine &= met[:, list(flank_rows(edge))].sum(axis=1) >= join.least
         if self.whole and not joins:
-            fine &= _meets_whole_rows(bench.plates[a], met_a) & _meets_whole_rows(bench.plates[b], met_b)
+            fine &= _meets_whole_rows(panel_set.plates[a], met_a) & _meets_whole_rows(panel_set.plates[b], met_b)
         turns, moves, together = turns[fine], moves[fine], together[fine]
-        met_a, met_b, blocked_a, blocked_b = bench.masks(a, b, turns, moves)
+        met_a, met_b, blocked_a, blocked_b = panel_set.masks(a, b, turns, moves)
         count, odd = met_a.sum(axis=1), blocked_a.sum(axis=1) + blocked_b.sum(axis=1)
-        corners = np.column_stack([np.round(turns.reshape(-1, 9) * 10), np.round(moves / bench.tolerance)]).astype(int)
+        corners = np.column_stack([np.round(turns.reshape(-1, 9) * 10), np.round(moves / panel_set.tolerance)]).astype(
+            int
+        )
         keep, marks = [], set()
         for k in np.lexsort([-together, -count]).tolist():
             mark = corners[k].tobytes()
             if (
                 (odd[k] > count[k] and not joins)
                 or mark in marks
-                or bench.volume(a, b, turns[k], moves[k]) > bench.most
+                or panel_set.volume(a, b, turns[k], moves[k]) > panel_set.most
             ):
                 continue
             marks.add(mark)

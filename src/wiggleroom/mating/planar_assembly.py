@@ -14,9 +14,9 @@ from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.errors import Stop
 from wiggleroom.mating.contour_matching import PlanarPose, contact
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet
-from wiggleroom.mating.flanks import inset
+from wiggleroom.mating.panel_outline import inset
 from wiggleroom.mating.planar_search import (
-    LEAST_CONTACT,
+    MIN_CONTACT,
     PlanarSearch,
     first_names,
     grow_body,
@@ -236,7 +236,7 @@ def _joints(
             contour = work.contours[row]
             inner = shapely.distance(hull.exterior, shapely.points(pose.of(contour.points))) > work.tolerance
             away = contour.salient & ~met[row] & inner
-            if away.sum() * contour.step > LEAST_CONTACT * work.window:
+            if away.sum() * contour.step > MIN_CONTACT * work.window:
                 still[row] = contour.points[away] + centres[row]
     return joints, still
 

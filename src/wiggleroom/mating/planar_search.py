@@ -23,7 +23,7 @@ from wiggleroom.mating.contour_matching import (
     sampled,
 )
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR
-from wiggleroom.mating.flanks import inset
+from wiggleroom.mating.panel_outline import inset
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _WINDOW = 0.05
 """Arc to either side of a sample that a descriptor sees, as share of the usual outline."""
 _SAMPLES = 240
 """On an outline of usual length."""
-LEAST_CONTACT = 1.5
+MIN_CONTACT = 1.5
 """Bent contact below this many windows puts nothing together."""
 _RIVAL = 0.9
 """Another place that has this share of the contact makes an assembly doubtful."""
@@ -121,7 +121,7 @@ class PlanarSearch:
         """The two parts with the longest bent contact that do not overlap."""
         found = {match for row in left for other, _, match in self.matches.get(row, []) if other in left}
         for match in sorted(found, key=lambda match: (-match.salient, match.parts)):
-            if match.salient < LEAST_CONTACT * self.window:
+            if match.salient < MIN_CONTACT * self.window:
                 return None
             a, b = match.parts
             if not self.overlap({a: PlanarPose()}, b, match.pose):
@@ -201,7 +201,7 @@ def grow_body(
             salient = sum(touch.salient for touch in touching.values())
             if best and salient < _RIVAL * best[0].salient:
                 continue
-            if salient >= LEAST_CONTACT * work.window and not work.overlap(body, choice.row, choice.pose):
+            if salient >= MIN_CONTACT * work.window and not work.overlap(body, choice.row, choice.pose):
                 best = sorted([*best, _Choice(choice.row, choice.pose, salient)], key=lambda c: -c.salient)
         if not best:
             break

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.mating.assembled_sheet import AssembledSheet
-from wiggleroom.mating.flanks import inset
+from wiggleroom.mating.panel_outline import inset
 
 Floats = NDArray[np.float64]
 

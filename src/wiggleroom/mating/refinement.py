@@ -10,9 +10,10 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import require_extra
-from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.contact import MAX_SQUARE_COSINE
-from wiggleroom.mating.flanks import SheetPlate, inset
+from wiggleroom.mating.flanks import SheetPlate
+from wiggleroom.mating.panel_outline import inset
+from wiggleroom.mating.panel_set import PanelSet, Placement
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +43,7 @@ class RefinementSettings:
 SETTINGS = RefinementSettings()
 
 
-def least_squares_placement(bench: BeamState, state: Placement) -> Placement:
+def least_squares_placement(panel_set: PanelSet, state: Placement) -> Placement:
     """Placement whose panels are shifted by least squares over all flanks that meet; turns stay, the first panel stays.
 
     Returns
@@ -51,7 +52,7 @@ def least_squares_placement(bench: BeamState, state: Placement) -> Placement:
     """
     place = {row: k for k, row in enumerate(state.rows)}
     joints = [
-        joint for joint in bench.met(state)[0]  # fingers at other angles do not meet in their middles
+        joint for joint in panel_set.met(state)[0]  # fingers at other angles do not meet in their middles
         if abs(state.turns[place[joint[0]]][:, 2] @ state.turns[place[joint[1]]][:, 2]) < MAX_SQUARE_COSINE
     ]  # fmt: skip
     if not joints:
@@ -62,8 +63,8 @@ def least_squares_placement(bench: BeamState, state: Placement) -> Placement:
     wanted = np.vstack([np.zeros((len(joints), 3)), SETTINGS.stay_weight * state.moves])
     for q, (a, b, found) in enumerate(joints):
         i, j = place[a], place[b]
-        apart = bench.flanks[b][found[:, 1], :2] @ state.turns[j][:, :2].T
-        apart -= bench.flanks[a][found[:, 0], :2] @ state.turns[i][:, :2].T
+        apart = panel_set.flanks[b][found[:, 1], :2] @ state.turns[j][:, :2].T
+        apart -= panel_set.flanks[a][found[:, 0], :2] @ state.turns[i][:, :2].T
         weight = np.sqrt(len(found))
         matrix[q, i], matrix[q, j] = weight, -weight
         wanted[q] = weight * apart.mean(axis=0)
@@ -90,48 +91,48 @@ def plate_solid(plate: SheetPlate, thickness: float, turn: Floats, move: Floats,
     return body.transform(np.column_stack([turn, move]))
 
 
-def relief_needed(bench: BeamState, state: Placement, thickness: list[float], most: float) -> float:
+def relief_needed(panel_set: PanelSet, state: Placement, thickness: list[float], most: float) -> float:
     """Smallest distance [mm] by which all outlines must move inward so that no two plates share material.
 
     Parameters
     ----------
-    bench : Bench
+    panel_set : PanelSet
     state : Placement
     thickness : list of float [mm]
         Real thickness of every panel of the sheet.
     most : float [mm]
         Infinity is returned where even this is not enough.
     """
-    near = _near(bench, state, thickness)
+    near = _near(panel_set, state, thickness)
     low, high = 0.0, most
-    if not _pressing(bench, state, thickness, near, 0.0):
+    if not _pressing(panel_set, state, thickness, near, 0.0):
         return 0.0
-    left = _pressing(bench, state, thickness, near, most)
+    left = _pressing(panel_set, state, thickness, near, most)
     if left:
         return float("inf")
     while high - low > max(SETTINGS.relief_resolution, 0.02 * high):
         middle = (low + high) / 2
-        if _pressing(bench, state, thickness, near, middle):
+        if _pressing(panel_set, state, thickness, near, middle):
             low = middle
         else:
             high = middle
     return high + SETTINGS.relief_margin
 
 
-def pressed_panel(bench: BeamState, state: Placement, thickness: list[float], relief: float) -> int:
+def pressed_panel(panel_set: PanelSet, state: Placement, thickness: list[float], relief: float) -> int:
     """Row of the panel that overlaps others at this relief and of whose flanks the fewest meet."""
-    _, flags = bench.met(state)
+    _, flags = panel_set.met(state)
     pressed = set()
-    for i, j in _near(bench, state, thickness):
-        if _pressing(bench, state, thickness, [(i, j)], relief):
+    for i, j in _near(panel_set, state, thickness):
+        if _pressing(panel_set, state, thickness, [(i, j)], relief):
             pressed |= {state.rows[i], state.rows[j]}
     return min(pressed, key=lambda row: (flags[row].sum(), -state.rows.index(row)))
 
 
-def _near(bench: BeamState, state: Placement, thickness: list[float]) -> list[tuple[int, int]]:
+def _near(panel_set: PanelSet, state: Placement, thickness: list[float]) -> list[tuple[int, int]]:
     """Pairs of places in the placement whose boxes meet."""
     boxes = []
-    for row, turn, points in zip(state.rows, state.turns, bench.places(state), strict=True):
+    for row, turn, points in zip(state.rows, state.turns, panel_set.places(state), strict=True):
         reach = np.abs(turn[:, 2]) * thickness[row] / 2
         boxes.append((points.min(axis=0) - reach, points.max(axis=0) + reach))
     count = range(len(boxes))
@@ -142,12 +143,12 @@ def _near(bench: BeamState, state: Placement, thickness: list[float]) -> list[tu
 
 
 def _pressing(
-    bench: BeamState, state: Placement, thickness: list[float], near: list[tuple[int, int]], relief: float
+    panel_set: PanelSet, state: Placement, thickness: list[float], near: list[tuple[int, int]], relief: float
 ) -> bool:
     used = {k for pair in near for k in pair}
     solids = {}
     for k in used:
         row = state.rows[k]
-        solids[k] = plate_solid(bench.plates[row], thickness[row], state.turns[k], state.moves[k], relief)
-    least = SETTINGS.free_volume * min((bench.plates[row].polygon.length for row in state.rows), default=1.0)
+        solids[k] = plate_solid(panel_set.plates[row], thickness[row], state.turns[k], state.moves[k], relief)
+    least = SETTINGS.free_volume * min((panel_set.plates[row].polygon.length for row in state.rows), default=1.0)
     return any((solids[i] ^ solids[j]).volume() > least for i, j in near)

@@ -25,7 +25,7 @@ HELD_REACH = 1.5
 """A loose part that comes nearer to what moves than this multiple of the least clearance may be dragged along, and is held."""
 TURN_PER_PIECE = 0.02
 """Clearances are worked out on pieces that turn by at most this [rad]."""
-MOST_CLEARANCE = 0.1
+MAX_CLEARANCE = 0.1
 """Clearances are worked out up to this share of the drawing's size."""
 
 
@@ -113,7 +113,7 @@ def measured(assembly: Assembly, surveyed: Survey, step: Step) -> Step:
     fine, stray = _finely(assembly, surveyed, step.path)
     path = of_bodies(assembly, bodies, fine)
     there = np.array([step.there[list(m)].all() for m in bodies.members])
-    most = MOST_CLEARANCE * surveyed.size
+    most = MAX_CLEARANCE * surveyed.size
     apart = least_distances(bodies, path, there, surveyed.ignored, most)
     moving = np.unique(bodies.body_of[np.isin(names, step.parts)])
     clearance = max(float(apart[moving].min(initial=most)) - stray, 0.0)

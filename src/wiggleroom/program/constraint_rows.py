@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.row_kinds import FACE, HIGH_TURN, LOW_TURN
 from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
-from wiggleroom.program import contact_functions as kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -62,7 +62,7 @@ def wall_rows(bodies: Bodies, cells: Cells) -> Rows:
     normal, corner, off = shapes.normal[cells.edge], shapes.corner[cells.corner], level[cells.edge]
     pair = cells.pair
     lever = np.minimum(bodies.radius[cells.a], bodies.radius[cells.b])
-    for kind, end in ((kernel.LOW, 0), (kernel.HIGH, 1)):
+    for kind, end in ((LOW_TURN, 0), (HIGH_TURN, 1)):
         rows = np.flatnonzero(cells.kind == kind)
         normal[rows], corner[rows] = 0.0, 0.0
         normal[rows, 0] = lever[pair[rows]]
@@ -74,7 +74,7 @@ def face_rows(bodies: Bodies, faces: Halfspaces) -> Rows:  # noqa: ARG001
     """Flat faces: h = -(N g + D)."""
     pair = faces.pair
     return Rows(
-        np.full(len(pair), kernel.FACE, dtype=np.int64),
+        np.full(len(pair), FACE, dtype=np.int64),
         -faces.normal[:, :2],
         -faces.normal[:, 2],
         faces.offset - (faces.normal * faces.rest[pair]).sum(1),

@@ -1,9 +1,12 @@
 """Compiled evaluation of relative poses and walls, with exact first and second derivatives.
 
-The one equation: B seen from A is q = R(theta_A)^T (T_B - T_A), psi = theta_B - theta_A. A wall is
-h = n . (R(psi) v + q) - off (corner v of B before an edge of A), or h = n . R(-psi) (v - q) - off (corner v of A before an edge of B).
-Rows of kind 2 and 3 keep psi inside the interval over which a cell was verified: n[0] (psi - off) and n[0] (off - psi).
-Rows of kind 4 are flat faces, linear in where a point v of B is seen and in psi: h = n . (R(psi) v + q) + per_turn psi - off.
+The one equation: B seen from A is q = R(theta_A)^T (T_B - T_A), psi = theta_B - theta_A. Rows h >= 0, by kind (`row_kinds`):
+
+    A_EDGE     h = n . (R(psi) v + q) - off                     a wall: corner v of B in front of an edge of A
+    B_EDGE     h = n . R(-psi) (v - q) - off                    a wall: corner v of A in front of an edge of B
+    LOW_TURN   h = n[0] (psi - off)                             psi within the interval over which a cell was verified
+    HIGH_TURN  h = n[0] (off - psi)
+    FACE       h = n . (R(psi) v + q) + per_turn psi - off      a flat face, linear in where a point v of B is seen and in psi
 """
 
 from __future__ import annotations
@@ -11,8 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, njit
-
-A_EDGE, B_EDGE, LOW, HIGH, FACE = 0, 1, 2, 3, 4
+from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, FACE, HIGH_TURN, LOW_TURN
 
 
 @njit(**NO_ALLOCATION)
@@ -34,14 +36,14 @@ def wall_values(g, row, kind, normal, per_turn, off, corner, h):
         c, s = np.cos(psi), np.sin(psi)
         for k in range(row[p], row[p + 1]):
             nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
-            if kind[k] == 0:
+            if kind[k] == A_EDGE:
                 h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) - off[k]
-            elif kind[k] == 1:
+            elif kind[k] == B_EDGE:
                 ux, uy = vx - x, vy - y
                 h[k] = (c * nx - s * ny) * ux + (s * nx + c * ny) * uy - off[k]
-            elif kind[k] == 2:
+            elif kind[k] == LOW_TURN:
                 h[k] = nx * (psi - off[k])
-            elif kind[k] == 3:
+            elif kind[k] == HIGH_TURN:
                 h[k] = nx * (off[k] - psi)
             else:
                 h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[k] * psi - off[k]
@@ -55,15 +57,15 @@ def wall_gradients(g, row, kind, normal, per_turn, corner, d):
         c, s = np.cos(psi), np.sin(psi)
         for k in range(row[p], row[p + 1]):
             nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
-            if kind[k] == 0:
+            if kind[k] == A_EDGE:
                 zx, zy = c * vx - s * vy, s * vx + c * vy
                 d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy
-            elif kind[k] == 1:
+            elif kind[k] == B_EDGE:
                 mx, my = c * nx - s * ny, s * nx + c * ny
                 d[k, 0], d[k, 1], d[k, 2] = -mx, -my, mx * (vy - y) - my * (vx - x)
-            elif kind[k] == 2:
+            elif kind[k] == LOW_TURN:
                 d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, nx
-            elif kind[k] == 3:
+            elif kind[k] == HIGH_TURN:
                 d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, -nx
             else:
                 zx, zy = c * vx - s * vy, s * vx + c * vy
@@ -173,9 +175,9 @@ def wall_blocks(g, row, kind, d, normal, corner, weight, lam, M, force):
             force[p, 0] += f * d0
             force[p, 1] += f * d1
             vx, vy = corner[k, 0], corner[k, 1]
-            if kind[k] == 0 or kind[k] == 4:
+            if kind[k] == A_EDGE or kind[k] == FACE:
                 M[p, 5] += f * (normal[k, 0] * (c * vx - s * vy) + normal[k, 1] * (s * vx + c * vy))
-            elif kind[k] == 1:
+            elif kind[k] == B_EDGE:
                 M[p, 2] += f * d1
                 M[p, 4] -= f * d0
                 M[p, 5] -= f * (d0 * (vx - x) + d1 * (vy - y))

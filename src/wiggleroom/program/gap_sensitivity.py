@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.offset_bodies import mitres
-from wiggleroom.program import contact_functions as kernel
+from wiggleroom.geometry.row_kinds import A_EDGE
 from wiggleroom.program.nonlinear_program import Program
 
 Floats = NDArray[np.float64]
@@ -29,7 +29,7 @@ def carried(cells: Cells, before: Bodies, after: Bodies) -> Cells:
     """
     edge_of, corner_of = _owners(cells)
     shift = after.shapes.first[after.shape] - before.shapes.first[before.shape]
-    wall = cells.kind <= kernel.B_EDGE
+    wall = cells.is_wall
     return replace(
         cells,
         edge=cells.edge + np.where(wall, shift[edge_of], 0),
@@ -39,7 +39,7 @@ def carried(cells: Cells, before: Bodies, after: Bodies) -> Cells:
 
 def _owners(cells: Cells) -> tuple[Ints, Ints]:
     """Body (R,) of each row's edge, and of its corner."""
-    pair, mine = cells.pair, cells.kind == kernel.A_EDGE
+    pair, mine = cells.pair, cells.kind == A_EDGE
     a, b = cells.a[pair], cells.b[pair]
     return np.where(mine, a, b), np.where(mine, b, a)
 
@@ -69,11 +69,11 @@ def gains(program: Program, u: Floats) -> Gains:
     """Derivatives of all walls at u (3F,) by how far the outline of each part moves inward."""
     cells, bodies = program.cells, program.bodies
     shapes = bodies.shapes
-    row = np.flatnonzero(cells.kind <= kernel.B_EDGE)
+    row = np.flatnonzero(cells.is_wall)
     edge_of, corner_of = (who[row] for who in _owners(cells))
     edge, corner = cells.edge[row], cells.corner[row]
     g, _ = program.relative(program.motion(u))
-    psi = g[cells.pair[row], 2] * np.where(cells.kind[row] == kernel.A_EDGE, 1.0, -1.0)
+    psi = g[cells.pair[row], 2] * np.where(cells.kind[row] == A_EDGE, 1.0, -1.0)
     c, s = np.cos(psi), np.sin(psi)
     x, y = mitres(shapes)[corner].T
     nx, ny = shapes.normal[edge].T

@@ -12,12 +12,12 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, njit
-from wiggleroom.geometry.vertex_edge_pairs import A_EDGE
+from wiggleroom.geometry.row_kinds import A_EDGE
 
 
 @njit(inline="always", **COMPILED_CALLERS_ONLY)
 def _seen(k, c, s, x, y, u, v):
-    """Corner (u, v) as the edge's frame sees it: of B in A's frame (kind 0) or of A in B's frame."""
+    """Corner (u, v) as the edge's frame sees it: of B in A's frame (A_EDGE) or of A in B's frame."""
     if k == A_EDGE:
         return c * u - s * v + x, s * u + c * v + y
     return c * (u - x) + s * (v - y), -s * (u - x) + c * (v - y)

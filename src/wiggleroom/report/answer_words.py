@@ -264,7 +264,9 @@ def certainty(answer: Answer) -> str:
     """Say what was checked about the motion, in a few words."""
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
-    return "no overlap, way from rest checked" if answer.path == "checked" else "no overlap, way from rest not checked"
+    return (
+        "no overlap, path from rest checked" if answer.path == "checked" else "no overlap, path from rest not checked"
+    )
 
 
 def facts(answer: Answer) -> list[str]:

@@ -44,15 +44,16 @@ def _moving(track: Track, order: NDArray[np.int64], times: Floats, seconds: floa
     inner = track.svg
     if np.ptp(turn) > 1e-3:
         spin = f'<animateTransform attributeName="transform" type="rotate" values="{_list(turn, 3)}" {timing}/>'
-        inner = f"<g>{spin}{inner}</g>"
+        inner = f'<g transform="rotate({turn[0]:.3f})">{spin}{inner}</g>'
     elif abs(turn[0]) > 5e-4:
         inner = f'<g transform="rotate({turn[0]:.3f})">{inner}</g>'
-    fade = ""
+    shown = fade = ""
     if np.ptp(track.opacity) > 0:
+        shown = f' opacity="{track.opacity[0]:.2f}"'
         fade = f'<animate attributeName="opacity" values="{_list(track.opacity[order], 2)}" {timing}/>'
-    return (
-        f'<g><animateTransform attributeName="transform" type="translate" values="{values}" {timing}/>{fade}{inner}</g>'
-    )
+    at = f"translate({xy[0, 0]:.2f} {xy[0, 1]:.2f})"  # viewers that play nothing show rest
+    spread = f'<animateTransform attributeName="transform" type="translate" values="{values}" {timing}/>'
+    return f'<g transform="{at}"{shown}>{spread}{fade}{inner}</g>'
 
 
 def _list(values: Floats, places: int) -> str:

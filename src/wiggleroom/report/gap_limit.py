@@ -98,9 +98,9 @@ def _certainty(found: AllowableGap) -> str:
             return "no further motion was found at this gap, which is no proof"
         case "holds":
             return (
-                "every way out is closed"
+                "every path out is closed"
                 if found.certainty is Certainty.PROVEN
-                else "no way out was found, which is no proof"
+                else "no path out was found, which is no proof"
             )
     return "by exact geometry; smaller outlines fit all the more"
 
@@ -114,9 +114,9 @@ def _beyond(found: AllowableGap, gap: float) -> str:
             moves = (
                 "nothing stops it" if value is None or math.isinf(value) else f"it moves {number(value, GAP_DIGITS)}"
             )
-            return f"{at} {moves}, by a way that was checked"
+            return f"{at} {moves}, along a path that was checked"
         case "holds":
-            return f"{at} it comes apart, by a way that was checked"
+            return f"{at} it comes apart, along a path that was checked"
     return f"{at} parts overlap by {number(trial.value or 0.0, 3)} mm" if trial else at
 
 

@@ -155,7 +155,7 @@ def _lines_alone(found: Displayable) -> list[str]:
             return [f"freedom {far}, most of all {few(found.parts)}"]
         case Escape() | SpatialEscape():
             return [
-                f"{few(found.parts)} {'leaves' if len(found.parts) == 1 else 'leave'} on a way of {len(found.path)} points"
+                f"{few(found.parts)} {'leaves' if len(found.parts) == 1 else 'leave'} on a path of {len(found.path)} points"
             ]
         case Step():
             return [step_sentence(found)]

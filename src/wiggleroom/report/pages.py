@@ -102,7 +102,7 @@ def page_of_sweep(found: Sweep, *, command: str = "") -> str:
         most = [float("nan") if s.at_most is None else s.at_most] if has_band(found) else []
         rows.append([float(s.gap), value, *most, rate, str(s.verdict), "checked" if s.checked else "not checked"])
     band = ["at most"] if has_band(found) else []
-    heads = ["gap mm", f"motion {what}".rstrip(), *band, "per mm of gap", "verdict", "way"]
+    heads = ["gap mm", f"motion {what}".rstrip(), *band, "per mm of gap", "verdict", "path"]
     sure = [
         ("loses its end", lost_sentence(found)),
         ("found", "each gap begins where the smaller one ended; parts that became smaller still fit there"),

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_MOST_STEPS = 40
+_MAX_STEPS = 40
 """Steps that the page for the terminal lists."""
-MOST_PIECES = 3
+MAX_PIECES = 3
 """Paths of more straight pieces than this are not described piece by piece."""
 SLIGHT_TURN = 0.05
 """Turns up to this are not described [deg]."""
@@ -160,9 +160,9 @@ def plan_table(found: Plan, told: PlanTolerances | None = None) -> Group:
     from rich.text import Text
 
     lines = [Text.assemble((plan_title(found), f"bold {SEPARABILITY_COLOURS[found.verdict]}"))]
-    lines += [Text(f"{k + 1:3}. {step_sentence(step)}") for k, step in enumerate(found.steps[:_MOST_STEPS])]
-    if len(found.steps) > _MOST_STEPS:
-        lines.append(Text(f"     ... and {len(found.steps) - _MOST_STEPS} more steps; --json has all"))
+    lines += [Text(f"{k + 1:3}. {step_sentence(step)}") for k, step in enumerate(found.steps[:_MAX_STEPS])]
+    if len(found.steps) > _MAX_STEPS:
+        lines.append(Text(f"     ... and {len(found.steps) - _MAX_STEPS} more steps; --json has all"))
     lines += [Text(line) for line in (*plan_facts(found), *tolerance_sentences(told or PlanTolerances()))]
     lines.append(Text(f"seconds: {found.seconds:.2f}, {searched_sentence(found)}", style="dim"))
     return Group(*lines)
@@ -219,7 +219,7 @@ def _how(step: Step) -> str:
     rows = np.flatnonzero(np.any(np.abs(step.path - step.path[:1]) > STILL, axis=(0, 2)))
     pieces = np.diff(step.path[:, rows[0]], axis=0)
     turn = math.degrees(abs(step.path[-1, rows[0], 2] - step.path[0, rows[0], 2]))
-    if len(pieces) <= MOST_PIECES and (step.as_one or len(rows) == 1):
+    if len(pieces) <= MAX_PIECES and (step.as_one or len(rows) == 1):
         straight = [
             f"{towards((x, y))}"
             + ("" if step.leaves and k == len(pieces) - 1 else f" by {number(math.hypot(x, y))} mm")
@@ -228,7 +228,7 @@ def _how(step: Step) -> str:
         ]
         if straight:
             return "in " + ", then ".join(straight) + (f", turned by {number(turn, 2)}°" if turn > SLIGHT_TURN else "")
-    return f"on a way of {len(step.path)} points"
+    return f"on a path of {len(step.path)} points"
 
 
 def searched_sentence(found: Plan) -> str:

@@ -111,8 +111,8 @@ def why(found: Interlock) -> str:
     """What the verdict rests on."""
     if found.verdict is Separability.COMES_APART:
         if found.certainty is Certainty.SEARCHED:
-            return "parts touch at rest; with a little gap this is a way, every step checked for overlap"
-        return "every step of the way checked for overlap"
+            return "parts touch at rest; with a little gap this is a path out, every step checked for overlap"
+        return "every step of the path checked for overlap"
     if found.tight:
         return "parts touch at rest and lock each other to first order" + (
             ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
@@ -128,7 +128,7 @@ def why(found: Interlock) -> str:
             f"searched, nothing leaves from {found.states:,} states to which slides and turns of single parts lead, nor along "
             f"{found.questions:,} largest motions"
         )
-    return f"searched, no way was found along {found.questions:,} largest motions"
+    return f"searched, no path out was found along {found.questions:,} largest motions"
 
 
 def further(distance: float) -> str:
@@ -173,7 +173,7 @@ def direction_text(found: Interlock, escape: Escape) -> str:
     """How the parts go."""
     if len(escape.path) == 2:
         return f"straight in {towards(last_directions(found, escape)[0])}"
-    return f"on a way of {len(escape.path)} points, at last in {towards(last_directions(found, escape)[0])}"
+    return f"on a path of {len(escape.path)} points, at last in {towards(last_directions(found, escape)[0])}"
 
 
 def last_directions(found: Interlock, escape: Escape) -> tuple[tuple[float, float], ...]:

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.mating.assembled_sheet import AssembledSheet
-from wiggleroom.mating.flanks import inset
+from wiggleroom.mating.panel_outline import inset
 from wiggleroom.report import frame, palette
 from wiggleroom.report.sheet_record import on_sheet, sheet_headline
 from wiggleroom.report.text import escape

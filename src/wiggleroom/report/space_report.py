@@ -72,7 +72,7 @@ def volume(space: FreeSlices) -> float:
 
 def space_result(space: FreeSpace, judged: SampledAccuracy | None, command: str) -> SpaceResult:
     """Everything `space --json` says; lengths in mm, angles in degrees."""
-    walls = np.diff(np.concatenate([[0], np.cumsum(space.cells.kind < 2)])[space.cells.row])
+    walls = np.diff(np.concatenate([[0], np.cumsum(space.cells.is_wall)])[space.cells.row])
     a, b = space.parts
     return SpaceResult(
         parts=(a, b),

@@ -146,7 +146,7 @@ def spatial_sure(answer: SpatialAnswer) -> list[tuple[str, str]]:
         ("verdict", f"{answer.verdict.value}: {spatial_sentence(answer)}"),
         ("checked", f"{spatial_certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
         ("at most", spatial_bound_sentence(answer)),
-        ("search", "one climb from rest; a higher hill may remain unfound"),
+        ("search", "one climb from rest; a better local optimum may remain unfound"),
         ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
     ]

@@ -74,7 +74,7 @@ def _animated(data: bytes, assembly: SpatialAssembly, motion: Floats, waypoints:
             channels.append({"sampler": len(samplers) - 1, "target": {"node": node_of[name], "path": path}})
     if not channels:
         return data
-    content["animations"] = [{"name": "way from rest", "samplers": samplers, "channels": channels}]
+    content["animations"] = [{"name": "path from rest", "samplers": samplers, "channels": channels}]
     content["buffers"][0]["byteLength"] = len(binary)
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)

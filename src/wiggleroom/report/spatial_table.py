@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from wiggleroom.disassembly.largest_gap import LargestGap
 
-_MOST_PARTS, _MOST_CONTACTS = 12, 8
+_MAX_PARTS, _MAX_CONTACTS = 12, 8
 _COLOURS = {Verdict.PROVEN: "green", Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
 _SENTENCES = {
     Verdict.OPTIMAL: "the optimality conditions hold, contacts balance the pull",
@@ -54,7 +54,7 @@ def spatial_certainty(answer: SpatialAnswer) -> str:
     """Say what was checked about the motion."""
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
-    return f"no overlap, way from rest {answer.path}"
+    return f"no overlap, path from rest {answer.path}"
 
 
 def spatial_bound_sentence(answer: SpatialAnswer) -> str:
@@ -85,21 +85,21 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     still = [k for k in order if not motion[k].any()]
     moving = [k for k in order if motion[k].any()]
     farthest = float(moved.max(initial=0.0))
-    for k in moving[:_MOST_PARTS]:
+    for k in moving[:_MAX_PARTS]:
         shift = [fixed(x, farthest) for x in motion[k, :3].tolist()]
         parts.add_row(short(names[k]), *shift, f"{math.degrees(answer.turn[k]):.3f}")
-    if len(moving) > _MOST_PARTS:
-        parts.add_row(f"... and {len(moving) - _MOST_PARTS} more", "", "", "", "", style="dim")
+    if len(moving) > _MAX_PARTS:
+        parts.add_row(f"... and {len(moving) - _MAX_PARTS} more", "", "", "", "", style="dim")
     if still:
         parts.add_row(f"{len(still)} at rest", "", "", "", "", style="dim")
     page: list[RenderableType] = [*lines, Text(), parts, Text()]
     if answer.contacts:
         held = columns("held by", "x mm", "y mm", "z mm", "force")
-        for c in answer.contacts[:_MOST_CONTACTS]:
+        for c in answer.contacts[:_MAX_CONTACTS]:
             where = [fixed(x, answer.assembly.size) for x in c.point]
             held.add_row(" | ".join(short(n) for n in c.parts), *where, number(c.force, 3))
-        if len(answer.contacts) > _MOST_CONTACTS:
-            held.add_row(f"... and {len(answer.contacts) - _MOST_CONTACTS} more", "", "", "", "", style="dim")
+        if len(answer.contacts) > _MAX_CONTACTS:
+            held.add_row(f"... and {len(answer.contacts) - _MAX_CONTACTS} more", "", "", "", "", style="dim")
         page += [held, Text()]
     spent = ", ".join(f"{stage} {seconds:.2f}" for stage, seconds in answer.seconds.items())
     overlap = f"deepest overlap {number(answer.deepest_overlap, 2)} mm"
@@ -123,13 +123,13 @@ def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = N
             (found.verdict.value, "bold"), f" at gap {number(found.assembly.gap)} mm: {check_sentence(found)}"
         )
     ]
-    for k, escape in enumerate(found.escapes[:_MOST_PARTS]):
+    for k, escape in enumerate(found.escapes[:_MAX_PARTS]):
         far = escape.path[-1]
         who = [found.assembly.names.index(n) for n in escape.parts]
         along = far[who, :3].mean(axis=0)
         lines.append(Text(f"{k + 1:3}. {few(escape.parts)} in {spatial_towards(tuple(along.tolist()))}"))  # type: ignore[arg-type]
-    if len(found.escapes) > _MOST_PARTS:
-        lines.append(Text(f"     ... and {len(found.escapes) - _MOST_PARTS} more"))
+    if len(found.escapes) > _MAX_PARTS:
+        lines.append(Text(f"     ... and {len(found.escapes) - _MAX_PARTS} more"))
     if found.escapes and len(found.remains) > 1:
         lines.append(Text(f"remains: {few(found.remains)}"))
     if border is not None:
@@ -153,17 +153,17 @@ def departure_words(found: SpatialDisassembly, escape: SpatialEscape) -> str:
     who = f"{few(escape.parts)} {'leaves' if len(escape.parts) == 1 else 'leave together'}"
     if len(escape.path) == 2:
         return f"{who} straight in {towards}"
-    return f"{who} on a way of {len(escape.path)} points, at last in {towards}"
+    return f"{who} on a path of {len(escape.path)} points, at last in {towards}"
 
 
 def check_sentence(found: SpatialDisassembly) -> str:
     """Say what the verdict rests on."""
     if found.verdict is Separability.COMES_APART:
-        return "every step of the way checked for overlap"
+        return "every step of the path checked for overlap"
     if found.verdict is Separability.UNKNOWN:
         return "some questions were not answered"
     return (
         "proven"
         if found.certainty is Certainty.PROVEN
-        else "searched, every planned question was answered and no way was found"
+        else "searched, every planned question was answered and no path out was found"
     )

@@ -33,7 +33,7 @@ def sweep_facts(found: Sweep) -> list[str]:
             if odd
             else []
         ),
-        *([f"way not checked at {unsure}"] if unsure else []),
+        *([f"path not checked at {unsure}"] if unsure else []),
     ]
 
 

@@ -22,7 +22,7 @@ class BoundEntry(Struct):
 
 
 class SearchEntry(Struct):
-    """What the search beyond the nearest hill came to."""
+    """What the search beyond the nearest local optimum came to."""
 
     starts: Annotated[int, Meta(description="climbs that were made, the one from rest among them")]
     at_value: Annotated[int, Meta(description="how many of them ended at the objective, to 0.1 %")]

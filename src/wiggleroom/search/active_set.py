@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.program import contact_functions as kernel
+from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE
 from wiggleroom.program.nonlinear_program import Program
 
 Floats = NDArray[np.float64]
@@ -83,10 +83,10 @@ def touching(program: Program, u: Floats, lam: Floats) -> ActiveSet:
     x, y, psi = g[pair].T
     c, s = np.cos(psi), np.sin(psi)
     shapes, cells = program.bodies.shapes, program.cells
-    for kind in (kernel.A_EDGE, kernel.B_EDGE):
+    for kind in (A_EDGE, B_EDGE):
         k = np.flatnonzero(cells.kind[row] == kind)
         edge, corner = cells.edge[row[k]], shapes.corner[cells.corner[row[k]]]
-        if kind == kernel.A_EDGE:
+        if kind == A_EDGE:
             spot = np.column_stack(
                 [c[k] * corner[:, 0] - s[k] * corner[:, 1] + x[k], s[k] * corner[:, 0] + c[k] * corner[:, 1] + y[k]]
             )

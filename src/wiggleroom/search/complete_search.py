@@ -24,7 +24,7 @@ MAX_BOXES = 160_000
 """Boxes judged at most."""
 MIN_IMPROVEMENT, PROVEN_GAP = 1e-4, 9e-4
 """Motions better by the first share are looked for in the end, until none better by the second is left."""
-LEAST_SHARE, MOST_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
+MIN_SHARE, MAX_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
 """Once a better motion was found, one between the best value and the bound is asked for, at these shares of their ratio's logarithm."""
 MAX_VISITS, VISITS_OF_A_QUESTION = 5_000_000, 800_000
 """Boxes that all searches for paths go over at most, and those of one question about such a value."""
@@ -85,7 +85,7 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
         if last:
             asked = value * (1 + MIN_IMPROVEMENT), value * (1 + PROVEN_GAP)
         else:
-            asked = value * (reach / value) ** LEAST_SHARE, value * (reach / value) ** MOST_SHARE
+            asked = value * (reach / value) ** MIN_SHARE, value * (reach / value) ** MAX_SHARE
         allowed = visits if last else min(boxes.visits + VISITS_OF_A_QUESTION, visits)
         closed, path = boxes.beyond(*asked, allowed, first.stop)
         if closed:

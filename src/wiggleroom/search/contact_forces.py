@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.geometry.relative_pose import rotated
-from wiggleroom.program import contact_functions as kernel
+from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.active_set import EDGE_END_TOLERANCE, ActiveSet
 from wiggleroom.search.answer import Contact
@@ -102,15 +102,15 @@ def _touching(program: Program, pair: int, pose: Floats) -> tuple[Ints, Ints, In
     rows = [np.arange(*shapes.first[[s, s + 1]]) for s in bodies.shape[[cells.a[pair], cells.b[pair]]]]
     tangents = np.column_stack([-shapes.normal[:, 1], shapes.normal[:, 0]])
     found = []
-    for kind, edges, corners in ((kernel.A_EDGE, rows[0], rows[1]), (kernel.B_EDGE, rows[1], rows[0])):
+    for kind, edges, corners in ((A_EDGE, rows[0], rows[1]), (B_EDGE, rows[1], rows[0])):
         own = shapes.corner[corners]
-        seen = rotated(own, angle) + q if kind == kernel.A_EDGE else rotated(own - q, -angle)
+        seen = rotated(own, angle) + q if kind == A_EDGE else rotated(own - q, -angle)
         off = seen[:, None] - shapes.corner[edges]
         ahead = (off * shapes.normal[edges]).sum(2)
         along = (off * tangents[edges]).sum(2) / shapes.length[edges]
         near = (np.abs(ahead) <= TOUCHING_DISTANCE * program.length) & (np.abs(along - 0.5) <= 0.5 + EDGE_END_TOLERANCE)
         v, e = np.nonzero(near)
-        if kind == kernel.A_EDGE:
+        if kind == A_EDGE:
             arm, normal = seen[v] - q, shapes.normal[edges[e]]
         else:
             arm, normal = own[v] - q, -rotated(shapes.normal[edges[e]], angle)
@@ -128,7 +128,7 @@ def contacts(
     pose, name = bodies.rest + program.motion(u), assembly.names
     order = np.argsort(-held.force, kind="stable")
     order = order[held.force[order] >= max(MIN_FORCE_SHARE * held.force.max(initial=0.0), np.finfo(float).tiny)]
-    pair, of_a = held.pair[order], held.kind[order] == kernel.A_EDGE
+    pair, of_a = held.pair[order], held.kind[order] == A_EDGE
     a, b, edge, corner = cells.a[pair], cells.b[pair], held.edge[order], held.corner[order]
     owner, other = np.where(of_a, a, b), np.where(of_a, b, a)
     point = pose[other, :2] + rotated(shapes.corner[corner], pose[other, 2])

@@ -110,7 +110,7 @@ class _GlobalSearch:
         self.value, self.free = first.certain_value()
         self.values = list(ends) or [self.value]
         self.before = len(self.values)
-        self.hills = {0: self.value}  # values to which the states climbed
+        self.optima = {0: self.value}  # values to which the states climbed
 
     def plant(self) -> None:
         """Begin the tree of states: rest, and the end of the first search."""
@@ -119,7 +119,7 @@ class _GlobalSearch:
         self.work += GROWTH_WORK * len(rest.cells.kind)
         self.tree = ClimbTree(rest, first.ready.bodies.radius, first.ready.clearance)
         if first.best is not None and not self.free and first.checked_path(first.best).sure:
-            self.hills[self.tree.add(first.best, 0)] = self.value
+            self.optima[self.tree.add(first.best, 0)] = self.value
 
     def goes_on(self, starts: int | None) -> bool:
         """True while there is more to do."""
@@ -151,8 +151,8 @@ class _GlobalSearch:
         """Climb another objective from a state for a short while, and then the true one."""
         self.made += 1
         between, met = self._step_aside(aside, state)
-        if met is not None and met in self.hills:
-            self.values.append(self.hills[met])
+        if met is not None and met in self.optima:
+            self.values.append(self.optima[met])
         if between is None:
             return
         climb = self._search(self.first.objective, CLIMB)
@@ -160,9 +160,9 @@ class _GlobalSearch:
         if found is None or not climb.ended or not climb.checked_path(found).sure:
             return
         self.values.append(found.value)
-        self.hills[between] = found.value
+        self.optima[between] = found.value
         if not climb.unlimited and self.tree.known(found.motion) is None:
-            self.hills[self.tree.add(found, between)] = found.value
+            self.optima[self.tree.add(found, between)] = found.value
         least = MIN_IMPROVEMENT * max(abs(found.value), self.first.ready.clearance)
         if climb.unlimited or found.value > self.value + least:
             self._follow(replace(found, segments=(*self.tree.segments_to(between), *found.segments[1:])))

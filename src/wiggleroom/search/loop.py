@@ -165,7 +165,7 @@ class LocalSearch:
         most = self.rounds + self.policy.most_rounds
         proposals: Iterator[Start] = iter((start,))
         while self.rounds < most:
-            if self.interrupted is not None and self.stopped and self.best is not None:
+            if self.preparation_stop is not None and self.stopped and self.best is not None:
                 break
             try:
                 begin = next(proposals, None)
@@ -220,7 +220,7 @@ class LocalSearch:
         return self.stop is not None and self.stop.is_set()
 
     @property
-    def interrupted(self) -> Stop | None:
+    def preparation_stop(self) -> Stop | None:
         """What stops the preparation of a round; None where nothing does."""
         return None if self.policy.prepares_next else self.stop
 
@@ -348,11 +348,11 @@ class LocalSearch:
         """The start of a round with the pairs that overlap at its end and were not in its program; None where there are none."""
         began = time.perf_counter()
         self.tell(Progress("check", self.rounds, found.solution.iterations, found.value))
-        go_on(self.interrupted)
+        go_on(self.preparation_stop)
         cells, n = found.program.cells, len(found.motion)
         known = cells.a * n + cells.b
         missed, more = self.missed(found.motion, known), None
-        go_on(self.interrupted)
+        go_on(self.preparation_stop)
         if len(missed.a):
             corners = self.ready.corners[~np.isin(self.ready.corners, known)]
             key = np.unique(np.concatenate([missed.a * n + missed.b, corners]))
@@ -395,7 +395,7 @@ class LocalSearch:
         bodies = self.ready.bodies
         seed, target = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, wanted)
         room = np.full(len(a), self.ready.clearance)
-        return grow_cells(bodies, a, b, seed, room, target=target, stop=self.interrupted)
+        return grow_cells(bodies, a, b, seed, room, target=target, stop=self.preparation_stop)
 
 
 def nudged(program: Program, u: Floats) -> Floats:

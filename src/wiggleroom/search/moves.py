@@ -139,7 +139,7 @@ def regrown(
         excluded_edge=excluded_edge,
         target=target,
         to_the_end=turned_out,
-        stop=search.interrupted,
+        stop=search.preparation_stop,
     )
     cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
     start = replace(start, cells=cells)

@@ -28,7 +28,7 @@ class Trial:
     at_most : float or None
         A value that no motion at this gap can exceed, where one was worked out.
     answer : Answer, SpatialAnswer or None
-        The motion.
+        What the search at this gap found; the value is larger where a smaller gap has shown more.
     """
 
     gap: float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from wiggleroom.assembly.assembly import Assembly
@@ -231,9 +231,10 @@ class MotionBorder:
             trial = self._at(gap)
             if trial.at_most is not None and trial.at_most <= self.limit:
                 return gap
-            within = self.limit / trial.value - 1 if trial.value else 0.0
+            found = None if trial.answer is None else trial.answer.objective
+            within = self.limit / found - 1 if found else 0.0
             left = limit.left
-            if trial.answer is not None and within >= SETTINGS.min_proof_share and left > 0 and not limit.is_set():
+            if within >= SETTINGS.min_proof_share and left > 0 and not limit.is_set():
                 most = self.model.bound(trial.answer, min(0.9 * within, 9.0), left / 2, limit, self.progress)
                 if most is not None and most <= self.limit:
                     self.trials[gap] = Trial(gap, trial.value, trial.verdict, trial.checked, most, trial.answer)
@@ -267,8 +268,8 @@ class MotionBorder:
         smaller = [t for t in self.trials.values() if t.gap < gap and t.checked and t.value is not None]
         best = max(smaller, key=lambda t: t.value or 0.0, default=None)
         if best is not None and best.value is not None and best.value > value:
-            # the same motion is free here too, where every part is smaller
-            return Trial(gap, best.value, best.verdict, True, trial.at_most, best.answer)
+            # the same motion is free here too, where every part is smaller; but what bounds motions there says nothing of those here
+            return replace(trial, value=best.value, checked=True)
         return trial
 
     def _keeps(self, trial: Trial) -> bool:

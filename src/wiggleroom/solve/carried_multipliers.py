@@ -14,7 +14,7 @@ from wiggleroom.solve.row_operations import fit_wrenches
 
 Floats = NDArray[np.float64]
 
-LEAST_CARRIED_SLACK = 1e-7
+MIN_CARRIED_SLACK = 1e-7
 """Slacks begin no smaller, as a share of `program.length`: a new wall may pass through the point itself."""
 
 
@@ -30,7 +30,7 @@ def even_multipliers(at: Linearised, mu: float, wrench: Floats, given: Floats) -
     """
     program, bodies = at.program, at.program.bodies
     pairs = program.cells
-    lam = np.where(np.isnan(given), mu / np.maximum(at.h, LEAST_CARRIED_SLACK), given)
+    lam = np.where(np.isnan(given), mu / np.maximum(at.h, MIN_CARRIED_SLACK), given)
     lever = np.minimum(bodies.radius[pairs.a], bodies.radius[pairs.b])
     fit_wrenches(pairs.row, at.d, np.isnan(given[pairs.row[:-1]]), wrench, lever, np.empty((3, 4)), lam)
     return lam

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.program.nonlinear_program import Linearised, Program
 from wiggleroom.program.retraction import Retraction
-from wiggleroom.solve.carried_multipliers import LEAST_CARRIED_SLACK
+from wiggleroom.solve.carried_multipliers import MIN_CARRIED_SLACK
 from wiggleroom.solve.convergence import ConvergenceMonitor
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.feasibility_restoration import pulled_inside, restore_feasibility
@@ -83,7 +83,7 @@ def solve(
 
     def at_start(u: Floats, mu: float, least: float, lam: Floats | None = None) -> Iterate:
         at = program.linearise(u)
-        s = np.maximum(at.h, least if lam is None else LEAST_CARRIED_SLACK)
+        s = np.maximum(at.h, least if lam is None else MIN_CARRIED_SLACK)
         lam = mu / s if lam is None else lam / unit
         return Iterate(u, s, lam, at, unit, np.zeros_like(u), SETTINGS.proximal_share * tolerance)
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.program import contact_functions as kernel
+from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, FACE, HIGH_TURN, LOW_TURN
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
 from wiggleroom.solve.casadi_ipopt import IterationMonitor, import_casadi, ipopt_options, iteration_listener
@@ -158,7 +158,7 @@ def _rows(casadi: Any, program: Program, pose: list) -> Any:
     psi = pose[2][b, 0] - pose[2][a, 0]
     pair, sees = program.cells.pair, (c * x + s * y, c * y - s * x, psi, casadi.cos(psi), casadi.sin(psi))
     parts, places = [], []
-    for kind in (kernel.A_EDGE, kernel.B_EDGE, kernel.LOW, kernel.HIGH, kernel.FACE):
+    for kind in (A_EDGE, B_EDGE, LOW_TURN, HIGH_TURN, FACE):
         k = np.flatnonzero(program.kind == kind)
         if len(k):
             parts.append(_of_kind(kind, [e[pair[k].tolist(), 0] for e in sees], program, k))
@@ -173,11 +173,11 @@ def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
     """Rows k, all of one kind, where B is seen at `sees`: x, y, angle, its cosine and sine."""
     x, y, psi, c, s = sees
     (nx, ny), (vx, vy), off = program.normal[k].T, program.corner[k].T, program.off[k]
-    if kind in (kernel.A_EDGE, kernel.FACE):
+    if kind in (A_EDGE, FACE):
         return nx * (x + c * vx - s * vy) + ny * (y + s * vx + c * vy) + program.per_turn[k] * psi - off
-    if kind == kernel.B_EDGE:
+    if kind == B_EDGE:
         return nx * (c * (vx - x) + s * (vy - y)) + ny * (c * (vy - y) - s * (vx - x)) - off
-    return nx * (psi - off) if kind == kernel.LOW else nx * (off - psi)
+    return nx * (psi - off) if kind == LOW_TURN else nx * (off - psi)
 
 
 @dataclass(eq=False, kw_only=True)

@@ -53,7 +53,7 @@ class EliminationTree:
 
 def dissect(at: Floats, start: Ints, neighbour: Ints) -> EliminationTree:
     """Elimination tree of a graph whose vertices lie at `at` (V, 2); neighbours of v are `neighbour[start[v]:start[v + 1]]`."""
-    order, first, parent, depth = _dissected(np.ascontiguousarray(at), start, neighbour, LEAF_SIZE)
+    order, first, parent, depth = _dissected(np.ascontiguousarray(at), start, neighbour)
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     border_start, border, child, sibling = _borders(order, place, first, parent, start, neighbour)
@@ -61,7 +61,7 @@ def dissect(at: Floats, start: Ints, neighbour: Ints) -> EliminationTree:
 
 
 @njit(**OPTIONS)
-def _dissected(at, start, neighbour, leaf):
+def _dissected(at, start, neighbour):
     """Vertices in the order of elimination, first place, parent and depth of each node."""
     n = len(at)
     vertex, side = np.arange(n), np.zeros(n, np.int8)
@@ -76,7 +76,7 @@ def _dissected(at, start, neighbour, leaf):
         begin, end, parent, depth = waiting[left]
         own = nodes
         nodes += 1
-        if end - begin <= leaf:
+        if end - begin <= LEAF_SIZE:
             node[own] = (begin, end, parent, depth)
             continue
         some = vertex[begin:end].copy()

@@ -75,4 +75,4 @@ def dot(x: Floats, y: Floats) -> float:
 
 def max_step(x: Floats, dx: Floats) -> float:
     """Largest step in [0, 1] that keeps x + step * dx >= 0, for x > 0."""
-    return step_length(x, dx, dx, 0.0)
+    return step_length(x, dx)

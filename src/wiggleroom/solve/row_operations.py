@@ -8,18 +8,17 @@ from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 
 SUM = {**NO_ALLOCATION, "fastmath": {"reassoc"}}
 """For sums, whose terms may then be added several at a time."""
-MOST_CHANGE, REPETITIONS = 10.0, 3
+MAX_CHANGE, REPETITIONS = 10.0, 3
 """A multiplier that is fitted becomes at most this many times larger or smaller, in this many steps."""
 
 
 @njit(**NO_ALLOCATION)
-def step_length(x, dx, more, share):
-    """Largest step in [0, 1] that keeps x + step * (dx + share * more) >= 0, for x > 0."""
+def step_length(x, dx):
+    """Largest step in [0, 1] that keeps x + step * dx >= 0, for x > 0."""
     fastest = 1.0
     for k in range(len(x)):
-        change = dx[k] + share * more[k]
-        if -change > fastest * x[k]:
-            fastest = -change / x[k]
+        if -dx[k] > fastest * x[k]:
+            fastest = -dx[k] / x[k]
     return 1.0 / fastest
 
 
@@ -119,7 +118,7 @@ def fit_wrenches(row, d, fresh, wrench, lever, room, lam):
             y2 = b2 / l22
             y1 = (b1 - l21 * y2) / l11
             y0 = (b0 - l10 * y1 - l20 * y2) / l00
-            limit = MOST_CHANGE ** (1.0 / REPETITIONS)
+            limit = MAX_CHANGE ** (1.0 / REPETITIONS)
             for k in range(row[p], row[p + 1]):
                 f = lam[k]
                 change = f * (d[k, 0] * y0 + d[k, 1] * y1 + d[k, 2] * share * y2)

@@ -27,10 +27,10 @@ from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 
-MOST_LEVELS = 3
-"""Cross-sections that are looked at, those of most parts."""
-MOST_SECONDS = 5.0
-"""What the bound of one cross-section may take."""
+MAX_LEVELS = 3
+"""Number of cross-sections that are looked at, at most: those of most parts."""
+MAX_SECONDS = 5.0
+"""Time for the bound of one cross-section [s]."""
 ROUNDING = 1e-10
 """Corners of cross-sections are rounded to this share of the size, and outlines then moved inward by twice as much."""
 MARGIN = 1e-9
@@ -74,7 +74,7 @@ def cross_section_bound(
             ignore=tuple(pair for pair in assembly.drawing.ignore if set(pair) <= names),
         )
         try:
-            answer = with_bound_in_time(flex(assemble(drawing), asked, search=0, stop=stop), MOST_SECONDS, stop)
+            answer = with_bound_in_time(flex(assemble(drawing), asked, search=0, stop=stop), MAX_SECONDS, stop)
         except InputError:
             continue
         if answer.at_most is not None:
@@ -139,7 +139,7 @@ class _Sections:
         all_wanted = np.all([cut[k] for k, name in enumerate(self._assembly.names) if name in wanted], axis=0)
         order = np.lexsort([-far, -cut.sum(axis=0)])
         thick = far > 1e3 * self._grid
-        return [float(middles[k]) for k in order if all_wanted[k] and thick[k]][:MOST_LEVELS]
+        return [float(middles[k]) for k in order if all_wanted[k] and thick[k]][:MAX_LEVELS]
 
     def parts(self, level: float) -> tuple[Part, ...]:
         """Planar parts: what is cut at a level."""

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 SAME = 1e-8
 """Lines and depths nearer than this share of the size are the same."""
-MOST_CELLS = 400
+MAX_CELLS = 400
 """A region that needs more convex cells is refused."""
 CRUMB = 1e-12
 """Smaller shares of the volume that a cut leaves behind are rounding."""
@@ -197,7 +197,7 @@ class _Cells:
                         break
                     sides.append(side)
             if cut is not None:
-                if len(todo) + len(found) > MOST_CELLS:
+                if len(todo) + len(found) > MAX_CELLS:
                     return None
                 todo += _halves(polygon, *cut)
                 continue

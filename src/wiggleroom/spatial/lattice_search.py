@@ -1,7 +1,7 @@
 """Does an assembly of boxes come apart by moves of whole steps: an exhaustive search on the lattice of its coordinates.
 
 Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every path by whole steps is a path of the parts as
-made, which are smaller. Where the search ends without a way out, none exists by whole steps; turns, and what the gaps allow besides,
+made, which are smaller. Where the search ends without a path out, none exists by whole steps; turns, and what the gaps allow besides,
 are not seen.
 """
 
@@ -24,11 +24,11 @@ Bools = NDArray[np.bool_]
 
 ROUNDING = 1e-6
 """Coordinates are whole multiples of this [mm]."""
-MOST_CELLS = 20_000_000
+MAX_CELLS = 20_000_000
 """Most entries of all tables of blocked offsets together."""
-MOST_STATES = 100_000
+MAX_STATES = 100_000
 """Most arrangements that are looked at."""
-MOST_BODIES = 60
+MAX_BODIES = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
     """
     assembly, grouping = ready.assembly, ready.grouping
     count = len(grouping.bodies.at)
-    if assembly.drawing.ignore or count > MOST_BODIES:
+    if assembly.drawing.ignore or count > MAX_BODIES:
         return None
     corners: list[list[Floats]] = [[] for _ in range(count)]
     for part, body in zip(assembly.parts, grouping.body_of.tolist(), strict=True):
@@ -74,7 +74,7 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
     low = np.array([c[:, 0].min(axis=0) for c in cells])
     high = np.array([c[:, 1].max(axis=0) for c in cells])
     reach = (np.abs(high[:, None] - low[None]).max(axis=(0, 1))) + 1
-    if float(np.prod(2.0 * reach + 1)) * count**2 > MOST_CELLS:
+    if float(np.prod(2.0 * reach + 1)) * count**2 > MAX_CELLS:
         return None
     solid = []
     for c, lo, hi in zip(cells, low, high, strict=True):
@@ -171,7 +171,7 @@ class LatticeSearch:
     Parameters
     ----------
     offsets : tuple of (n, 3) int64
-        Steps of all bodies from rest on, to where some go on for ever; empty where no way was found.
+        Steps of all bodies from rest on, to where some go on for ever; empty where no path out was found.
     axis, sign : int
         The direction in which they go on.
     complete : bool
@@ -185,14 +185,14 @@ class LatticeSearch:
 
 
 def lattice_search(found: Lattice, stop: Stop | None) -> LatticeSearch:
-    """Look for a way out by whole steps, breadth first."""
+    """Look for a path out by whole steps, breadth first."""
     n = len(found.stands)
     rest = np.zeros((n, 3), dtype=np.int64)
     groups, leaves = np.zeros((n, 6, n), dtype=bool), np.zeros((n, 6), dtype=bool)
     before: dict[bytes, tuple[Ints, bytes | None]] = {rest.tobytes(): (rest, None)}
     todo = deque([rest])
     while todo:
-        if len(before) > MOST_STATES or (stop is not None and stop.is_set()):
+        if len(before) > MAX_STATES or (stop is not None and stop.is_set()):
             return LatticeSearch(complete=False)
         offset = todo.popleft()
         moves(found.blocked, found.stands, offset, groups, leaves)

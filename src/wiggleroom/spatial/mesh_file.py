@@ -22,7 +22,7 @@ STEP = (".step", ".stp")
 """Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
 LARGEST_UNPACKED = 400_000_000
-MOST_FACES = 200_000
+MAX_FACES = 200_000
 MERGED = 1e-6
 """Corners nearer than this share of the size are one."""
 OPEN_SHARE = 0.02
@@ -136,8 +136,8 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     if not np.isfinite(vertices).all():
         message = f"{name}: has coordinates that are no numbers; save it again"
         raise InputError(message)
-    if len(faces) > MOST_FACES:
-        message = f"{name}: has {len(faces)} faces; at most {MOST_FACES} are worked with, so make it coarser"
+    if len(faces) > MAX_FACES:
+        message = f"{name}: has {len(faces)} faces; at most {MAX_FACES} are worked with, so make it coarser"
         raise InputError(message)
     size = float(np.ptp(vertices[np.unique(faces)], axis=0).max()) if len(faces) else 0.0
     if not 1e-6 < size < 1e9:

@@ -27,7 +27,7 @@ FILM = 1e-7
 """A piece thinner than this share of its length is made so thick: its faces would be rounding."""
 OFF_PLANE = 1e-6
 """A moved corner may miss its planes by this share of the displacement."""
-MOST_PIECES = 2000
+MAX_PIECES = 2000
 """A mesh that needs more pieces is refused."""
 CANDIDATES = 10
 """Number of cuts that are compared each time."""
@@ -141,7 +141,7 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
             if not halves:
                 hulls.append(hull)
             todo += halves
-        if len(hulls) + len(todo) > MOST_PIECES:
+        if len(hulls) + len(todo) > MAX_PIECES:
             return None
     together = union_of(hulls)
     if (together - solid).volume() + (solid - together).volume() > INEXACT * whole:

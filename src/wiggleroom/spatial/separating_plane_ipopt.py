@@ -36,7 +36,7 @@ from wiggleroom.verdict import SolverStatus
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_TWIST = 0.9 * 2 * np.pi
+MAX_TWIST = 0.9 * 2 * np.pi
 """The parameters of a rotation grow without limit towards a whole turn [rad]."""
 TOLERANCE = 3e-8
 """Relative tolerance of the objective, as in our own method."""
@@ -80,7 +80,7 @@ def solve_with_ipopt(
     x, value, rows = _expressions(casadi, coordinates)
     twisted = any(isinstance(t, Twist) for t in coordinates.objective.terms)
     watch = _SeparatingPlaneMonitor(
-        coordinates=coordinates, most_turn=min(most_turn, MOST_TWIST) if twisted else np.inf,
+        coordinates=coordinates, most_turn=min(most_turn, MAX_TWIST) if twisted else np.inf,
         unit=unit, horizon=horizon, stop=stop, progress=progress,
     )  # fmt: skip
     listener = iteration_listener(casadi, watch, coordinates.variables, program.rows)

@@ -298,15 +298,15 @@ def best_axis(
     return apart, other
 
 
-def beside_rest(program: SeparatingPlaneProgram, seed: int = 0, share: float = 1e-2) -> SeparatingPlanePoint:
-    """A point inside all rows, up to `share` clearances beside rest.
+def beside_rest(program: SeparatingPlaneProgram, seed: int) -> SeparatingPlanePoint:
+    """A point inside all rows, up to a hundredth of the clearance beside rest.
 
     A symmetric assembly would stay on the ridge between two equal directions. The point is the same each time.
     """
     P, rest = program, program.start
     step = np.random.default_rng(seed).uniform(-1.0, 1.0, P.slot.shape) * P.scale * P.bodies.free
     step[:, 3:] = np.einsum("nij,nj->ni", P.bodies.turn_axes(rest.pose), step[:, 3:])
-    room = P.values(rest)
+    room, share = P.values(rest), 1e-2
     while share > 1e-9:
         pose = SpatialPose(rest.pose.T + share * step[:, :3], rest.pose.R @ exponential(share * step[:, 3:]))
         point = SeparatingPlanePoint(pose, rest.n, rest.d)

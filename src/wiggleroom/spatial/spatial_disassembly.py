@@ -1,4 +1,4 @@
-"""Does it come apart, in space: which parts leave, in which order, along which way."""
+"""Does it come apart, in space: which parts leave, in which order, along which path."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from wiggleroom.verdict import Certainty, Separability, SolverStatus
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_DIRECTIONS = 13
+MAX_DIRECTIONS = 13
 """Straight paths are tried along at most this many axes, both ways: those of most faces."""
-MOST_PLACES, MOST_PULLED = 200, 3
+MAX_PLACES, MAX_PULLED = 200, 3
 """Places, each reached by a checked path, from which straight paths are tried, and from which largest motions are searched."""
 UNDECIDED = 1e-2
 """A largest motion whose error is above this was not decided, and nothing is said about what lies beyond it."""
@@ -82,7 +82,7 @@ class SpatialDisassembly(Drawable):
 def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every: bool = True) -> SpatialDisassembly:
     """Whether some parts can be moved without limit away from the others.
 
-    Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first way out is enough.
+    Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first path out is enough.
 
     Raises
     ------
@@ -157,11 +157,11 @@ class _Stage:
                 if self.cut_short():
                     return None
         known = len(places)
-        for path in places[:MOST_PULLED]:
+        for path in places[:MAX_PULLED]:
             out = self._pulled(path, axes, places)
             if out is not None or self.cut_short():
                 return out
-        self.cut |= known > MOST_PULLED or len(places) > known
+        self.cut |= known > MAX_PULLED or len(places) > known
         return None
 
     def _straight(self, path: Floats, axes: Floats) -> tuple[list[int], Floats] | None:
@@ -177,7 +177,7 @@ class _Stage:
         return None
 
     def _by_steps(self) -> tuple[list[int], Floats] | None:
-        """A way out by whole steps, for parts made of boxes; notes where there is none."""
+        """A path out by whole steps, for parts made of boxes; notes where there is none."""
         grid = lattice(self.ready)
         if grid is None:
             return None
@@ -252,11 +252,11 @@ class _Stage:
                 if len(normals) > 400:
                     break
         order = np.argsort(-np.array(count), kind="stable")
-        found = [normals[k] for k in order[:MOST_DIRECTIONS]]
+        found = [normals[k] for k in order[:MAX_DIRECTIONS]]
         return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
 
     def _pulled(self, path: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
-        """Pull every body in every direction from the end of a path: a way out, or else new places are added."""
+        """Pull every body in every direction from the end of a path: a path out, or else new places are added."""
         ready = self.ready
         bodies = ready.grouping.bodies
         begin = ready.grouping.pose_of(path[-1])
@@ -284,7 +284,7 @@ class _Stage:
         """Take the end of a path in among the places where nothing near it is known."""
         apart = min(np.abs(path[-1, :, :3] - p[-1, :, :3]).max() for p in places)
         if apart > NEW_PLACE * self.ready.clearance:
-            if len(places) < MOST_PLACES:
+            if len(places) < MAX_PLACES:
                 places.append(path)
             else:
                 self.cut = True

@@ -34,7 +34,7 @@ from wiggleroom.spatial.spatial_model import (
 )
 from wiggleroom.spatial.spatial_schema import SolidEntry, SpatialFileEntry, SpatialPullEntry
 
-MOST_PARTS = 20_000
+MAX_PARTS = 20_000
 
 
 def read_spatial(source: str | Path, *, alone: bool = False) -> SpatialDrawing:
@@ -77,8 +77,8 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         """Return the drawing, or raise an InputError with every finding."""
         entry = self._entry
         self._check_head(SPATIAL_FORMAT)
-        if len(entry.parts) > MOST_PARTS:
-            self._say("", f"has {len(entry.parts)} parts; at most {MOST_PARTS} are read")
+        if len(entry.parts) > MAX_PARTS:
+            self._say("", f"has {len(entry.parts)} parts; at most {MAX_PARTS} are read")
             raise InputError(self._findings)
         gap = entry.gap * self._mm
         if not 0 <= gap <= LARGEST:

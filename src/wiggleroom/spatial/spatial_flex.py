@@ -20,7 +20,7 @@ from wiggleroom.spatial.spatial_assembly import goal_findings
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
-from wiggleroom.spatial.spatial_path_check import MOST_STRAIN
+from wiggleroom.spatial.spatial_path_check import MAX_STRAIN
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -166,7 +166,7 @@ def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: SeparatingPl
         return ready.grouping.part_motion(SpatialPose(pose.T, R))
 
     count = 32
-    while ready.grouping.strain(turned(0.0), turned(2 * np.pi / count)) > MOST_STRAIN * ready.size:
+    while ready.grouping.strain(turned(0.0), turned(2 * np.pi / count)) > MAX_STRAIN * ready.size:
         count *= 2
     steps = [turned(angle) for angle in np.linspace(0, 2 * np.pi, count + 1)]
     if any(ready.checker.overlaps(a, b) for a, b in itertools.pairwise(steps)):

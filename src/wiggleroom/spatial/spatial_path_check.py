@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-MOST_HALVINGS = 9
-MOST_STRAIN = 1e-5
+MAX_HALVINGS = 9
+MAX_STRAIN = 1e-5
 """Glued parts shift against each other by at most this share of the size between two waypoints."""
-MOST_LIFTS, ENOUGH_LIFT = 6, 0.2
+MAX_LIFTS, ENOUGH_LIFT = 6, 0.2
 """Corrections of a point half way, until no row is below this share of the mean of both ends."""
 
 
@@ -48,7 +48,7 @@ def free_path(
     retraction = GraphRetraction(program)
     motions = [ready.grouping.part_motion(points[0].pose)]
     for one, other in itertools.pairwise(points):
-        if not _join(ready, retraction, program, one, other, motions, MOST_HALVINGS):
+        if not _join(ready, retraction, program, one, other, motions, MAX_HALVINGS):
             return np.array(motions), False
     return np.array(motions), True
 
@@ -64,7 +64,7 @@ def _join(
 ) -> bool:
     """Add motions from one point to another; False, with those as far as it is free, where that fails."""
     end = ready.grouping.part_motion(other.pose)
-    rigid = ready.grouping.strain(motions[-1], end) <= MOST_STRAIN * ready.size
+    rigid = ready.grouping.strain(motions[-1], end) <= MAX_STRAIN * ready.size
     if rigid and not ready.checker.overlaps(motions[-1], end):
         motions.append(end)
         return True
@@ -111,7 +111,7 @@ def _lifted(
     system = SeparatingPlaneSystem(factor(program.pattern), retraction)
     weight = 1 / np.maximum(goal, 1e-13) ** 2
     at = program.linearise(point)
-    for _ in range(MOST_LIFTS):
+    for _ in range(MAX_LIFTS):
         if (at.h > ENOUGH_LIFT * goal).all():
             break
         if not system.set_least_squares(at, weight):

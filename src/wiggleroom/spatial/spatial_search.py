@@ -30,14 +30,14 @@ Ints = NDArray[np.int64]
 
 HORIZON = 4.0
 """A part that moves further than this multiple of the size is taken to leave."""
-MOST_TURN = 4 * np.pi
+MAX_TURN = 4 * np.pi
 """A twist beyond this is taken to go on without limit, once a whole turn in place is shown to be free [rad]."""
-MOST_ROUNDS = 8
+MAX_ROUNDS = 8
 INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
 """Where iterates stay inside all rows: number of starts beside rest, and most iterations of each."""
-MOST_ROWS_OF_STARTS = 20_000
+MAX_ROWS_OF_STARTS = 20_000
 """Larger programs are started once."""
-MOST_PAIRS_UNDAMPED = 3000
+MAX_PAIRS_UNDAMPED = 3000
 """Programs of more pairs of pieces begin with damped rows, without the pairs that do not face each other."""
 MISSED = 1.0
 """Where pairs of pieces outside the program meet, all that come nearer than this multiple of the clearance join it."""
@@ -98,9 +98,9 @@ class SpatialSearch:
             if self.begin is None
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
-        large = len(self.pieces) > MOST_PAIRS_UNDAMPED and self.solver != "ipopt"
+        large = len(self.pieces) > MAX_PAIRS_UNDAMPED and self.solver != "ipopt"
         best = self._attempt(None, damped=large)
-        starts = range(INSIDE_STARTS if best.program.rows <= MOST_ROWS_OF_STARTS else 1)
+        starts = range(INSIDE_STARTS if best.program.rows <= MAX_ROWS_OF_STARTS else 1)
         damped_first = () if self.solver == "ipopt" or large else ((None, True),)
         for seed, damped in (*damped_first, *((seed, False) for seed in starts)):
             if best.good or self._asked_to_stop():
@@ -123,8 +123,8 @@ class SpatialSearch:
         With a `seed` iterates stay inside all rows, from that start; without one slacks run ahead. `damped`: rows are
         damped, and pairs of pieces that do not face each other join only where they meet.
         """
-        limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
-        for _ in range(MOST_ROUNDS):
+        limit = MAX_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
+        for _ in range(MAX_ROUNDS):
             program, found = self._solved(seed, damped, limit)
             self.iterations += found.iterations
             self.rounds += 1
@@ -209,7 +209,7 @@ class SpatialSearch:
     ) -> tuple[Ints, list[SeparatingPlanePoint]]:
         """Pairs of pieces outside the program that come near where some of them meet, and the waypoints where none do.
 
-        Where they meet at the end, the way is not looked at.
+        Where they meet at the end, the path is not looked at.
         """
         known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in program.pieces.tolist()}
         nothing = np.zeros((0, 4), dtype=np.int64)

@@ -21,7 +21,7 @@ from wiggleroom.spatial.spatial_model import SpatialAssembly
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DEPTH = 14
+MAX_HALVINGS = 14
 """The time between two waypoints is halved at most this many times."""
 
 
@@ -75,7 +75,7 @@ class SweptCheck:
             P, Q = self._pieces[i], self._pieces[j]
             apart = stay_apart(
                 P.corners, P.normals, P.edges, Q.corners, Q.normals, Q.edges,
-                T0[a], T1[a], R0[a], turn[a], T0[b], T1[b], R0[b], turn[b], DEPTH,
+                T0[a], T1[a], R0[a], turn[a], T0[b], T1[b], R0[b], turn[b],
             )  # fmt: skip
             if not apart:
                 found.append((a, b))
@@ -160,7 +160,7 @@ def least(g0, g1, bend):
 
 
 @njit(**OPTIONS)
-def stay_apart(P, NP, EP, Q, NQ, EQ, Ta0, Ta1, Ra0, wa, Tb0, Tb1, Rb0, wb, depth):
+def stay_apart(P, NP, EP, Q, NQ, EQ, Ta0, Ta1, Ra0, wa, Tb0, Tb1, Rb0, wb):
     """True where two convex pieces are certainly apart at all times from 0 to 1.
 
     A's piece P and B's piece Q with normals and edges, each in its own frame; positions go straight from T0 to T1, turns from R0 by t w.
@@ -177,8 +177,8 @@ def stay_apart(P, NP, EP, Q, NQ, EQ, Ta0, Ta1, Ra0, wa, Tb0, Tb1, Rb0, wb, depth
     for k in range(len(Q)):
         r = max(r, np.sqrt(Q[k, 0] ** 2 + Q[k, 1] ** 2 + Q[k, 2] ** 2))
     bend = ta * ta * D + 2 * ta * c + (ta + tb) ** 2 * r
-    ends = np.empty((depth + 3, 2))
-    axes = np.empty((depth + 3, 2, 3))
+    ends = np.empty((MAX_HALVINGS + 3, 2))
+    axes = np.empty((MAX_HALVINGS + 3, 2, 3))
     n0, n1 = np.empty(3), np.empty(3)
     X0 = seen(Q, Ta0, Ta1, Ra0, wa, Tb0, Tb1, Rb0, wb, 0.0, True)
     X1 = seen(Q, Ta0, Ta1, Ra0, wa, Tb0, Tb1, Rb0, wb, 1.0, True)
@@ -215,7 +215,7 @@ def stay_apart(P, NP, EP, Q, NQ, EQ, Ta0, Ta1, Ra0, wa, Tb0, Tb1, Rb0, wb, depth
         ):
             top -= 1
             continue
-        if span < 0.5**depth * 1.5:
+        if span < 0.5**MAX_HALVINGS * 1.5:
             return False
         m = (s + e) / 2
         X = seen(Q, Ta0, Ta1, Ra0, wa, Tb0, Tb1, Rb0, wb, m, True)

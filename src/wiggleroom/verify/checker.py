@@ -1,9 +1,8 @@
 """Whether a certificate proves what it says.
 
-Read this file, then `certificate_structure`, `caging_check`, `known_ranges`, `ball_bounds`, `claim` and `ball_arithmetic`: that is all.
-What they rest on:
-python-flint (ball arithmetic), numpy, that coordinates are as given in the file, and that parts are rigid. Nothing is shared with
-the code that found the proof.
+Read this file, then `certificate_structure`, `caging_check`, `chord_check`, `known_ranges`, `ball_bounds`, `claim` and
+`ball_arithmetic`: that is all. What they rest on: python-flint (ball arithmetic), numpy, that coordinates are as given in the file,
+and that parts are rigid. Nothing is shared with the code that found the proof.
 """
 
 from __future__ import annotations
@@ -18,8 +17,9 @@ from flint import arb, ctx
 
 from wiggleroom.verify.ball_arithmetic import Point, Refused, exact, less, need, point, size, turned
 from wiggleroom.verify.ball_bounds import RangedCase
-from wiggleroom.verify.caging_check import Material, check_caging_surface
+from wiggleroom.verify.caging_check import check_caging_surface
 from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read_certificate
+from wiggleroom.verify.chord_check import Material
 from wiggleroom.verify.claim import Claim, claim_of, sentence
 from wiggleroom.verify.known_ranges import Case, Enclosure
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
@@ -159,8 +159,10 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
         case.work,
         exact(doubt),
     )
-    for at, p in enumerate(pairs[0]):
-        small.known[at] = (*small.known[at][:2], *case.known[p][2:])
+    # what holds of a pair in every placement, not only in the first
+    for at, joined in enumerate(zip(*pairs, strict=True)):
+        case.work.spend(len(joined))
+        small.narrow(at, min(case.known[p][2] for p in joined), max(case.known[p][3] for p in joined))
     small.known += _known_in_all(case, placements)
     first = window["steps"][0]
     ranges = first["low"], first["high"], window["far"]
@@ -173,7 +175,8 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
         fits = low[k] <= min(ranges[0][k], 0) and high[k] >= max(ranges[1][k], 0)
         need(fits, "the steps of a window do not prove what it says of turns")
     for placement in placements:
-        case.known += [(placement[0], placement[k], low[k], high[k]) for k in range(1, len(bodies))]
+        for k in range(1, len(bodies)):
+            case.learn(placement[0], placement[k], low[k], high[k])
 
 
 def _known_in_all(case: Case, placements: list[list[int]]) -> list[tuple[int, int, float, float]]:

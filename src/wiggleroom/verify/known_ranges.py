@@ -1,4 +1,4 @@
-"""What regions, pairs and windows say of turns and shifts before any multiplier does: shortest ways to fixed bodies, rounded outwards."""
+"""What regions, pairs and windows say of turns and shifts before any multiplier does: shortest paths to fixed bodies, rounded outwards."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Enclosure:
 class Case:
     """Bodies, regions and pairs, what is known of turns between bodies, and the goal, if there is one.
 
-    `known` holds (a, b, low, high): in every motion low <= t_b - t_a <= high.
+    `known` holds (a, b, low, high): in every motion low <= t_b - t_a <= high. Its first rows belong to the pairs.
     """
 
     def __init__(
@@ -70,9 +70,25 @@ class Case:
         for a, b, kind, *_ in pairs:
             turns = enclosures[kind].angles
             self.known.append((a, b, float(turns[0]), float(turns[-1])))
+        self._pairs_of: dict[tuple[int, int], list[int]] = {}
+        for p, (a, b, *_) in enumerate(pairs):
+            self._pairs_of.setdefault((a, b), []).append(p)
+
+    def learn(self, a: int, b: int, low: float, high: float) -> None:
+        """Add what was shown of the turn of b against a, of their pair too if they are one."""
+        self.known.append((a, b, low, high))
+        for p in self._pairs_of.get((a, b), []):
+            self.narrow(p, low, high)
+        for p in self._pairs_of.get((b, a), []):
+            self.narrow(p, -high, -low)
+
+    def narrow(self, p: int, low: float, high: float) -> None:
+        """Keep the turn of a pair between two ends."""
+        a, b, least, most = self.known[p]
+        self.known[p] = a, b, max(least, low), min(most, high)
 
     def first(self, low: list, high: list, far: list, names: list[str]) -> None:
-        """Refuse first ranges that nothing shows: turns and shifts add up along ways to a fixed body."""
+        """Refuse first ranges that nothing shows: turns and shifts add up along paths to a fixed body."""
         steps = self._steps()
         up, down = self._shortest(steps[0]), self._shortest(steps[1])
         shifts = []
@@ -95,7 +111,7 @@ class Case:
         return up, down
 
     def _shortest(self, steps: list[tuple[int, int, float]], start: list[float] | None = None) -> list[float]:
-        """Length of the shortest way to each body along steps (from, to, length >= 0), from a fixed one or with a `start`; rounded up."""
+        """Length of the shortest path to each body along steps (from, to, length >= 0), from a fixed one or with a `start`; rounded up."""
         self.work.spend(4 * len(steps) + EXACT)
         out: list[list[tuple[int, float]]] = [[] for _ in self.fixed]
         for one, end, length in steps:

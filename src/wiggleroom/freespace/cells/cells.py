@@ -13,6 +13,7 @@ from wiggleroom.freespace.cells.pair_edges import edge_table
 from wiggleroom.freespace.cells.wall_search import SEED
 from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
+from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, HIGH_TURN, LOW_TURN
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -31,8 +32,8 @@ STOP_CHECK_CORNERS = 20_000
 class Cells:
     """One cell for each of P pairs.
 
-    A cell is every relative pose (q, psi) of B in A's frame where all its rows are >= 0. Kind 0: a corner of B in front of the line of
-    an edge of A; kind 1: a corner of A in front of the line of an edge of B; kinds 2 and 3: psi within the verified interval.
+    A cell is every relative pose (q, psi) of B in A's frame where all its rows are >= 0: its walls (A_EDGE, B_EDGE), and the ends of the
+    verified interval of psi (LOW_TURN, HIGH_TURN).
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ class Cells:
     row : (P + 1,) int64
         Rows of pair p are row[p] .. row[p + 1].
     kind, edge, corner : (R,) int64
-        Edge and corner as rows of `BodyShapes`.
+        Kind as in `row_kinds`; edge and corner as rows of `BodyShapes`.
     ends : (P, 2) float64 [rad]
         Verified interval of psi.
     seed : (P, 3) float64 [mm, mm, rad]
@@ -56,6 +57,11 @@ class Cells:
     corner: Ints
     ends: Floats
     seed: Floats
+
+    @property
+    def is_wall(self) -> NDArray[np.bool_]:
+        """Which rows (R,) are walls; the others are ends of verified intervals."""
+        return self.kind <= B_EDGE
 
     @property
     def pair(self) -> Ints:
@@ -146,7 +152,7 @@ def _rows_of_lines(shapes: BodyShapes, a: Ints, b: Ints, lines: Ints) -> Ints:
     """Edges given by kind and edge, as rows of their pair: those of shape a first, then those of b; kind -1 stays."""
     kind, edge = lines.T
     edges_of_a = shapes.first[a + 1] - shapes.first[a]
-    rows = np.where(kind == 0, edge - shapes.first[a], edge - shapes.first[b] + edges_of_a)
+    rows = np.where(kind == A_EDGE, edge - shapes.first[a], edge - shapes.first[b] + edges_of_a)
     return np.where(kind < 0, -1, rows)
 
 
@@ -155,7 +161,7 @@ def _packed(a: Ints, b: Ints, seed: Floats, ends: Floats, number: Ints, walls: I
     row = np.concatenate([[0], np.cumsum(number + 2)])
     rows = np.zeros((row[-1], 3), dtype=np.int64)
     rows[np.arange(len(walls)) + np.repeat(2 * np.arange(len(a)), number)] = walls
-    rows[row[1:] - 2, 0], rows[row[1:] - 1, 0] = 2, 3
+    rows[row[1:] - 2, 0], rows[row[1:] - 1, 0] = LOW_TURN, HIGH_TURN
     kind, edge, corner = np.ascontiguousarray(rows.T)
     return Cells(a, b, row, kind, edge, corner, ends, seed)
 

@@ -15,6 +15,7 @@ from wiggleroom.freespace.slices import Slice, SliceSequence
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import PairFrames, rotated
+from wiggleroom.geometry.row_kinds import B_EDGE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -209,11 +210,11 @@ def half_planes_at_angles(
 ) -> tuple[Floats, Floats]:
     """Walls of one cell at some angles: normal (k, R, 2) and offset (k, R) of n . shift >= offset."""
     rows = np.arange(cells.row[c], cells.row[c + 1])
-    rows = rows[cells.kind[rows] < 2]
+    rows = rows[cells.is_wall[rows]]
     edge, corner = cells.edge[rows], shapes.corner[cells.corner[rows]]
     n, start = shapes.normal[edge], shapes.corner[edge]
     angles = psi[:, None] + np.zeros(len(rows))
-    of_b = cells.kind[rows] == 1
+    of_b = cells.kind[rows] == B_EDGE
     turned = rotated(n, angles)
     q_normal = np.where(of_b[:, None], -turned, n)
     least = np.where(

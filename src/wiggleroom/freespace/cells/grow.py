@@ -10,6 +10,7 @@ from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WA
 from wiggleroom.freespace.cells.wall_search import separate_all_edges
 from wiggleroom.freespace.cells.walls import segment_inside, slice_middle
 from wiggleroom.geometry.jit_options import INLINED, NO_ALLOCATION, njit
+from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE
 
 INITIAL_WALLS = 64
 """Walls per cell that there is room for at first."""
@@ -88,7 +89,7 @@ def grow_many(outlines, work, seeds, keeps, begin, walls):
             line = work.lines[k]
             of_b = line.edge >= na
             for w in range(line.count):
-                walls[n, 0] = of_b
+                walls[n, 0] = B_EDGE if of_b else A_EDGE
                 walls[n, 1] = line.edge + (shift_b if of_b else shift_a)
                 walls[n, 2] = line.walls[w] + (shift_a if of_b else shift_b)
                 n += 1

@@ -37,7 +37,7 @@ class EdgeTable(NamedTuple):
 class Pair(NamedTuple):
     """Both parts: edges of A, rows 0 .. na, then of B, rows na .. n; runs of A, rows 0 .. ra, then of B, rows ra .. r.
 
-    Whose an edge is, its row says: `edge < na` is an edge of A, and a line of kind 0; the others are of B, and of kind 1.
+    Whose an edge is, its row says: `edge < na` is an edge of A, and a line of kind A_EDGE; the others are of B, and of kind B_EDGE.
     """
 
     edges: np.ndarray

@@ -1,6 +1,6 @@
 """Compiled test for which edges lines separate.
 
-A *line* is the line of one edge of A (kind 0) or of B (kind 1). A *wall* keeps one corner of the other part in front of a line. An edge
+A *line* is the line of one edge of A (A_EDGE) or of B (B_EDGE). A *wall* keeps one corner of the other part in front of a line. An edge
 pair is *separated* by a line over an angle interval when the walls on that line keep the other part's edge in front of the line by at least
 as much as the owner's own edge reaches in front of it; then the two edges cannot cross. A cell is free of overlap over an interval as soon
 as every edge pair is separated there: its slices are convex, so nothing forbidden can begin inside without two edges crossing. How far a

@@ -34,7 +34,7 @@ def half_planes(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: float) 
         Corners further than this from an edge do not see it.
 
     Source: Lensgraf and others, "PuzzleFlex: kinematic motion of chains with loose joints" (ICRA 2020); which corners and lines make
-    rows is ours, for the text that says so is not public.
+    rows is ours: the text (arXiv 1906.08708) was not read in full.
     """
     pose = relative_pose(bodies, a, b, motion)
     shapes = bodies.shapes

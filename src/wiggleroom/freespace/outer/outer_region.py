@@ -146,7 +146,7 @@ def confined_region(
 ) -> OuterRegion | None:
     """Outer region of a pair that is held together from elsewhere; None where it is cut short by `over`.
 
-    Slices end at the rim of the confinement, and so do turns: no way leads on from there.
+    Slices end at the rim of the confinement, and so do turns: no path leads on from there.
     """
     half = min(FIRST_BLUR * material.clearance / (2 * lever), MAX_HALF_WIDTH)
     half = max(half, (confinement.high - confinement.low) / (2 * MAX_CONFINED_INTERVALS))
