@@ -61,7 +61,7 @@ function preview(gap: number): void {
   const opened = state.drawing.peek()!;
   const guess = asks(design.peek()) ? between(state.solved.peek(), gap, inSpace() ? 7 : 3) : null;
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
-  else if (shown.peek().what === "between") showRest(false);
+  else if (["between", "mode", "escape"].includes(shown.peek().what)) showRest(false); // of another design
 }
 
 const NO_SERVER = "The server does not answer. If it has ended, start wiggleroom serve again and open the address that it prints; what you set is kept.";

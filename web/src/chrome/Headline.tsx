@@ -2,7 +2,7 @@
 
 import { asks, design, goals, inSpace } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, running, selected, tab, unsure } from "../state.ts";
+import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, notice, running, selected, tab, unsure } from "../state.ts";
 import { assembled } from "../sheet.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
@@ -10,6 +10,7 @@ import type { Kind } from "../protocol.ts";
 import { ask, few, number, short } from "../words.ts";
 import { unitOf } from "./GapStrip.tsx";
 import { Meaning } from "./Meaning.tsx";
+import { Notices } from "./Notices.tsx";
 
 export function Headline() {
   if (!drawing.value) return null;
@@ -21,7 +22,8 @@ export function Headline() {
         <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled} title={title}>
           {busy.value && <i class="busy" role="img" aria-label="working" />}{title}
         </p>
-        <p class="facts">{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
+        <p class="facts" hidden={notice.value !== ""}>{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
+        <Notices />
       </div>
       <Work />
     </div>
