@@ -22,7 +22,7 @@ export function Answer() {
       <Gap />
       {about && (
         <>
-          {!current(about) && <p class="quiet" role="status">of the answer before; the new one is on its way</p>}
+          {!current(about) && <p class="quiet" role="status">These are of the answer before.</p>}
           {about.reply.leaves.length > 0 && <Section title="Leaves"><p>{few(about.reply.leaves, 12)}</p></Section>}
           {["mode", "escape"].includes(shown.value.what) ? <p class="quiet">What holds the answer is listed while the answer is shown.</p> : <><Held /><Moved /></>}
           <Command text={about.reply.command} />
