@@ -22,8 +22,8 @@ from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
-from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Survey, survey
+from wiggleroom.search.progress import Progress
 
 Ints = NDArray[np.int64]
 
