@@ -80,9 +80,10 @@ def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], li
     patches: dict[str, list[FacePatch]] = {name: [] for name in names}
     findings = []
     for joint in drawing.gaps:
-        slack = 1e-6 * size + 0.1 * max(drawing.gap, joint.gap)
         one, other = joint.parts
-        reach = _distance(part[one], surface[one], part[other], surface[other]) + slack
+        drawn = _distance(part[one], surface[one], part[other], surface[other])
+        slack = 1e-6 * size + 0.1 * max(drawn, joint.gap)  # whatever the drawing's gap: parts only get smaller as it grows
+        reach = drawn + slack
         for name, across in ((one, other), (other, one)):
             seen = flat_faces(_seen(part[name], part[across], surface[across]))
             regions = facing_regions(faces[name], seen, reach, slack)
