@@ -22,6 +22,7 @@ TOLERANCES = (0.02, 0.05, 0.1, 0.2)
 FINE_TOLERANCE = 4e-4
 """The same near the contacts that an answer has."""
 NOWHERE = np.zeros((0, 3))
+"""No places."""
 
 
 def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | None = None) -> Prepared | None:

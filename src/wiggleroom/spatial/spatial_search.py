@@ -33,6 +33,7 @@ HORIZON = 4.0
 MAX_TURN = 4 * np.pi
 """A twist beyond this is taken to go on without limit, once a whole turn in place is shown to be free [rad]."""
 MAX_ROUNDS = 8
+"""Rounds at most: solve, find pairs that met, solve again."""
 INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
 """Where iterates stay inside all rows: number of starts beside rest, and most iterations of each."""
 MAX_ROWS_OF_STARTS = 20_000
