@@ -67,9 +67,9 @@ class SeparatingPlaneSettings:
         After this many iterations that do not reduce the error the mode with slacks has failed.
     patience_damped : int > 0
         The same where rows are damped.
-    unheld : float > 0
-        Weight of what is not held, where slacks run ahead and it counts.
-    early : float > 0
+    unheld, unheld_damped, unheld_centred : float > 0
+        Weight of what is not held, where slacks run ahead and it counts; the same where rows are damped, and where iterates are centred.
+    early, early_damped, early_centred : float > 0
         Share of the objective from which on it counts.
     stuck : int > 0
         After this many iterations at one mu the path is narrow, and mu grows.
@@ -129,9 +129,13 @@ class SeparatingPlaneSettings:
     acceptable: float = 1e-6
     lost: float = 1e3
     patience: int = 12
-    patience_damped: int = 25
+    patience_damped: int = 60
     unheld: float = 0.3
+    unheld_damped: float = 0.3
+    unheld_centred: float = 3.0
     early: float = 0.05
+    early_damped: float = 5e-3
+    early_centred: float = 5e-4
     stuck: int = 10
     raised: float = 100.0
     highest: float = 1e-3

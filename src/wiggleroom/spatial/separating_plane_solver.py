@@ -87,6 +87,9 @@ class SeparatingPlaneSolver:
     damped : bool
         True: where the matrix is not positive definite the rows are damped, not the diagonal alone, so that what many bodies do
         together stays free.
+    centred : bool
+        True: the barrier parameter follows closely what is not held yet. So hundreds of bodies that hem each other in settle; one that has
+        room may be carried through another.
     tolerance : float
         Relative tolerance of the objective.
     most : int
@@ -104,6 +107,7 @@ class SeparatingPlaneSolver:
     program: SeparatingPlaneProgram
     inside: bool = True
     damped: bool = False
+    centred: bool = False
     tolerance: float = 3e-8
     most: int = 200
     seed: int = 0
@@ -176,6 +180,7 @@ class SeparatingPlaneSolver:
         before, escapes, least, since = np.inf, SETTINGS.saddles, np.inf, 0
         best = _BestIterate(np.inf, state, 0)
         patience = SETTINGS.patience_damped if self.damped else SETTINGS.patience
+        unheld_weight, early = self._weight_of_unheld()
         for k in range(self.most + 1):
             u, mu = state.displacement, state.complementarity
             weight = state.proximal(mu, u)
@@ -223,9 +228,7 @@ class SeparatingPlaneSolver:
             if k == self.most or lost or (not self.inside and since > patience):
                 break
             lowest = max(0.2 * self.tolerance * size / max(rows, 1), self._floor)
-            lag = max(infeasible, SETTINGS.unheld * unheld if unheld > SETTINGS.early * size else 0.0) / max(
-                rows * mu, 1e-300
-            )
+            lag = max(infeasible, unheld_weight * unheld if unheld > early * size else 0.0) / max(rows * mu, 1e-300)
             following = (
                 self._steps.advance(state, dual, dual_planes, weight, u, wrong, lowest)
                 if self.inside
@@ -239,6 +242,14 @@ class SeparatingPlaneSolver:
             del self.path[best.path :]
             return SolverStatus.CONVERGED, best.error, best.state
         return SolverStatus.FAILED, error, state
+
+    def _weight_of_unheld(self) -> tuple[float, float]:
+        """Weight of what is not held in the choice of the barrier parameter, and the share of the objective from which on it counts."""
+        if self.centred:
+            return SETTINGS.unheld_centred, SETTINGS.early_centred
+        if self.damped:
+            return SETTINGS.unheld_damped, SETTINGS.early_damped
+        return SETTINGS.unheld, SETTINGS.early
 
     def _legal(self, at: LinearisedSeparatingPlanes) -> SeparatingPlanePoint | None:
         """The point, inside all rows once planes that lag behind are set anew; None where pieces overlap."""

@@ -34,6 +34,8 @@ MAX_TURN = 4 * np.pi
 """A twist beyond this is taken to go on without limit, once a whole turn in place is shown to be free [rad]."""
 MAX_ROUNDS = 8
 """Rounds at most: solve, find pairs that met, solve again."""
+SLACK_ITERATIONS = 260
+"""Number of iterations with slacks that run ahead, at most."""
 INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
 """Where iterates stay inside all rows: number of starts beside rest, and most iterations of each."""
 MAX_ROWS_OF_STARTS = 20_000
@@ -76,6 +78,28 @@ class SearchEnd:
         )
 
 
+@dataclass(frozen=True)
+class _Mode:
+    """How the program is solved.
+
+    Parameters
+    ----------
+    seed : int, optional
+        Iterates stay inside all rows, from that start; without one slacks run ahead.
+    damped : bool
+        Rows are damped, and pairs of pieces that do not face each other join only where they meet.
+    centred : bool
+        Iterates are kept near the central path.
+    """
+
+    seed: int | None = None
+    damped: bool = False
+    centred: bool = False
+
+
+_DAMPED, _CENTRED = _Mode(damped=True), _Mode(damped=True, centred=True)
+
+
 @dataclass(eq=False)
 class SpatialSearch:
     """Rounds of the program for one question; the best motion whose path is checked wins."""
@@ -92,7 +116,11 @@ class SpatialSearch:
     met: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
 
     def run(self) -> SearchEnd:
-        """Search with slacks that run ahead, then with damped rows, then inside all rows from several starts, until an end is good."""
+        """Search in one way after the other until an end is good.
+
+        First slacks run ahead, then rows are damped too, then iterates are centred besides, at last they stay inside all rows, from several
+        starts. Large programs begin with centred iterates.
+        """
         ready = self.ready
         self.pieces = (
             ready.pieces
@@ -100,13 +128,13 @@ class SpatialSearch:
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
         large = len(self.pieces) > MAX_PAIRS_UNDAMPED and self.solver != "ipopt"
-        best = self._attempt(None, damped=large)
-        starts = range(INSIDE_STARTS if best.program.rows <= MAX_ROWS_OF_STARTS else 1)
-        damped_first = () if self.solver == "ipopt" or large else ((None, True),)
-        for seed, damped in (*damped_first, *((seed, False) for seed in starts)):
+        best = self._attempt(_CENTRED if large else _Mode())
+        starts = 0 if large and best.whole else INSIDE_STARTS if best.program.rows <= MAX_ROWS_OF_STARTS else 1
+        between = () if self.solver == "ipopt" or large else (_DAMPED, _CENTRED)
+        for mode in (*between, *(_Mode(seed) for seed in range(starts))):
             if best.good or self._asked_to_stop():
                 break
-            done = self._attempt(seed, damped)
+            done = self._attempt(mode)
             if done.good or self.value(done) > self.value(best):
                 best = done
         return best
@@ -118,15 +146,11 @@ class SpatialSearch:
             value = self.objective.value(self.ready.grouping.pose_of(motion), value)
         return value
 
-    def _attempt(self, seed: int | None, damped: bool = False) -> SearchEnd:
-        """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again from rest.
-
-        With a `seed` iterates stay inside all rows, from that start; without one slacks run ahead. `damped`: rows are
-        damped, and pairs of pieces that do not face each other join only where they meet.
-        """
+    def _attempt(self, mode: _Mode) -> SearchEnd:
+        """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again from rest."""
         limit = MAX_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
         for _ in range(MAX_ROUNDS):
-            program, found = self._solved(seed, damped, limit)
+            program, found = self._solved(mode, limit)
             self.iterations += found.iterations
             self.rounds += 1
             if found.status is SolverStatus.FAILED:
@@ -144,32 +168,31 @@ class SpatialSearch:
             self.met = np.unique(np.vstack([self.met, missed]), axis=0)
         return self._checked(program, found)
 
-    def _solved(
-        self, seed: int | None, damped: bool, limit: float
-    ) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
+    def _solved(self, mode: _Mode, limit: float) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
         """The program, and its solution from beside rest, twists up to a limit [rad]."""
         ready, horizon = self.ready, HORIZON * self.ready.size
-        pieces = self._working_set() if damped else self.pieces
+        pieces = self._working_set() if mode.damped else self.pieces
         program = build_planes(
             ready.grouping.bodies,
             self.objective,
             pieces,
             length=ready.clearance,
             rest=self.begin,
-            distance_ratio=1.0 if damped else DISTANCE_RATIO,
+            distance_ratio=1.0 if mode.damped else DISTANCE_RATIO,
         )
         if self.solver == "ipopt":
             from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
 
             return program, solve_with_ipopt(
-                program, seed=seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell
+                program, seed=mode.seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell
             )
         solver = SeparatingPlaneSolver(
             program,
-            inside=seed is not None,
-            damped=damped,
-            most=200 if seed is None else INSIDE_ITERATIONS,
-            seed=seed or 0,
+            inside=mode.seed is not None,
+            damped=mode.damped,
+            centred=mode.centred,
+            most=SLACK_ITERATIONS if mode.seed is None else INSIDE_ITERATIONS,
+            seed=mode.seed or 0,
             horizon=horizon,
             most_turn=limit,
             stop=self.stop,
