@@ -378,6 +378,14 @@ def test_a_killed_worker_is_told_and_the_session_goes_on(browser: Any, peg: Serv
         box.press("Enter")
         answered(page, "peg moves 1.2 mm in +x")
         page.locator(".pill").wait_for(state="detached")
+        box = canvas(page)
+        x, y = (a + b for a, b in zip(foot(page), (box["x"], box["y"]), strict=True))
+        page.mouse.move(x, y + 30)
+        page.mouse.down()
+        os.kill(peg.workers()[-1], signal.SIGKILL)
+        page.mouse.move(x - 20, y + 40, steps=4)
+        page.locator("#answer", has_text=re.compile(r"peg moved [\d.]+ mm")).wait_for(timeout=60_000)
+        page.mouse.up()
 
 
 def test_without_its_server_a_page_keeps_its_answer_and_says_what_to_do(browser: Any, tmp_path: Path) -> None:

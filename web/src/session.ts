@@ -406,11 +406,8 @@ function reopen(): void {
 
 function worker(now: "ready" | "lost" | "restarted"): void {
   state.workerState.value = now;
-  if (now === "restarted") {
-    quick = null;
-    drag = null;
-    if (state.drawing.peek() && !state.answer.peek() && goals.peek().length) askFlex();
-  }
+  // what was under way is tried once more by the server, under the same number
+  if (now === "restarted" && !quick && state.drawing.peek() && !state.answer.peek() && goals.peek().length) askFlex();
 }
 
 /** A line about nothing in particular. */
