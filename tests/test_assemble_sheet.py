@@ -23,7 +23,7 @@ from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.edge_constraints import edge_flanks
 from wiggleroom.mating.edge_ends import aligned_ends
 from wiggleroom.mating.hints import EdgeReference, FixedPlate, Hints, edge_reference, read_hints, write_hints
-from wiggleroom.mating.laying import laid_plates
+from wiggleroom.mating.loose_panel_poses import laid_plates
 from wiggleroom.mating.panel_set import PanelSet
 from wiggleroom.mating.plates_writer import fixed_axis_turns, write_plates
 

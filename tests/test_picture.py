@@ -234,7 +234,7 @@ def test_text_shows_without_any_font_on_the_machine() -> None:
     style = "svg { font-family: 'Wiggle Sans', sans-serif }"
     with as_file(files("wiggleroom.report") / "fonts" / "wiggle-sans.ttf") as font:
         bare = svg_to_bytes(
-            svg_string=svg, text_width=1600, font_files=[str(font)], skip_system_fonts=True, style_sheet=style
+            svg_string=svg, width=1600, font_files=[str(font)], skip_system_fonts=True, style_sheet=style
         )
     assert bytes(bare) == drawn  # no font of the system took part
 

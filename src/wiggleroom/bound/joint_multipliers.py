@@ -41,6 +41,7 @@ Bools = NDArray[np.bool_]
 FORCE_X, FORCE_Y, MOMENT, TURN_SLOPE, MEAN_SLOPE, SINE, COSINE, CURVATURE = range(8)
 """Columns of multipliers (P, 8): w, k, l, n, r, s and c above."""
 MULTIPLIERS = 8
+"""How many columns these are."""
 X, Y, COS, SIN, TURN = range(5)
 """Weights of a body: its shift, cos t - 1, sin t and t."""
 ROUNDING_MARGIN = 1e-12

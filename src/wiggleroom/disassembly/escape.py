@@ -42,6 +42,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 NO_BODIES = np.zeros(0, dtype=np.int64)
+"""None of them."""
 BOXES_FOR_ONE_BODY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
 BOXES_FOR_NEAR_EXIT = 40_000
@@ -51,6 +52,7 @@ MAX_TILTS = 4
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
+"""So many sets that nearly leave are kept; each is looked at with boxes of motions."""
 FRAME_SECONDS = 2.0
 """Time [s] for the bound on how far the parts of a frame can move."""
 EXIT_DISTANCE = 0.1

@@ -24,6 +24,7 @@ Ints = NDArray[np.int64]
 MAX_TURN_STEP = 0.02
 """Waypoints are no further apart than this [rad]."""
 MAX_SPLITS = 4
+"""A path that the audit does not pass is sampled twice as finely at most this many times."""
 BOXES_FOR_ENCLOSED = 4000
 """Boxes judged at most where it is known already that a body does not leave."""
 

@@ -31,6 +31,7 @@ ROUNDING = 0.5
 ROUNDING_OFFSET = 0.382
 """Cells lie a little beside whole units: states on a lattice would else fall on their borders."""
 TELL_EVERY = 50
+"""Progress is told after this many states."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,6 +33,7 @@ MIN_LEVELS, EXACT = 6, 1e-3
 MAX_UNITS = 60
 """A lattice spans at most this many units."""
 MAX_SLIDES = 4000
+"""Slides of one state that there is room for; no more are looked for."""
 STOP_CHECK_PAIRS = 50_000_000
 """After this many pairs of bodies it is asked again whether to stop."""
 

@@ -25,9 +25,11 @@ REACH = 1.0
 MIN_TILT = 0.02
 """A smaller turn is none [rad]."""
 MAX_POINTS = 1500
+"""Poses of one turn that there is room for."""
 SYMMETRY = 0.1
 """Images of a shape are the same up to this share of the clearance."""
 MAX_AXIS_ORDER = 6
+"""Axes that repeat after pi over an order up to this one are seen to do so: those of squares, triangles, hexagons."""
 
 
 @dataclass(frozen=True, eq=False)

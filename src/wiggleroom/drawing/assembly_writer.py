@@ -9,7 +9,7 @@ from typing import Any
 
 from wiggleroom.drawing.assembly_schema import FORMAT
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Part, Pull, Region, Tolerance, Turn, W
-from wiggleroom.drawing.plain import json_bytes
+from wiggleroom.drawing.plain_json import json_bytes
 
 Json = dict[str, Any]
 

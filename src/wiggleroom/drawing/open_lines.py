@@ -11,7 +11,7 @@ import shapely
 from wiggleroom.drawing.elements import Stroke
 from wiggleroom.drawing.joining import closed_loops, join_ends, outline_of
 from wiggleroom.drawing.model import Points, Region
-from wiggleroom.drawing.net import net_of
+from wiggleroom.drawing.planar_faces import net_of
 from wiggleroom.drawing.rings import clean_ring
 from wiggleroom.drawing.stroke_outlines import of_stroke
 from wiggleroom.drawing.traced_outlines import OpenLine, Outline, Remark, Traced

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 THREADS = 2
+"""Batches that are worked on at once."""
 S = TypeVar("S")
 T = TypeVar("T")
 

@@ -13,8 +13,8 @@ from wiggleroom.mating.closed_search import Closed, closed_placements
 from wiggleroom.mating.congruence import congruent
 from wiggleroom.mating.contact import MET_TOLERANCE
 from wiggleroom.mating.edge_ends import aligned_ends
+from wiggleroom.mating.given_placements import known_starts
 from wiggleroom.mating.hints import Hints
-from wiggleroom.mating.known import known_starts
 from wiggleroom.mating.pair_poses import PairPoseTable
 from wiggleroom.mating.panel_set import PanelSet, Placement
 from wiggleroom.mating.refinement import least_squares_placement, relief_needed

@@ -29,9 +29,11 @@ Floats = NDArray[np.float64]
 _FREE = 1e-9
 """Area [mm2] that two parts may share through rounding, for every mm of the smaller outline's length."""
 _FINEST = 1e-6
+"""Reliefs are found to this length at least [mm]."""
 _SKIN = 2e-6
 """Added to the relief that was found to be enough [mm]."""
 _APART = 20.0
+"""Bodies are laid side by side this far apart [mm]."""
 
 
 @dataclass(frozen=True, eq=False)

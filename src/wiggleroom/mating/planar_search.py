@@ -42,6 +42,7 @@ _RIVAL = 0.9
 _ASIDE = 0.05
 """A sample faces a neighbour whose nearest point is aside by no more than this share of the tolerance."""
 _REFINEMENTS = 30
+"""Steps of the least squares at most."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import UNSET, Struct, json
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.plain import plain
+from wiggleroom.drawing.plain_json import plain
 from wiggleroom.schema.fields import ContactEntry, PartMotion
 from wiggleroom.schema.flex_schema import BoundEntry, FlexResult, PeriodEntry, SearchEntry
 from wiggleroom.search.answer import Answer, Contact

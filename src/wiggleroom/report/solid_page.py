@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.plain import json_bytes
+from wiggleroom.drawing.plain_json import json_bytes
 from wiggleroom.report.answer_words import assembly_lines, few, number, short, spatial_towards
 from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.solid_colours import Colour, part_colours

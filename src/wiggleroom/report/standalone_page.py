@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.drawing.plain import json_bytes
+from wiggleroom.drawing.plain_json import json_bytes
 from wiggleroom.report.page_messages import answer_message, digits_of, drawing_message
 from wiggleroom.report.path_frames import path_frames
 from wiggleroom.report.text import escape

@@ -40,7 +40,7 @@ StudyResult = Interlock | LargestGap | FreeSpace | Study
 def draw_study(
     found: StudyResult, path: Path, command: str, progress: Callable[[int, int], None] | None = None
 ) -> None:
-    """Write what was found, as `wiggleroom.report.write_picture.draw` does."""
+    """Write what was found, as `wiggleroom.report.write_picture.write_picture` does."""
     shown = in_space(found)
     if shown is not None:
         write_spatial(shown, path, command)

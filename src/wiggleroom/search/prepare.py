@@ -139,7 +139,7 @@ class Survey:
 
 
 def survey(assembly: Assembly) -> Survey:
-    """Bodies and neighbours of an assembly, once it is sure that none touch; raises as `prepare` does."""
+    """Bodies and neighbours of an assembly, once it is sure that none touch; raises as `prepare_as_drawn` does."""
     them = bodies(assembly)
     if them.fixed.all():
         finding = f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move"

@@ -1,4 +1,7 @@
-"""Outlines of very many corners: the search is given fewer, a little further out; the audit of its path gets those that were drawn."""
+"""An assembly made ready for the model of walls: where outlines have very many corners, the search is given fewer, a little further out.
+
+The audit of its path gets those that were drawn.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,7 @@ TOLERANCES = (0.02, 0.05, 0.1, 0.2)
 FINE_TOLERANCE = 4e-4
 """The same near the contacts that an answer has."""
 NOWHERE = np.zeros((0, 3))
+"""No places."""
 
 
 def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | None = None) -> Prepared | None:
@@ -55,7 +59,7 @@ def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | 
 
 
 def prepare_walls(assembly: Assembly, surveyed: Survey | None = None, stop: Stop | None = None) -> Prepared:
-    """The assembly made ready: with fewer corners where its outlines have more than they need, else as it is; raises as `prepare` does."""
+    """The assembly made ready: with fewer corners where outlines have too many, else as drawn; raises as `prepare_as_drawn` does."""
     return prepare_simplified(assembly, stop=stop) or prepare_as_drawn(assembly, surveyed=surveyed, stop=stop)
 
 

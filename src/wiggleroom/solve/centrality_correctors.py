@@ -18,6 +18,7 @@ from wiggleroom.solve.row_operations import add_share, centring_goal, step_lengt
 Floats = NDArray[np.float64]
 
 MAX_CORRECTORS = 4
+"""Correctors of one step at most."""
 ASPIRED_STEP = 0.3
 """A corrector aims at steps that are longer by this."""
 NARROWEST, WIDEST = 0.1, 10.0

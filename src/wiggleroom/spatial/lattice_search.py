@@ -29,6 +29,7 @@ MAX_CELLS = 20_000_000
 MAX_STATES = 100_000
 """Most arrangements that are looked at."""
 MAX_BODIES = 60
+"""Assemblies of more bodies are not searched by whole steps."""
 
 
 @dataclass(frozen=True, eq=False)

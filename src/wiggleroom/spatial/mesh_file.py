@@ -21,8 +21,11 @@ UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4
 STEP = (".step", ".stp")
 """Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
+"""Larger files are refused [bytes]."""
 LARGEST_UNPACKED = 400_000_000
+"""And so are archives that hold more [bytes]."""
 MAX_FACES = 200_000
+"""And meshes of more faces."""
 MERGED = 1e-6
 """Corners nearer than this share of the size are one."""
 OPEN_SHARE = 0.02

@@ -35,6 +35,7 @@ from wiggleroom.spatial.spatial_model import (
 from wiggleroom.spatial.spatial_schema import SolidEntry, SpatialFileEntry, SpatialPullEntry
 
 MAX_PARTS = 20_000
+"""Files of more parts are refused."""
 
 
 def read_spatial(source: str | Path, *, alone: bool = False) -> SpatialDrawing:

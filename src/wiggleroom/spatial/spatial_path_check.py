@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 MAX_HALVINGS = 9
+"""A piece of a path is halved at most this many times."""
 MAX_STRAIN = 1e-5
 """Glued parts shift against each other by at most this share of the size between two waypoints."""
 MAX_LIFTS, ENOUGH_LIFT = 6, 0.2

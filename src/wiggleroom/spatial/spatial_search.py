@@ -33,6 +33,7 @@ HORIZON = 4.0
 MAX_TURN = 4 * np.pi
 """A twist beyond this is taken to go on without limit, once a whole turn in place is shown to be free [rad]."""
 MAX_ROUNDS = 8
+"""Rounds at most: solve, find pairs that met, solve again."""
 SLACK_ITERATIONS = 260
 """Number of iterations with slacks that run ahead, at most."""
 INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150

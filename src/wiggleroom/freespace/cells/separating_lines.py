@@ -26,10 +26,15 @@ from wiggleroom.freespace.cells.pair_edges import (
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 MAX_LINES = 400
+"""Lines of one cell that there is room for."""
 MAX_WALLS_PER_LINE = 48
+"""Walls on one line that there is room for."""
 MAX_LINE_CORNERS = 1600
+"""Corners of the polygon of a slice that there is room for."""
 LINES, PAIRS = 0, 1
+"""Places in `number`: how many lines, and how many open pairs of edges there are."""
 UNSEEN, SEEN, SEPARATED = 0, 1, 2
+"""States of a pair of runs of edges."""
 
 LINE = np.dtype([("edge", "i8"), ("count", "i8"), ("before", "i8"), ("walls", "i8", (MAX_WALLS_PER_LINE,))], align=True)
 """A line, the number of walls on it, now and before the present step, and their corners."""

@@ -20,6 +20,7 @@ from wiggleroom.freespace.cells.walls import out_of_reach, wall_contains
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
 
 NO_SEPARATING_LINE, OUT_OF_MEMORY = -1, -2
+"""What stands in place of a line: none separates the edges, or there is no room for it."""
 
 SEED = np.dtype(
     [

@@ -45,6 +45,7 @@ KEPT_STEP, MAX_KEPT_LOOPS = 2.0**-14, 100
 MAX_DENSE_STEP = 2.0**-9
 """Where few corners are wanted, many are tried for steps up to this share of the turn only: longer steps are halved sooner."""
 MAX_LOOPS = 1200
+"""Loops of one surface at most: it is given up then."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 MAX_LOOP_CORNERS = 400
+"""Corners of one loop at most: with more the surface would be slow to check."""
 CORNER_TOLERANCE = 1e-5
 """Corners nearer than this share of their side are one."""
 
