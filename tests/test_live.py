@@ -83,7 +83,7 @@ def test_a_square_peg_goes_into_the_corner_of_its_hole(target, there):
 
 
 def test_at_the_stop_the_walls_hold_with_the_pull():
-    shot = wr.Live(peg()).drag("peg", (0, 0), (7, 0))
+    shot = wr.Live(peg()).drag("peg", (0, 0), (7, 0), seconds=30.0)
     assert shot.blocking == ("frame",)
     push = np.sum([np.multiply(c.force, c.normal) for c in shot.contacts], axis=0)
     np.testing.assert_allclose(push, (-1, 0), atol=0.02)  # frame to peg, against a pull of 1 to the right
@@ -91,7 +91,7 @@ def test_at_the_stop_the_walls_hold_with_the_pull():
 
 
 def test_nothing_holds_where_the_target_is_reached():
-    shot = wr.Live(peg()).drag("peg", (0, 0), (0.5, 0.5))
+    shot = wr.Live(peg()).drag("peg", (0, 0), (0.5, 0.5), seconds=30.0)
     assert (shot.contacts, shot.blocking) == ((), ())
 
 
