@@ -223,6 +223,15 @@ def shapes(parts):
     return {parts[i].name: p for i, p in zip(owner, polygons, strict=True)}
 
 
+def test_parts_with_a_gap_of_one_joint_only_get_smaller_as_the_gap_grows():
+    step = part("b", [[4, 0], [8, 0], [8, 2], [4.05, 2], [4.05, 1], [4, 1]])
+    before = None
+    for gap in (0.1, 0.3, 0.6, 0.9):
+        now = shapes(made(part("a", box(0, 0, 4, 2)), step, gap=gap, gaps=(JointGap(("a", "b"), 0.02),)))
+        assert before is None or all(shapely.difference(now[name], before[name]).area < 1e-12 for name in now)
+        before = now
+
+
 def test_gap_of_one_joint_between_bricks():
     drawn = shapes(bricks((0, 0), gap=0.2, gaps=(JointGap(("a", "b"), 0.6),)))
     assert drawn["a"].symmetric_difference(shapely.box(0.1, 0.1, 3.7, 1.9)).area < 1e-14

@@ -380,6 +380,31 @@ def test_a_killed_worker_is_told_and_the_session_goes_on(browser: Any, peg: Serv
         page.locator(".pill").wait_for(state="detached")
 
 
+def test_without_its_server_a_page_keeps_its_answer_and_says_what_to_do(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "peg.json"
+    path.write_text(json.dumps(PEG))
+    context = browser.new_context(viewport={"width": 1440, "height": 900})
+    page = context.new_page()
+    with serving(path) as served:
+        page.goto(f"http://127.0.0.1:{served.port}/?token={TOKEN}")
+        answered(page, "peg moves 1 mm")
+    page.locator(".pill", has_text="no server").wait_for()
+    x, y = foot(page)
+    box = canvas(page)
+    page.mouse.move(box["x"] + x, box["y"] + y + 30)
+    page.mouse.down()
+    page.mouse.move(box["x"] + x + 40, box["y"] + y + 60, steps=4)
+    page.mouse.up()
+    assert "start wiggleroom serve again" in page.locator(".findings").inner_text()
+    assert page.locator("#answer").inner_text() == "peg moves 1 mm in +x"
+    assert page.locator(".busy, .work").count() == 0
+    page.get_by_role("tab", name="Come apart").click()
+    page.locator(".findings button").click()
+    page.get_by_role("button", name="Check").first.click()
+    assert "start wiggleroom serve again" in page.locator(".findings").inner_text()
+    context.close()
+
+
 def test_two_pages_have_drawings_of_their_own(browser: Any, peg: Served, tmp_path: Path) -> None:
     other = tmp_path / "chain.json"
     other.write_text(write_assembly(wr.patterns.chain(3, joint="tee", gap=0.02).drawing))

@@ -486,3 +486,12 @@ def test_chains_that_turn_beyond_a_quarter(joint, n, gap):
     assert answer.objective > math.pi / 2
     proven = wr.prove(answer, 0.02, seconds=60)
     assert answer.objective <= proven.at_most <= 1.0201 * answer.objective
+
+
+def test_a_quick_bound_that_is_near_enough_needs_no_excuse():
+    answer = wr.flex(wr.patterns.chain(3, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
+    assert answer.verdict == "proven"
+    proven = wr.prove(answer, 0.01)
+    assert proven.at_most == answer.at_most
+    assert proven.bound.why == ""
+    assert wr.prove(answer, 1e-6, seconds=1e-3).bound.why

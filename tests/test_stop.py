@@ -22,7 +22,7 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.cli.running import unless_stopped
 from wiggleroom.cli.watch import at_once, interruptible
 from wiggleroom.drawing import write_drawing
-from wiggleroom.search.loop import Progress
+from wiggleroom.search.progress import Progress
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
 

@@ -22,12 +22,13 @@ from wiggleroom.search.carried_incumbent import carried_incumbent
 from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
-from wiggleroom.search.loop import LocalSearch, Progress
+from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion
 from wiggleroom.search.prepare import Prepared, prepare_as_drawn
 from wiggleroom.search.prepare_walls import contact_places, prepare_simplified
+from wiggleroom.search.progress import Progress
 from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.solution import Solution

@@ -22,9 +22,9 @@ from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.flex_walls import MotionQuery, flex_walls
 from wiggleroom.freespace.models.pair_models import PairModel, Walls, model_named
 from wiggleroom.search.answer import Answer, witnessed
-from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls
+from wiggleroom.search.progress import Progress, silent
 from wiggleroom.solve import solver_named
 from wiggleroom.verdict import Verdict
 

@@ -61,13 +61,27 @@ function preview(gap: number): void {
   const opened = state.drawing.peek()!;
   const guess = asks(design.peek()) ? between(state.solved.peek(), gap, inSpace() ? 7 : 3) : null;
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
-  else if (shown.peek().what === "between") showRest(false);
+  else if (["between", "mode", "escape"].includes(shown.peek().what)) showRest(false); // of another design
+}
+
+const NO_SERVER = "The server does not answer. If it has ended, start wiggleroom serve again and open the address that it prints; what you set is kept.";
+/** What the page asks of itself. */
+const UNASKED: ReadonlySet<Kind> = new Set<Kind>(["bound", "release"]);
+
+/** Says that nothing can be asked now. */
+function away(): void {
+  state.trouble.value = "line";
+  state.findings.value = [said(NO_SERVER)];
+  state.sheetOpen.value = true;
 }
 
 /** Sends a request and gives its number; 0 while there is no line. */
 export function ask<K extends Kind>(kind: K, body: Requests[K]): number {
   const id = socket?.ask(kind, body) ?? 0;
-  if (!id) return 0;
+  if (!id) {
+    if (socket && !UNASKED.has(kind)) away();
+    return 0;
+  }
   if ("design" in body) asked.set(id, body.design as Design);
   for (const old of asked.keys()) if (old < id - 500) asked.delete(old);
   setRunning(kind, true);
@@ -107,6 +121,7 @@ function askFlex(): void {
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
 export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
+  if (!socket?.ready) return away();
   const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
   leads(wanted, sameShape());
   state.dragging.value = { part, grip };
@@ -176,7 +191,7 @@ export function openAs(what: Opening): void {
   state.opening.value = what.name;
   state.findings.value = [];
   pendingFile = what;
-  ask("open", what);
+  if (!ask("open", what)) state.opening.value = "";
 }
 let pendingFile: Opening | null = null;
 /** The file that was opened here, and whether the next drawing is the one that is open already. */
@@ -197,7 +212,15 @@ function heardLine(now: Line): void {
   if (now === "open") {
     quick = null;
     drag = null;
-  } else state.running.value = new Map();
+    if (state.trouble.value === "line") state.findings.value = [];
+    return;
+  }
+  state.running.value = new Map();
+  state.waiting.value = false;
+  state.opening.value = "";
+  drag = null;
+  lead.value = null;
+  if (shown.peek().what !== "drag") state.dragging.value = null;
 }
 
 function hear(reply: Reply, ways: Frames[]): void {

@@ -82,7 +82,7 @@ export class Socket {
   }
 
   #connect(): void {
-    this.#heard.line("connecting");
+    if (!this.#tries) this.#heard.line("connecting");
     const socket = new WebSocket(this.#url);
     socket.binaryType = "arraybuffer";
     this.#socket = socket;

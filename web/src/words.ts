@@ -7,6 +7,7 @@ export function number(value: number, digits = 4): string {
   if (value === 0 || !Number.isFinite(value)) return value === 0 ? "0" : String(value);
   const places = digits - 1 - Math.floor(Math.log10(Math.abs(value)));
   if (places > 12) return value.toExponential(digits - 1);
+  if (Math.abs(value) >= 1e7) return String(Number(value.toPrecision(digits)).toExponential()).replace("+", "");
   const rounded = value.toFixed(Math.max(places, 0));
   return rounded.includes(".") ? rounded.replace(/0+$/, "").replace(/\.$/, "") : rounded;
 }

@@ -12,7 +12,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
 from wiggleroom.report.path_frames import path_frames
 from wiggleroom.schema.fields import ContactEntry
-from wiggleroom.schema.replies import CheckReply, DragReply, FlexReply, Outline, ShapeReply, Solids
+from wiggleroom.schema.replies import DragReply, FlexReply, ShapeReply, Solids
+from wiggleroom.schema.reply_base import Outline
+from wiggleroom.schema.study_replies import CheckReply
 from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSlices
 from wiggleroom.geometry.relative_pose import rotated
-from wiggleroom.schema.replies import Pose
+from wiggleroom.schema.reply_base import Pose
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_model import SpatialAssembly

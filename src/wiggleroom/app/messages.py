@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.assembly_schema import plain_finding
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.errors import InputError
-from wiggleroom.schema.replies import Failed, Reply
+from wiggleroom.schema.replies import Failed
+from wiggleroom.schema.reply_base import Reply
 from wiggleroom.schema.requests import AnyRequest
 
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from wiggleroom.app.messages import encode, failed, motion_frame
 from wiggleroom.app.worker_protocol import Outgoing
 from wiggleroom.errors import go_on
-from wiggleroom.schema.replies import Finding, ProgressReply, Reply
+from wiggleroom.schema.replies import Finding, ProgressReply
+from wiggleroom.schema.reply_base import Reply
 
 PROGRESS_INTERVAL = 0.05
 """Progress is told no more often than this [s]."""

@@ -15,7 +15,8 @@ from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.drawing.assembly_writer import write_assembly
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError
-from wiggleroom.schema.replies import Outline, SampleEntry
+from wiggleroom.schema.replies import SampleEntry
+from wiggleroom.schema.reply_base import Outline
 
 PICTURE_SIDE = 100.0
 """Width or height of small pictures [SVG units]."""

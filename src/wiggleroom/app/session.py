@@ -17,7 +17,8 @@ from wiggleroom.app.process import LostError, Pool, Process
 from wiggleroom.app.resource_limits import DESIGN_MB, UPLOAD_MB
 from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder
 from wiggleroom.errors import InputError
-from wiggleroom.schema.replies import Reply, WorkerState
+from wiggleroom.schema.replies import WorkerState
+from wiggleroom.schema.reply_base import Reply
 from wiggleroom.schema.requests import AnyRequest, CancelRequest, FlexRequest, OpenRequest
 
 Send = Callable[[list[bytes], bytes], Awaitable[None]]

@@ -14,7 +14,6 @@ from wiggleroom.app.reporter import Reporter
 from wiggleroom.report.answer_words import bound_sentence, proven
 from wiggleroom.report.separability import border_sentence
 from wiggleroom.report.study_messages import ranking_message, step_message
-from wiggleroom.schema.replies import BoundReply, LimitReply, ProveReply, SweepReply
 from wiggleroom.schema.requests import (
     BoundRequest,
     CheckRequest,
@@ -26,6 +25,7 @@ from wiggleroom.schema.requests import (
     SweepRequest,
     TightenRequest,
 )
+from wiggleroom.schema.study_replies import BoundReply, LimitReply, ProveReply, SweepReply
 
 if TYPE_CHECKING:
     from wiggleroom.app.document import Document

@@ -23,7 +23,7 @@ from wiggleroom.assembly.loops import (
     signed_areas,
 )
 from wiggleroom.assembly.mitre import offset_ring, resolved
-from wiggleroom.drawing.model import Drawing, JointGap, Part, Points, Region
+from wiggleroom.drawing.model import Drawing, Flattening, JointGap, Part, Points, Region
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +165,7 @@ def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretc
             chained([place(ring, part.at) for ring in rings[shapes.members[s] : shapes.members[s + 1]]])
             for s, part in zip(of, pair, strict=True)
         )
-        reach, slack = _reach(joint, pair, drawing.gap, size)
+        reach, slack = _reach(joint, pair, drawing.flattening, size)
         both = facing_stretches(a, b, reach, slack), facing_stretches(b, a, reach, slack)
         if not all(both):
             findings.append(_apart(joint))
@@ -174,11 +174,15 @@ def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretc
     return stretches, findings
 
 
-def _reach(joint: JointGap, pair: list[Part], gap: float, size: float) -> tuple[float, float]:
-    """How far apart edges of a joint may lie: the drawn distance, with room for flattened curves."""
+def _reach(joint: JointGap, pair: list[Part], flattening: Flattening | None, size: float) -> tuple[float, float]:
+    """How far apart edges of a joint may lie: the drawn distance, with room for flattened curves.
+
+    The drawing's own gap has no say: the same edges face each other whatever it is, so parts only get smaller as it grows.
+    """
     shapes, owner = placed_regions(pair)
     drawn = float(shapely.distance(shapes[owner == 0][:, None], shapes[owner == 1]).min())
-    slack = 1e-6 * size + 0.1 * max(gap, joint.gap)
+    error = 0.0 if flattening is None else flattening.error
+    slack = 1e-6 * size + 0.1 * max(drawn, joint.gap) + 2 * error
     return drawn + slack, slack
 
 

@@ -22,8 +22,8 @@ from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
-from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Survey, survey
+from wiggleroom.search.progress import Progress
 
 Ints = NDArray[np.int64]
 
@@ -134,6 +134,8 @@ def prove(
         wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
         raise WiggleroomError(wrong)
     if answer.at_most is not None and answer.at_most < most and not certify:
+        if answer.at_most <= witness + aim:
+            return answer  # the quick bound is as near as was asked for
         return _not_proven(answer, clock, "nothing nearer was found in the time given")
     share = (most - witness) / abs(witness) if witness else None
     paper = None

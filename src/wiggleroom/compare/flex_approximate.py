@@ -11,7 +11,7 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.pair_models import HalfPlane
 from wiggleroom.program.objectives import objective
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.loop import Progress
+from wiggleroom.search.progress import Progress
 from wiggleroom.solve import solver_named
 
 

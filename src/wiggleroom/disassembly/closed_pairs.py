@@ -22,8 +22,8 @@ from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.neighbours import neighbours
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
-from wiggleroom.search.loop import silent
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
+from wiggleroom.search.progress import silent
 
 Ints = NDArray[np.int64]
 

@@ -16,8 +16,8 @@ from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.geometry.rigid_motions import of_parts
-from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Survey, survey
+from wiggleroom.search.progress import Progress
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]

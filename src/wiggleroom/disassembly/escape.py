@@ -33,9 +33,9 @@ from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import Stop, WiggleroomError
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
-from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared, Survey
 from wiggleroom.search.prepare_walls import prepare_walls
+from wiggleroom.search.progress import Progress
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]

@@ -18,8 +18,8 @@ from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
+from wiggleroom.search.progress import Progress
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]

@@ -26,8 +26,8 @@ from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.maximise import witness
-from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare_walls import prepare_walls
+from wiggleroom.search.progress import Progress, silent
 from wiggleroom.verdict import Certainty, Separability, Tightness
 
 Floats = NDArray[np.float64]

@@ -14,7 +14,7 @@ from wiggleroom.disassembly.escape import EscapeEffort
 from wiggleroom.disassembly.interlock import Interlock, interlock
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
-from wiggleroom.search.loop import Progress, silent
+from wiggleroom.search.progress import Progress, silent
 
 RELATIVE_TOLERANCE = 1e-3
 """Both sides end no further apart than this share of the gap."""

@@ -14,7 +14,7 @@ from wiggleroom.disassembly.slide_space import Slide, SlideSpace
 from wiggleroom.disassembly.turn_space import MIN_TILT, LocalTurn, TurnSpace
 from wiggleroom.disassembly.turn_space import WORK_BUDGET as TURN_BUDGET
 from wiggleroom.errors import Stop, StoppedError
-from wiggleroom.search.loop import Progress
+from wiggleroom.search.progress import Progress
 from wiggleroom.search.state_tree import StateTree
 
 Floats = NDArray[np.float64]

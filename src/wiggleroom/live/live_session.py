@@ -33,9 +33,9 @@ from wiggleroom.maximise import witness
 from wiggleroom.program.objectives import Approach
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import unlimited
-from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.progress import Progress
 from wiggleroom.search.recession import recession_direction
 
 Floats = NDArray[np.float64]

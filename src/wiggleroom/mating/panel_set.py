@@ -11,15 +11,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.mating.candidates import VOTING, fits
 from wiggleroom.mating.congruence import PanelIsometries
-from wiggleroom.mating.contact import (
-    MAX_SQUARE_COSINE,
-    MET_TOLERANCE,
-    crossing_volume,
-    masks,
-    meeting,
-    met_flags,
-    scores,
-)
+from wiggleroom.mating.contact import MAX_SQUARE_COSINE, MET_TOLERANCE, masks, meeting, met_flags, scores
+from wiggleroom.mating.crossing_volume import crossing_volume
 from wiggleroom.mating.edge_constraints import EdgeConstraints
 from wiggleroom.mating.flanks import SheetPlate, bits
 from wiggleroom.mating.panel_outline import inset

@@ -19,8 +19,8 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.planning.gravity import Gravity
 from wiggleroom.planning.path_improvement import improved_steps
 from wiggleroom.planning.steps import Step, measured, steps_of
-from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import survey
+from wiggleroom.search.progress import Progress, silent
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,8 @@ from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.answer_words import answer_sure, facts, force_bearing_contacts, headline
 from wiggleroom.report.json_results import contact_entry
 from wiggleroom.schema.fields import ContactEntry
-from wiggleroom.schema.replies import FlexReply, Opened, Outline, PartShape
+from wiggleroom.schema.replies import FlexReply, Opened, PartShape
+from wiggleroom.schema.reply_base import Outline
 from wiggleroom.schema.requests import Design, Goals
 from wiggleroom.search.answer import Answer, Contact
 

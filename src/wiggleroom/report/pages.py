@@ -26,8 +26,8 @@ from wiggleroom.report.study_messages import check_message, ranking_message, ste
 from wiggleroom.report.study_results import band_sentence, has_band, lost_sentence
 from wiggleroom.report.study_tabs import sample_message, tightening_message
 from wiggleroom.report.tolerance_results import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
-from wiggleroom.schema.replies import StudyReply, StudyTab, Title
 from wiggleroom.schema.standalone_schema import StandaloneCheck
+from wiggleroom.schema.study_replies import StudyReply, StudyTab, Title
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.perturbation import can_be_ranked

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wiggleroom.planning.plan import Plan
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
-from wiggleroom.schema.replies import LeavingEntry, PlanReply
+from wiggleroom.schema.study_replies import LeavingEntry, PlanReply
 
 
 def plan_message(found: Plan, command: str) -> PlanReply:

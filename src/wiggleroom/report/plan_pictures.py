@@ -27,8 +27,8 @@ from wiggleroom.report.plan_results import (
     tolerance_sentences,
 )
 from wiggleroom.report.standalone_page import packed_frames, shown_drawing, standalone_page
-from wiggleroom.schema.replies import CheckReply, Title
 from wiggleroom.schema.standalone_schema import StandaloneCheck
+from wiggleroom.schema.study_replies import CheckReply, Title
 from wiggleroom.search.answer import witnessed
 from wiggleroom.verdict import Verdict
 

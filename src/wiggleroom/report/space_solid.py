@@ -15,7 +15,7 @@ from wiggleroom.freespace.free_space import FreeSlices
 from wiggleroom.report.answer_words import number
 from wiggleroom.report.space_report import space_facts, space_headline
 from wiggleroom.report.stacked_slices import HEIGHT_RATIO, rings, slices_box
-from wiggleroom.schema.replies import SpaceReply, SpaceSlice
+from wiggleroom.schema.study_replies import SpaceReply, SpaceSlice
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

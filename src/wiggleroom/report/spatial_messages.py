@@ -22,8 +22,9 @@ from wiggleroom.report.spatial_table import (
     spatial_sentence,
 )
 from wiggleroom.schema.fields import ContactEntry
-from wiggleroom.schema.replies import CheckReply, FlexReply, LeavingEntry, Opened, PartShape, Solids, SolidShape
+from wiggleroom.schema.replies import FlexReply, Opened, PartShape, Solids, SolidShape
 from wiggleroom.schema.requests import Design, GoalEntry, Goals
+from wiggleroom.schema.study_replies import CheckReply, LeavingEntry
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialDrawing, SpatialGoal, SpatialPull, SpatialTurn

@@ -21,7 +21,6 @@ from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.page_messages import answer_message, digits_of, drawing_message
 from wiggleroom.report.path_frames import path_frames
 from wiggleroom.report.text import escape
-from wiggleroom.schema.replies import Piece
 from wiggleroom.schema.standalone_schema import (
     PackedFrames,
     PlacedPart,
@@ -30,6 +29,7 @@ from wiggleroom.schema.standalone_schema import (
     StandaloneDrawing,
     StandalonePage,
 )
+from wiggleroom.schema.study_replies import Piece
 from wiggleroom.search.answer import Answer
 
 

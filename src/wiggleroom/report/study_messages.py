@@ -9,7 +9,7 @@ from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.answer_words import per_gap
 from wiggleroom.report.rank_results import ranking_sure
 from wiggleroom.report.separability import border_sentence, check_sure, leaves, why
-from wiggleroom.schema.replies import CheckReply, ImportanceEntry, JointEntry, LeavingEntry, RankReply, StepReply
+from wiggleroom.schema.study_replies import CheckReply, ImportanceEntry, JointEntry, LeavingEntry, RankReply, StepReply
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sweep import SweepStep
 

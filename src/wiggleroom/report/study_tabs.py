@@ -11,7 +11,7 @@ from wiggleroom.report.plots import histogram
 from wiggleroom.report.spatial_table import spatial_headline
 from wiggleroom.report.standalone_page import section
 from wiggleroom.report.study_results import QUANTILES, sample_sure
-from wiggleroom.schema.replies import StudyReply, StudyTab, Tints, Title
+from wiggleroom.schema.study_replies import StudyReply, StudyTab, Tints, Title
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.spatial.spatial_answer import SpatialAnswer

@@ -7,18 +7,10 @@ from typing import Annotated, Literal
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from wiggleroom.schema.fields import Ring
-from wiggleroom.schema.replies import (
-    CheckReply,
-    FlexReply,
-    Pose,
-    RankReply,
-    SpaceReply,
-    StepReply,
-    StudyTab,
-    Tints,
-    Title,
-)
+from wiggleroom.schema.replies import FlexReply
+from wiggleroom.schema.reply_base import Pose
 from wiggleroom.schema.requests import Design
+from wiggleroom.schema.study_replies import CheckReply, RankReply, SpaceReply, StepReply, StudyTab, Tints, Title
 
 
 class PackedFrames(Struct):

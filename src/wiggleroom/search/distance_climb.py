@@ -23,8 +23,9 @@ from wiggleroom.program.distance_program import DistanceProgram, build_distances
 from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
-from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
+from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, nudged
 from wiggleroom.search.prepare import congruent_cells
+from wiggleroom.search.progress import Progress
 from wiggleroom.solve import interior_point
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus

@@ -21,6 +21,7 @@ from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, PathSegment, Start, start_at_rest
 from wiggleroom.search.path_check import CertainPrefix, CheckedPath, certain_prefix, check_path
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.progress import Progress, silent
 from wiggleroom.solve import interior_point
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
@@ -51,20 +52,6 @@ AUDIT_SECONDS, AUDIT_SECONDS_PER_BODY = 8.0, 1e-3
 costs about a fiftieth of that beyond the audit of its pieces, which is not repeated at the end."""
 FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
-
-
-@dataclass(frozen=True)
-class Progress:
-    """What a progress callback is told: stage ("pairs", "free spaces", "solve" or "check"), round, iteration and objective [mm]."""
-
-    stage: str
-    round: int = 0
-    iteration: int = 0
-    objective: float = 0.0
-
-
-def silent(_: Progress) -> None:
-    """No-op progress callback."""
 
 
 class Move(Protocol):

@@ -23,8 +23,8 @@ from wiggleroom.search.loop import (
     TOLERANCE_PER_BODY,
     LocalSearch,
     Policy,
-    Progress,
 )
+from wiggleroom.search.progress import Progress
 from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 

@@ -17,7 +17,7 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.loop import Progress
+from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder, PlanarGapModel
 from wiggleroom.verdict import Certainty, Verdict

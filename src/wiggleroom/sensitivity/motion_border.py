@@ -15,7 +15,7 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
 from wiggleroom.maximise import flex
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.loop import Progress
+from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.verdict import Certainty, Verdict
 

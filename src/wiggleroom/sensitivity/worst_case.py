@@ -23,7 +23,7 @@ from wiggleroom.drawing.model import Drawing, Goal, Tolerance
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
 from wiggleroom.maximise import flex, witness
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.loop import Progress
+from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.rank import Ranking, rank
 from wiggleroom.verdict import Certainty, Verdict

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.newton_step import dot
-from wiggleroom.spatial import separating_plane_constraints as kernel
+from wiggleroom.spatial import separating_plane_elimination as kernel
 from wiggleroom.spatial.graph_retraction import GraphRetraction
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import logarithm

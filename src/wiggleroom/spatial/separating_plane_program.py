@@ -13,6 +13,7 @@ from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.separating_axis import distance, posed_points, separation
+from wiggleroom.spatial.separating_plane_elimination import condensed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -213,7 +214,7 @@ class LinearisedSeparatingPlanes:
         P = self.program
         data = np.zeros(len(P.pattern.indices))
         inverse, mixed = np.empty((P.planes, 3, 3)), np.empty((P.planes, 3, 9))
-        kernel.condensed(
+        condensed(
             self.q, self.Psi, self.point.pose.R, self.axes, P.a, P.b, P.plane, P.row, P.own, P.V, self.point.n, P.lever / P.length,
             P.length * self.h, self.G, weight, lam / P.length, PLANE_DAMPING, balance, P.scale, P.pattern.entry, np.empty((8, 12, 12)),
             inverse, mixed, data,

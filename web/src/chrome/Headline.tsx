@@ -2,7 +2,7 @@
 
 import { asks, design, goals, inSpace } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, tab, unsure } from "../state.ts";
+import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, notice, running, selected, tab, unsure } from "../state.ts";
 import { assembled } from "../sheet.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
@@ -10,6 +10,7 @@ import type { Kind } from "../protocol.ts";
 import { ask, few, number, short } from "../words.ts";
 import { unitOf } from "./GapStrip.tsx";
 import { Meaning } from "./Meaning.tsx";
+import { Notices } from "./Notices.tsx";
 
 export function Headline() {
   if (!drawing.value) return null;
@@ -21,7 +22,8 @@ export function Headline() {
         <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled} title={title}>
           {busy.value && <i class="busy" role="img" aria-label="working" />}{title}
         </p>
-        <p class="facts">{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
+        <p class="facts" hidden={notice.value !== ""}>{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
+        <Notices />
       </div>
       <Work />
     </div>
@@ -61,7 +63,7 @@ function said(): Said {
   }
   const asked = goals.value.length ? few(goals.value.map(ask), 2) : whole[String(design.value.goals)] ?? "parts as far as they go";
   if (what === "between" || unsure.value || !about || about.design !== design.value) {
-    if (!unsure.value) return { title: asked, line: about ? "" : "no answer", tone: "guess" };
+    if (!unsure.value) return { title: asked, line: line.value !== "open" ? "no answer while the server is away" : about ? "" : "no answer", tone: "guess" };
     const far = about?.design === design.value ? about.reply.objective : null;
     const least = far !== null && far > 0.01 * gap ? [`at least ${number(far, 3)} ${unitOf()} so far`] : [];
     return { title: asked, line: [`solving at gap ${number(gap)} mm`, ...least].join(" · "), tone: "guess" };
@@ -95,16 +97,17 @@ const NAMES: Record<string, string> = {
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
   const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["assemble", "lay", "check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
+  if (!rows.length) return null;
   return (
-    <>
+    <div class="works">
       {rows.map(([kind, told]) => (
         <div class="work" key={kind} role="status">
           <progress aria-label={NAMES[kind]} value={told?.share ?? undefined} />
-          <span>{NAMES[kind]}{told?.objective != null ? `: ${number(told.objective)} so far` : ""}{told?.stage && kind !== told.stage ? `, ${told.stage}` : ""}</span>
+          <span title={NAMES[kind]}>{NAMES[kind]}{told?.objective ? `: ${number(told.objective)} so far` : ""}{told?.stage && kind !== told.stage ? `, ${told.stage}` : ""}</span>
           <button type="button" class="link" onClick={() => cancel(kind as Kind)}>cancel</button>
         </div>
       ))}
-    </>
+    </div>
   );
 }
 

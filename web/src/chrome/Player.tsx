@@ -9,7 +9,6 @@ import { inSpace } from "../design.ts";
 import { canKeep, keep, kept } from "../stage/kept.ts";
 import { lassoing } from "../stage/lasso.ts";
 import { Button } from "./Button.tsx";
-import { Notices } from "./Notices.tsx";
 
 const FACTORS = [1, 2, 5, 10, 20, 50, 100];
 
@@ -42,7 +41,7 @@ export function Player() {
         )}
         {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}
       </div>
-      <Notices />
+      <span class="spring" />
       <label class="group factor" title="how many times the motion is enlarged">
         <span>motion</span>
         <select value={chosenFactor.value} aria-label="how many times the motion is enlarged" onChange={(event) => (chosenFactor.value = Number(event.currentTarget.value))}>

@@ -2,7 +2,7 @@
 
 import { asks, change, design, goals, inSpace, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
 import { type Cell, type Finding, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
-import { answer, standalone, dragged, drawing, extent, findings, highlit, names, selected } from "../state.ts";
+import { answer, current, standalone, dragged, drawing, extent, findings, highlit, names, selected } from "../state.ts";
 import { columns, end, farOf, shown, turnOf } from "../motion.ts";
 import { ask, degrees, few, number, short, towards } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
@@ -22,9 +22,9 @@ export function Answer() {
       <Gap />
       {about && (
         <>
+          {!current(about) && <p class="quiet" role="status">These are of the answer before.</p>}
           {about.reply.leaves.length > 0 && <Section title="Leaves"><p>{few(about.reply.leaves, 12)}</p></Section>}
-          <Held />
-          <Moved />
+          {["mode", "escape"].includes(shown.value.what) ? <p class="quiet">What holds the answer is listed while the answer is shown.</p> : <><Held /><Moved /></>}
           <Command text={about.reply.command} />
         </>
       )}
