@@ -413,3 +413,13 @@ def test_what_is_glued_to_what_stands_through_others_cannot_be_pulled(glue: list
     lid = {"name": "lid", "boxes": [[2, 2, 2, 8, 8, 3]]}
     with pytest.raises(wr.InputError, match='"lid" cannot be moved'):
         spatial(base, post, lid, glue=glue, pull=[{"part": "lid", "direction": [0, 0, 1]}])
+
+
+def test_a_pull_that_slacks_alone_do_not_settle_ends_near_the_central_path() -> None:
+    from benchmarks.spatial_burrs import assembled
+    from benchmarks.spatial_figures import keyed_burr
+
+    burr = assemble_spatial(assembled(keyed_burr(1)).drawing, fix=("p1",))
+    found = sound(flex_spatial(burr, SpatialPull("p3", (1, 0, 0))))
+    assert found.verdict == "optimal"
+    assert found.objective > 0.061

@@ -132,6 +132,14 @@ def test_sheets_are_read_by_the_name_of_the_part(tmp_path: Path) -> None:
         read_spatial(write(tmp_path, {"name": "lid", "outline": "sheet.svg#box", "thickness": 3}))
 
 
+def test_boxes_that_share_no_face_are_one_part_and_that_is_said() -> None:
+    corner = {"name": "a", "boxes": [[0, 0, 0, 1, 1, 1], [1, 1, 0, 2, 2, 1]]}
+    joined = {"name": "b", "boxes": [[0, 0, 5, 1, 1, 6], [0.5, 0.5, 5.5, 2, 2, 6.5]]}
+    assert read_spatial(text(corner, joined)).notes == (
+        'part "a": boxes make 2 pieces that share no face; they move as one',
+    )
+
+
 def test_units_of_files_and_formats(tmp_path: Path) -> None:
     cube = trimesh.creation.box((2, 2, 2))
     cube.export(tmp_path / "a.stl")

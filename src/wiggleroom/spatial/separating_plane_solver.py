@@ -108,7 +108,7 @@ class SeparatingPlaneSolver:
     inside: bool = True
     damped: bool = False
     centred: bool = False
-    tolerance: float = 3e-8
+    tolerance: float = 2e-9
     most: int = 200
     seed: int = 0
     horizon: float = np.inf

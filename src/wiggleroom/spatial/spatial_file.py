@@ -18,6 +18,7 @@ from wiggleroom.drawing.model import JointGap, Region
 from wiggleroom.drawing.rings import clean_ring
 from wiggleroom.drawing.source import load
 from wiggleroom.errors import InputError
+from wiggleroom.spatial.box_union import union_of_boxes
 from wiggleroom.spatial.mesh_file import read_mesh
 from wiggleroom.spatial.rotations import fixed_axes
 from wiggleroom.spatial.solid_boolean import require_solid_library
@@ -238,6 +239,9 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
                     where, f"boxes[{k}] must be x, y, z of the lower and then of the upper corner, and have a volume"
                 )
                 return None
+        pieces = union_of_boxes(numbers).lumps if len(numbers) > 1 else 1
+        if pieces > 1:
+            self._notes.append(f"{where}: boxes make {pieces} pieces that share no face; they move as one")
         return Boxes(numbers)
 
     def _mesh(self, where: str, reference: str) -> Solid | None:
