@@ -175,15 +175,16 @@ def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretc
 
 
 def _reach(joint: JointGap, pair: list[Part], flattening: Flattening | None, size: float) -> tuple[float, float]:
-    """How far apart edges of a joint may lie: the drawn distance, with room for flattened curves.
+    """How far apart edges of a joint may lie [mm], and how far behind each other.
 
+    That is the drawn distance with room for flattened curves, and half of the joint's gap, which opens outlines that are drawn larger.
     The drawing's own gap has no say: the same edges face each other whatever it is, so parts only get smaller as it grows.
     """
     shapes, owner = placed_regions(pair)
     drawn = float(shapely.distance(shapes[owner == 0][:, None], shapes[owner == 1]).min())
     error = 0.0 if flattening is None else flattening.error
-    slack = 1e-6 * size + 0.1 * max(drawn, joint.gap) + 2 * error
-    return drawn + slack, slack
+    room = 1e-6 * size + 2 * error
+    return drawn + room + 0.1 * max(drawn, joint.gap), room + max(0.1 * drawn, 0.5 * joint.gap)
 
 
 def _moved_regions(

@@ -82,7 +82,9 @@ def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], li
     for joint in drawing.gaps:
         one, other = joint.parts
         drawn = _distance(part[one], surface[one], part[other], surface[other])
-        slack = 1e-6 * size + 0.1 * max(drawn, joint.gap)  # whatever the drawing's gap: parts only get smaller as it grows
+        slack = 1e-6 * size + 0.1 * max(
+            drawn, joint.gap
+        )  # whatever the drawing's gap: parts only get smaller as it grows
         reach = drawn + slack
         for name, across in ((one, other), (other, one)):
             seen = flat_faces(_seen(part[name], part[across], surface[across]))
