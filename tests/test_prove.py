@@ -84,7 +84,7 @@ def test_no_bound_below_a_checked_motion(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(30, 110))
+@pytest.mark.parametrize("seed", range(30, 60))
 def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
 
@@ -117,7 +117,7 @@ def test_chains_within_half_a_per_cent(joint, gap, n):
     value, accuracy = chain.stored(joint, gap, n)
     assembly = assemble(row_of([blocks.block(joint, gap)] * n), gap=0.0)
     for cut in (0.5, 0.999):
-        assert bound_of(assembly, assembly.goals, cut * value, 4.0) >= value - accuracy
+        assert bound_of(assembly, assembly.goals, cut * value, 1.5) >= value - accuracy
     # the witness of some of these chains lies below the truth
     assert bound_of(assembly, assembly.goals, 1.003 * value, 60.0) <= 1.005 * value
 

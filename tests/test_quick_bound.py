@@ -144,7 +144,7 @@ def test_no_bound_below_a_checked_motion(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(400, 550))
+@pytest.mark.parametrize("seed", range(400, 460))
 def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
 
