@@ -50,15 +50,17 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
 
 
 @njit(**OPTIONS)
-def distance(P, NP, EP, Q, NQ, EQ, axis):
+def distance(P, NP, EP, Q, NQ, EQ, axis, ratio):
     """Distance of two convex pieces [mm], negative where they overlap; `axis` (3,) becomes the normal of the plane with most room.
 
     Arguments are those of `separation`. Where corners or edges are nearest, their connection has more room than any axis of that theorem:
-    it runs from corner to corner, or from there across an edge.
+    it runs from corner to corner, or from there across an edge. Where it has no more than `ratio` times as much, the axis of the theorem
+    is kept.
     """
     best = separation(P, NP, EP, Q, NQ, EQ, axis)
     if best <= 0:
         return best
+    least, nearest = ratio * best, axis.copy()
     v, w = np.empty(3), np.empty(3)
     ep, eq = len(EP), len(EQ)
     for i in range(len(P)):
@@ -93,7 +95,9 @@ def distance(P, NP, EP, Q, NQ, EQ, axis):
                     bottom = min(bottom, Q[m, 0] * w[0] + Q[m, 1] * w[1] + Q[m, 2] * w[2])
                 if bottom - top > best * (1 + 1e-9):
                     best = bottom - top
-                    axis[0], axis[1], axis[2] = w[0], w[1], w[2]
+                    nearest[:] = w
+    if best > least:
+        axis[:] = nearest
     return best
 
 

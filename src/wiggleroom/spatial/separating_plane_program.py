@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.separating_axis import distance, posed_points, separation
+from wiggleroom.spatial.separating_axis import distance, posed_points
 from wiggleroom.spatial.separating_plane_elimination import condensed
 
 Floats = NDArray[np.float64]
@@ -288,15 +288,7 @@ def best_axis(
     Psi = np.ascontiguousarray(pose.R[i].T @ pose.R[j])
     other, zero = posed_points(Q.corners, Psi, pose.R[i].T @ (pose.T[j] - pose.T[i])), np.zeros(3)
     normals, edges = posed_points(Q.normals, Psi, zero), posed_points(Q.edges, Psi, zero)
-    nearest = np.empty(3)
-    apart = distance(P.corners, P.normals, P.edges, other, normals, edges, nearest)
-    if (
-        distance_ratio > 1.0
-        and separation(P.corners, P.normals, P.edges, other, normals, edges, axis) * distance_ratio >= apart
-    ):
-        return apart, other
-    axis[:] = nearest
-    return apart, other
+    return distance(P.corners, P.normals, P.edges, other, normals, edges, axis, distance_ratio), other
 
 
 def beside_rest(program: SeparatingPlaneProgram, seed: int) -> SeparatingPlanePoint:
