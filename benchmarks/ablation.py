@@ -25,7 +25,7 @@ from benchmarks.attack.families import draw
 from benchmarks.chains import chain
 from wiggleroom import flex_walls, maximise
 from wiggleroom.search import global_search, moves
-from wiggleroom.search.loop import Move
+from wiggleroom.search.local_search import Move
 
 MIN_LOSS = 1e-4
 """A smaller share of the objective counts as the same."""

@@ -56,7 +56,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--joints", default=",".join(JOINTS), help=f"of {', '.join(JOINTS)}")
     joints = parser.parse_args().joints.split(",")
-    table = Table("joint", "gap", "blocks", "true optimum", "found / true - 1", "turned / found - 1", "verdict", "way")
+    table = Table("joint", "gap", "blocks", "true optimum", "found / true - 1", "turned / found - 1", "verdict", "path")
     for joint in joints:
         for gap in GAPS:
             for n in BLOCKS:

@@ -36,8 +36,10 @@ GAP = 0.01
 MIN_FACTORISATIONS = 30
 FLEX = "import sys; from wiggleroom.cli import main; sys.exit(main())"
 IMPORTS = (
+    "import gc; from wiggleroom.cli import COLLECTION_THRESHOLD; gc.set_threshold(COLLECTION_THRESHOLD); "
     "import wiggleroom.cli.flex_command, wiggleroom.maximise, wiggleroom.report.table, wiggleroom.report.json_results"
 )
+"""All that `flex` imports, as the command does it."""
 READ = "import sys; from wiggleroom.questions import read; read(sys.argv[1])"
 EXPECTED_GROWTH = 2.0
 """Iterations from the first row of `GROWTH` to the last may grow by this factor."""

@@ -378,7 +378,7 @@ def main(count: int, seed: int, first: int) -> None:
             seen["OVERLAPS"] += 1
             print(f"{where}: {goal} overlaps by {worst:g} mm", flush=True)
         if answer.path != "checked" or answer.verdict == "stopped":
-            print(f"{where}: {goal} {answer.verdict}, way {answer.path}", flush=True)
+            print(f"{where}: {goal} {answer.verdict}, path {answer.path}", flush=True)
         if family in ALSO_APART and number // len(FAMILIES) % 2:
             found = check_spatial(assembly)
             seen[f"{family.__name__} check: {found.verdict}"] += 1

@@ -83,7 +83,7 @@ def test_it_carries_the_answer_as_it_is() -> None:
     assert flex["objective"] == case.objective
     assert flex["command"] == "wiggleroom flex it.json"
     assert len(flex["contacts"]) == sum(c.force > 0 for c in case.contacts)
-    path = frames(one["way"])
+    path = frames(one["path"])
     np.testing.assert_allclose(path[0], case.waypoints[0], atol=1e-12)
     np.testing.assert_allclose(path[-1], case.motion, rtol=1e-6, atol=1e-9)
     assert page["opened"]["design"]["goals"][0]["part"] == "b3"
@@ -162,7 +162,7 @@ def test_a_reader_sees_all_of_the_answer(opened: Any) -> None:
     assert "between 0.3000 and 0.3030 mm, proven" in at.locator(".sure").inner_text()
     said = {b.get_attribute("aria-label") or b.inner_text() for b in at.locator("button:not([role=tab]):visible").all()}
     assert {s for s in said if not s.startswith("Colours")} <= QUIET  # no button that needs the server
-    assert at.locator("input:visible").count() == 1  # the place on the way
+    assert at.locator("input:visible").count() == 1  # the place on the path
 
 
 @pytest.mark.slow
@@ -170,9 +170,9 @@ def test_the_slider_moves_the_parts_by_what_was_found(opened: Any) -> None:
     case = row(3, lift=0.5)
     at = opened(page_of_answer(case), reduced_motion="reduce")
     moved = foot(at)
-    at.get_by_label("place on the way from rest").fill("0")
+    at.get_by_label("place on the path from rest").fill("0")
     rest = foot(at)
-    at.get_by_label("place on the way from rest").fill("500")
+    at.get_by_label("place on the path from rest").fill("500")
     half = foot(at)
     assert rest[0] == pytest.approx(moved[0], abs=0.1)
     assert rest[1] - half[1] == pytest.approx((rest[1] - moved[1]) / 2, rel=1e-3)
@@ -182,7 +182,7 @@ def test_the_slider_moves_the_parts_by_what_was_found(opened: Any) -> None:
 @pytest.mark.slow
 def test_it_plays_and_pauses(opened: Any) -> None:
     at = opened(page_of_answer(row(3)))
-    place = at.get_by_label("place on the way from rest")
+    place = at.get_by_label("place on the path from rest")
     at.get_by_role("button", name="Play").click()
     seen = set()
     for _ in range(20):
@@ -240,7 +240,7 @@ def test_it_fits_a_phone_is_dark_in_the_dark_and_prints_light_and_whole(opened: 
     assert at.evaluate(corner) == [255, 255, 255]
     assert at.locator(".sure").is_visible()  # no tabs on paper
     assert at.locator(".command").is_visible()
-    assert not at.get_by_label("place on the way from rest").is_visible()
+    assert not at.get_by_label("place on the path from rest").is_visible()
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import shlex
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -347,6 +348,14 @@ def test_a_page_can_open_its_drawing_again_with_its_design(page: Visit) -> None:
     assert told["design"]["gap"] == 0.3
     assert told["design"]["fixed"] == ["frame"]
     assert page.ask("flex")["objective"] == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_cutting_sheet_is_told_from_parts_that_lie_together(page: Visit) -> None:
+    row = wr.patterns.chain(3, joint="finger", gap=0.1).drawing
+    assert not page.open("row.json", write_assembly(row).encode())["apart"]
+    assert not page.open("peg.svg", PEG.encode())["apart"]
+    far = replace(row, parts=tuple(replace(p, at=(3 * p.at[0], *p.at[1:])) for p in row.parts))
+    assert page.open("sheet.json", write_assembly(far).encode())["apart"]
 
 
 def test_a_drawing_that_asks_nothing_comes_with_a_suggestion(page: Visit) -> None:

@@ -15,9 +15,12 @@ from tests.flexing import displaced, part_at
 from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
+from wiggleroom.disassembly.escape import EscapeEffort
+from wiggleroom.disassembly.interlock import interlock
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.report.separability import check_result, further, why
+from wiggleroom.search.progress import silent
 
 HERE = Path(__file__).parents[1] / "examples" / "17_does_it_come_apart"
 TRUTH = json.loads((HERE / "truth.json").read_text())
@@ -198,6 +201,18 @@ def test_largest_gap_of_two_swallowtail_blocks():
     assert found.parts_at - found.holds <= 1e-3 * found.parts_at
     assert (found.interlocked.verdict, found.apart.verdict) == ("interlocked", "comes apart")
     assert deepest(found.apart.assembly, found.apart) < 1e-9
+
+
+def test_what_led_apart_at_one_gap_is_asked_first_at_another():
+    drawing = wr.read(str(HERE / "simultaneous.json")).drawing
+    effort = EscapeEffort(40_000, 40)
+    for gap in (1.1 * drawing.gap, 1.05 * drawing.gap):
+        made = assemble(drawing, gap=gap)
+        found = interlock(made, effort, every=False, stop=None, tell=silent)
+        assert found.verdict == "comes apart"
+        assert deepest(made, found) < 1e-9
+    assert len(effort.exits) == 1
+    assert found.questions == len(effort.exits[0])  # and nothing else
 
 
 def test_largest_gap_where_none_holds():

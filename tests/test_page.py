@@ -117,9 +117,9 @@ def still(page: Any) -> tuple[float, float]:
 
 
 def at_rest(page: Any) -> tuple[float, float]:
-    page.get_by_label("place on the way from rest").fill("0")
+    page.get_by_label("place on the path from rest").fill("0")
     rest = still(page)
-    page.get_by_label("place on the way from rest").fill("1000")
+    page.get_by_label("place on the path from rest").fill("1000")
     return rest
 
 
@@ -304,7 +304,7 @@ def test_the_way_out_is_a_film(browser: Any) -> None:
         page.locator(".verdict", has_text="comes apart").wait_for(timeout=60_000)
         assert page.locator(".result .row").count() == 2
         page.locator("#answer", has_text="latch leaves").wait_for()
-        place = page.get_by_label("place on the way from rest")
+        place = page.get_by_label("place on the path from rest")
         seen = set()
         for _ in range(20):
             seen.add(place.input_value())
@@ -324,7 +324,7 @@ def test_a_plan_is_played_step_by_step(browser: Any, tmp_path: Path) -> None:
         assert any("hold tumbler1" in text for text in steps.all_text_contents())
         steps.nth(3).get_by_role("button").click()
         page.locator("#answer", has_text="tumbler1 moves in +y").wait_for()
-        place = page.get_by_label("place on the way from rest")
+        place = page.get_by_label("place on the path from rest")
         seen = set()
         for _ in range(20):
             seen.add(place.input_value())
@@ -625,7 +625,9 @@ def test_no_number_before_it_is_known(browser: Any, peg: Served) -> None:
     with visiting(browser, peg) as page:
         answered(page, "peg moves 1 mm")
         page.evaluate("""() => { window.said = [];
-            new MutationObserver(() => said.push(document.querySelector('#answer').innerText)).observe(
+            const title = () => document.querySelector('#answer').innerText;
+            let last = title();
+            new MutationObserver(() => { if (title() !== last) said.push(last = title()); }).observe(
                 document.querySelector('.headline'), {subtree: true, childList: true, characterData: true}); }""")
         box = page.locator(".gapbox").get_by_role("textbox")
         box.fill("1000000000")
@@ -654,7 +656,7 @@ def test_all_that_is_wrong_is_one_list_and_each_line_can_be_mended(browser: Any)
         page.locator(".overlay .spot").wait_for()
         for words in ("Fix ", "Use a gap of"):
             page.locator(".findings .button.main", has_text=words).click()
-            page.wait_for_timeout(300)
+            assert page.locator(".findings .button.main", has_text=words).count() == 0  # whatever the answer will be
         page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
         assert page.locator(".findings").count() == 0
         assert page.locator(".step.done").count() == 3
@@ -761,6 +763,8 @@ OVERLAPPING = """() => {
         if (wide > 1.5 && high > 1.5) found.push([a.outerHTML.slice(0, 80), b.outerHTML.slice(0, 80)]);
     }));
     const out = (e) => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.selection, .tabs, .scroll');
+    const cut = (e) => e.scrollWidth > e.clientWidth + 1;
+    found.push(...[...document.querySelectorAll('.scroll, .sorts td')].filter(shown).filter(cut).map((e) => e.outerHTML.slice(0, 80)));
     found.push(...all.filter(out).map((e) => e.outerHTML.slice(0, 80)));
     return found;
 }"""
@@ -793,14 +797,14 @@ def test_the_clearance_of_two_edges_is_measured(browser: Any, peg: Served) -> No
         answered(page, "peg moves 1 mm")
         scale = pixels_per_mm(page)
         rest, box = at_rest(page), canvas(page)
-        page.get_by_label("place on the way from rest").fill("0")
+        page.get_by_label("place on the path from rest").fill("0")
         still(page)
         page.locator(".stage canvas").focus()
         page.keyboard.press("m")
         for x in (-4.5, -5.5):  # the peg's left side, and the hole's
             page.mouse.click(box["x"] + rest[0] + x * scale, box["y"] + rest[1])
         page.locator(".measure text", has_text=re.compile(r"^1 mm$")).wait_for()
-        page.get_by_label("place on the way from rest").fill("1000")
+        page.get_by_label("place on the path from rest").fill("1000")
         page.locator(".measure text", has_text=re.compile(r"^(2|1[.]99[0-9]*) mm$")).wait_for()
         page.keyboard.press("Escape")
         page.locator(".measure").wait_for(state="hidden")
@@ -846,9 +850,11 @@ def test_a_link_carries_the_design(browser: Any) -> None:
         assert "token" not in link
         page.evaluate("sessionStorage.removeItem('wiggleroom.file'); sessionStorage.removeItem('wiggleroom.design')")
         page.goto("about:blank")
-        page.goto(link)
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
-        assert page.locator(".gapbox").get_by_role("textbox").input_value() == "0.3"
+        other = page.context.new_page()  # of the same browser
+        for tab, lead in ((page, lambda: page.goto(link)), (other, lambda: other.goto(link)), (other, other.reload)):
+            lead()
+            tab.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+            assert tab.locator(".gapbox").get_by_role("textbox").input_value() == "0.3"
 
 
 def test_the_reach_of_a_part_is_shaded_before_it_is_dragged(browser: Any, peg: Served) -> None:
@@ -888,9 +894,11 @@ def test_two_designs_stand_side_by_side(browser: Any, peg: Served) -> None:
         beside = page.locator(".beside")
         assert "kept: peg moves 1 mm" in beside.inner_text()
         assert beside.get_by_role("status").inner_text() == "gap 1 → 2 mm · motion × 2"
-        left, right = beside.bounding_box(), page.locator(".stage").bounding_box()
+        left, right = beside.locator(".pane").bounding_box(), page.locator(".stage").bounding_box()
+        label = beside.locator(".label").bounding_box()
         assert left
         assert right
+        assert label["y"] + label["height"] <= left["y"] + 1
         assert left["x"] + left["width"] <= right["x"] + 1
         assert left["height"] == right["height"]
         beside.get_by_role("button", name="Swap").click()

@@ -148,7 +148,7 @@ def test_check_plays_the_way_out_and_the_largest_gap_is_said(browser: Any, lid: 
         page.locator(".verdict").wait_for(timeout=60_000)
         assert page.locator(".verdict").inner_text().lower() == "comes apart"
         assert page.locator("#answer").inner_text().startswith("block leaves straight in")
-        way = page.get_by_label("place on the way from rest")
+        way = page.get_by_label("place on the path from rest")
         first = way.input_value()
         page.wait_for_timeout(200)
         assert way.input_value() != first  # it plays
@@ -298,6 +298,13 @@ def test_the_samples_in_space_open(browser: Any) -> None:
         with visiting(browser, served) as page:
             page.locator(".sample", has_text="burr").click()
             answered(page, "stick3")
+            page.locator(".stage canvas").focus()
+            for _ in range(3):
+                page.keyboard.press(".")
+            page.keyboard.press("Shift+ArrowRight")
+            page.locator(".who .note", has_text="centre").wait_for(timeout=30_000)
+            who, fix = (page.locator(one).bounding_box() for one in (".who", ".selection .button >> nth=0"))
+            assert who["x"] + who["width"] <= fix["x"]
             page.reload()
             answered(page, "stick3")
     finally:

@@ -324,11 +324,16 @@ def test_turns_of_one_body_are_bounded_within_a_thousandth(sides, share):
     assert answer.objective <= proven.at_most <= 1.001 * answer.objective
 
 
-def test_the_dual_program_says_what_another_solver_says():
+@pytest.mark.parametrize("most_iterations", [10_000, 1])
+def test_the_dual_program_says_what_another_solver_says(most_iterations, monkeypatch):
+    """Also where the simplex method takes more iterations than it may, and an interior-point method answers."""
     from scipy.optimize import linprog
 
+    from wiggleroom.solve import dual_linear_program
     from wiggleroom.solve.dual_linear_program import DualLinearProgram
 
+    monkeypatch.setattr(dual_linear_program, "MIN_ITERATION_LIMIT", most_iterations)
+    monkeypatch.setattr(dual_linear_program, "MAX_ITERATIONS_PER_ROW", 0)
     rng = np.random.default_rng(3)
     rows = sp.random(12, 6, 0.5, random_state=3, data_rvs=rng.standard_normal).tocsr()
     x = rng.uniform(-1, 1, 6)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import itertools
 import json
 import re
 from pathlib import Path
@@ -14,6 +15,8 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, spatial
+from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
+from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
 
 NASTY = "</script><img src=x onerror=alert(1)>"
@@ -67,3 +70,13 @@ def test_a_path_apart_is_a_page_too_and_answers_draw_themselves(tmp_path: Path) 
         assert (tmp_path / name).stat().st_size > 500
     with pytest.raises(wr.InputError, match="must end in"):
         found.draw(tmp_path / "a.bmp")
+
+
+def test_parts_with_one_centre_are_apart_in_an_exploded_view(tmp_path: Path) -> None:
+    path = tmp_path / "burr.json"
+    path.write_text(SPATIAL_SAMPLES["burr"].text())
+    burr = wr.read(path)
+    corners = [m.surface.vertices + p.at for m, p in zip(burr.made, burr.parts, strict=True)]
+    lows, highs = (np.array([f(c, axis=0) for c in corners]) + exploded_offsets(burr) for f in (np.min, np.max))
+    for i, j in itertools.combinations(range(len(corners)), 2):
+        assert ((highs[i] <= lows[j]) | (highs[j] <= lows[i])).any()

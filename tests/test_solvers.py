@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 import wiggleroom as wr
 from wiggleroom.assembly import patterns
@@ -16,6 +17,7 @@ from wiggleroom.geometry.row_kinds import HIGH_TURN, LOW_TURN
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import SOLVERS, interior_point, ipopt, solver_named
 from wiggleroom.solve.kkt_conditions import conditions
+from wiggleroom.solve.nonnegative_least_squares import nonnegative_least_squares
 
 from .programs import ASSEMBLIES, first_program, squares, with_roles
 
@@ -330,3 +332,21 @@ def test_conditions_see_what_is_wrong():
 def test_prepared_assemblies_serve_both_solvers():
     ready = prepare_as_drawn(patterns.chain(3))
     assert wr.flex(ready, solver="ipopt").objective == pytest.approx(wr.flex(ready).objective, rel=1e-6)
+
+
+def test_nonnegative_least_squares_comes_as_near_as_the_library():
+    rng = np.random.default_rng(5)
+    for case in range(400):
+        columns = rng.standard_normal((rng.integers(1, 30), rng.integers(1, 5)))
+        if case % 4 == 1:
+            columns = np.round(columns)  # many that depend on others, and some that are zero
+        elif case % 4 == 2:
+            columns *= 10.0 ** rng.uniform(-4, 2, (len(columns), 1))
+        elif case % 4 == 3:
+            columns[:, 0] = 0.0
+        right = columns.T @ np.maximum(rng.standard_normal(len(columns)), 0.0) + (case % 2) * columns[0]
+        found, left = nonnegative_least_squares(columns, right)
+        size = np.linalg.norm(right)
+        assert (found >= 0.0).all()
+        assert abs(np.linalg.norm(columns.T @ found - right) - left) <= 1e-9 * size
+        assert left <= nnls(columns.T, right)[1] + 1e-9 * size

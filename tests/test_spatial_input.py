@@ -53,6 +53,8 @@ BAD = {
     "flat box": (text({"name": "a", "boxes": [[0, 0, 0, 1, 0, 1]]}), "boxes[0] must be x, y, z of the lower"),
     "five numbers": (text({"name": "a", "boxes": [[0, 0, 0, 1, 1]]}), "must be a list of 6, not of 5"),
     "far": (text(BOX | {"at": [1e12, 0, 0]}), "beyond 1e+09 mm"),
+    "far box": (text({"name": "a", "boxes": [[0, 0, 0, 1e30, 1, 1]]}), "boxes has numbers beyond 1e+09 mm"),
+    "far corner": (text({"name": "a", "outline": [[0, 0], [1e30, 0], [0, 1]], "thickness": 1}), "outline has numbers"),
     "lock": (text(BOX | {"lock": ["w"]}), 'lock names "w"'),
     "density": (text(BOX | {"density": 0}), "density is 0"),
     "offset": (text(BOX | {"offset": 1}), "offset moves the cut edges of plates only"),
@@ -191,6 +193,42 @@ def test_small_faults_of_meshes_are_mended_and_said(tmp_path: Path) -> None:
     drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.stl"}))
     assert any("outward now" in note for note in drawing.notes)
     assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(8)
+
+
+@pytest.mark.parametrize(
+    ("shift", "volume", "said"),
+    [
+        ((2, 2, 2), 120, "2 closed surfaces overlap or touch"),
+        ((4, 0, 0), 128, "2 closed surfaces overlap or touch"),
+        ((0, 0, 20), 128, "2 pieces that share no face"),
+        ((4, 4, 0), 128, "2 pieces that share no face"),
+    ],
+    ids=["overlap", "share a face", "apart", "share an edge"],
+)
+def test_closed_surfaces_of_one_mesh_are_one_part_as_boxes_are(tmp_path: Path, shift, volume: float, said: str) -> None:
+    cubes = [trimesh.creation.box((4, 4, 4)), trimesh.creation.box((4, 4, 4)).apply_translation(shift)]
+    trimesh.util.concatenate(cubes).export(tmp_path / "two.stl")
+    boxes = [[-2, -2, -2, 2, 2, 2], [*(np.array(shift) - 2).tolist(), *(np.array(shift) + 2).tolist()]]
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "two.stl"}, {"name": "b", "boxes": boxes}))
+    assert any(said in note for note in drawing.notes)
+    mesh, same = (made_solid(p, 0.2)[0] for p in drawing.parts)
+    assert mesh is not None
+    assert same is not None
+    assert abs(mesh.volume - volume) < 1e-9
+    assert np.allclose(mesh.centroid, same.centroid, atol=1e-9)
+    assert abs(centroid_of(mesh.surface)[0] - centroid_of(same.surface)[0]) < 1e-9
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.2])
+def test_a_part_shut_up_in_a_mesh_stops_at_its_walls(tmp_path: Path, gap: float) -> None:
+    hollow = [trimesh.creation.box((6, 6, 6)), trimesh.creation.box((6, 6, 6)).apply_translation((9, 0, 0))]
+    block = trimesh.boolean.difference([trimesh.creation.box((30, 10, 10)), *hollow], engine="manifold")
+    block.export(tmp_path / "block.stl")
+    drawn = write(
+        tmp_path, {"name": "s", "mesh": "block.stl", "fixed": True}, {"name": "b", "boxes": [[-2, -2, -2, 2, 2, 2]]}
+    )
+    assembly = read_spatial_assembly(drawn, gap=gap)
+    assert abs(flex_spatial(assembly, SpatialPull("b", (1, 0, 0))).objective - 1 - gap) < 1e-6
 
 
 def test_faces_that_cannot_meet_again_are_refused(tmp_path: Path) -> None:

@@ -45,6 +45,15 @@ def test_a_joint_moves_by_its_own_gap_and_all_others_by_theirs(gap: float) -> No
         assert answer.objective == pytest.approx(far, abs=1e-9)
 
 
+@pytest.mark.parametrize("larger", [0.0, 0.1, 0.2])
+def test_parts_drawn_larger_than_nominal_face_each_other_as_in_the_plane(larger: float) -> None:
+    wall = {"name": "west", "boxes": [[-2, 0, 0, larger, 10, 10]], "fixed": True}
+    gaps = [joint("west", "block", 0.5), joint("block", "east", 0.1), joint("floor", "block", 0.3)]
+    assembly = spatial(wall, *WALLS[1:], BLOCK, gaps=gaps)
+    answer = sound(flex_spatial(assembly, SpatialPull("block", (-1, 0, 0))))
+    assert answer.objective == pytest.approx(0.5 - larger, abs=1e-9)
+
+
 @pytest.mark.parametrize("own", [0.05, 0.6])
 def test_a_region_inside_a_face_is_cut_away_or_built_up(own: float) -> None:
     big = {"name": "big", "boxes": [[0, 0, 0, 20, 20, 10]], "fixed": True}

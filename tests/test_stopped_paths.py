@@ -12,7 +12,7 @@ import wiggleroom as wr
 from wiggleroom import maximise
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.deadline import GracePeriod
-from wiggleroom.search import loop
+from wiggleroom.search import local_search
 
 
 class AfterSteps:
@@ -50,15 +50,15 @@ def deepest_area(assembly: wr.Assembly, waypoints: np.ndarray) -> float:
 
 @pytest.fixture
 def audits_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop, "AUDIT_SECONDS", 0.0)
-    monkeypatch.setattr(loop, "AUDIT_SECONDS_PER_BODY", 0.0)
+    monkeypatch.setattr(local_search, "AUDIT_SECONDS", 0.0)
+    monkeypatch.setattr(local_search, "AUDIT_SECONDS_PER_BODY", 0.0)
 
 
 def test_the_answer_is_the_same_however_often_the_growing_path_was_audited(monkeypatch: pytest.MonkeyPatch) -> None:
     answers = []
-    monkeypatch.setattr(loop, "AUDIT_SECONDS_PER_BODY", 0.0)
+    monkeypatch.setattr(local_search, "AUDIT_SECONDS_PER_BODY", 0.0)
     for every in (np.inf, 0.0):
-        monkeypatch.setattr(loop, "AUDIT_SECONDS", every)
+        monkeypatch.setattr(local_search, "AUDIT_SECONDS", every)
         answers.append(wr.flex(grid(), search=0))
     one, other = answers
     assert one.path == other.path == "checked"
@@ -82,6 +82,6 @@ def test_a_stopped_answer_keeps_what_was_audited_before(steps: int, monkeypatch:
 
 def test_without_it_a_stopped_answer_has_only_what_the_grace_period_allows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(maximise, "GracePeriod", partial(GracePeriod, seconds=0.0))
-    monkeypatch.setattr(loop, "AUDIT_SECONDS", np.inf)
+    monkeypatch.setattr(local_search, "AUDIT_SECONDS", np.inf)
     stop = AfterSteps(22)
     assert wr.flex(grid(), search=0, stop=stop, progress=stop).objective == 0.0

@@ -132,7 +132,7 @@ def test_the_page_of_a_sweep_has_the_answer_at_every_gap(studies: dict[type, Any
     for one in page["answers"][:3]:
         truth = wr.flex(named(wr.patterns.chain(2, joint="swallowtail", gap=one["gap"]), "b2", NASTY))
         assert one["flex"]["objective"] == pytest.approx(truth.objective, rel=1e-4)
-        assert frames(one["way"])[-1, 1, 1] == pytest.approx(truth.motion[1, 1], rel=1e-3)
+        assert frames(one["path"])[-1, 1, 1] == pytest.approx(truth.motion[1, 1], rel=1e-3)
     free = page["answers"][3]["flex"]
     assert free["leaves"] == [NASTY]
     assert rows(page, "Motion against gap")[3][1:4] == [None, None, "unbounded"]
@@ -172,12 +172,12 @@ def test_what_check_found_is_shown_as_it_is(tmp_path: Path) -> None:
         "latch leaves straight in +y",
         "drawer leaves straight in +x",
     ]
-    for one, escape in zip(page["check"]["ways"], apart.escapes, strict=True):
+    for one, escape in zip(page["check"]["paths"], apart.escapes, strict=True):
         np.testing.assert_allclose(frames(one)[-1], escape.path[-1], rtol=1e-6)
     holds = wr.check(wr.patterns.chain(2, joint="swallowtail", gap=0.02))
     still = told(pages.page_of_check(Checked(holds, wr.LargestGap(0.0602, 0.0603, None, None))))
     assert "interlocked at 0.0602 mm, comes apart at 0.0603 mm" in still["check"]["reply"]["border"]
-    assert still["check"]["ways"] == []
+    assert still["check"]["paths"] == []
     assert "answers" not in still
     for found, said in ((apart, "comes apart at gap 0.5 mm"), (holds, "interlocked at gap 0.02 mm")):
         for name in ("a.svg", "a.film.svg", "a.html"):
@@ -229,7 +229,7 @@ def test_a_sweep_is_read_along_its_slider(studies: dict[type, Any], opened: Any)
         assert f"moves {step.objective:.4g} mm" in at.locator("#answer").inner_text()
     at.locator("#gap").fill("0.07")
     assert "nothing stops" in at.locator("#answer").inner_text()
-    place, seen = at.get_by_label("place on the way from rest"), set()
+    place, seen = at.get_by_label("place on the path from rest"), set()
     for _ in range(10):
         at.wait_for_timeout(60)
         seen.add(place.input_value())
@@ -251,9 +251,9 @@ def test_ways_out_are_films(opened: Any) -> None:
         "step 1 of 2",
     ):
         at.locator(".headline .facts", has_text=said).wait_for()  # one after the other, and again
-    at.get_by_role("button", name="Play the way out of drawer").click()
+    at.get_by_role("button", name="Play the path out of drawer").click()
     assert "drawer leaves straight in +x" in facts.inner_text()
-    place, seen = at.get_by_label("place on the way from rest"), set()
+    place, seen = at.get_by_label("place on the path from rest"), set()
     for _ in range(10):
         at.wait_for_timeout(60)
         seen.add(place.input_value())

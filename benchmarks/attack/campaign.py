@@ -133,7 +133,7 @@ def _serve(line: Connection, programs: int) -> None:
 COLUMNS = {
     "checked": lambda f: f.path == "checked",
     "unchecked": lambda f: f.path == "not checked",
-    "way wrong": lambda f: any(w.startswith(("way", "end", "escape", "value")) for w in f.wrong),
+    "path wrong": lambda f: any(w.startswith(("path", "end", "escape", "value")) for w in f.wrong),
     "optimal": lambda f: f.verdict == "optimal",
     "low": lambda f: any(w.startswith("low:") for w in f.wrong),
     "proven": lambda f: f.verdict == "proven",

@@ -87,16 +87,16 @@ def ask(family: str, number: int, made: Json, programs: int = PROGRAMS) -> Findi
 def _judge_motion(ground: Ground, answer, out: Finding) -> None:
     path = answer.waypoints
     if np.abs(path[0]).max() > 0 or np.abs(path[:, ground.fixed]).max(initial=0.0) > 0:
-        out.wrong.append("way: it does not begin at rest, or moves what is fixed")
+        out.wrong.append("path: it does not begin at rest, or moves what is fixed")
     if not np.array_equal(path[-1], answer.motion):
-        out.wrong.append("way: it does not end at the motion")
+        out.wrong.append("path: it does not end at the motion")
     found = ground.overlap(answer.motion)
     if found is not None:
         out.wrong.append(f"end: {found}")
     if answer.path == "checked":
         found = ground.overlap_on(path)
         if found is not None:
-            out.wrong.append(f"way: {found}")
+            out.wrong.append(f"path: {found}")
     else:
         out.wrong.append("unchecked: the way is not checked")
     if answer.objective is not None:
@@ -160,7 +160,7 @@ def _judge_check(ground: Ground, wr, assembly, answer, out: Finding) -> None:
 
 def severe(finding: Finding) -> bool:
     """True where the program said something that is wrong, or nothing at all."""
-    kinds = ("way", "end", "escape", "value", "bound", "check:", "crash", "hang", "low-proven")
+    kinds = ("path", "end", "escape", "value", "bound", "check:", "crash", "hang", "low-proven")
     return any(line.startswith(kinds) for line in finding.wrong)
 
 

@@ -22,7 +22,7 @@ from wiggleroom.search.carried_incumbent import carried_incumbent
 from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
-from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion

@@ -85,7 +85,7 @@ def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **opti
         By default what the assembly's file asks for. In space `Pull("lid", (0, 0, 1))` and `Turn("lid", (0, 0, 1))`: a twist about a
         direction of the world.
     **options
-        In the plane those of `wiggleroom.maximise.flex`; in space `stop` and `progress`.
+        In the plane those of `wiggleroom.maximise.flex`; in space `solver`, `search`, `stop` and `progress`.
 
     Returns
     -------

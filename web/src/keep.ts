@@ -1,4 +1,4 @@
-/** What outlives a reload, in this tab alone: the token, the file that was dropped, the design. */
+/** What outlives a reload in this tab: the file that was dropped, the design; and in this browser: the token, recent files. */
 
 import type { History } from "./design.ts";
 import { type Design, fromBase64, type Opened, toBase64 } from "./protocol.ts";
@@ -32,15 +32,25 @@ export function token(): string {
     address.searchParams.delete("token");
     history.replaceState(null, "", address.href);
   }
+  if (given) remember(given);
   return given ?? read("token") ?? "";
+}
+
+/** Keeps the token for other tabs of this browser, so that a link leads here while the server runs. */
+function remember(given: string): void {
+  try {
+    localStorage.setItem("wiggleroom.token", given);
+  } catch {
+    // Forbidden: then the whole address is needed.
+  }
 }
 
 export const keepFile = (file: Opening): void => write("file", JSON.stringify(file));
 /** Files opened here before, the last one first; they stay in this browser. */
 export interface Recent { name: string; data: string; when: number }
 const RECENT = "wiggleroom.recent";
-const MOST_RECENT = 6;
-const MOST_KEPT = 3_000_000;
+const MAX_RECENT = 6;
+const MAX_KEPT = 3_000_000;
 
 export function recent(): Recent[] {
   try {
@@ -51,8 +61,8 @@ export function recent(): Recent[] {
 }
 
 export function keepRecent(name: string, data: string): void {
-  let left = MOST_KEPT;
-  const all = [{ name, data, when: Date.now() }, ...recent().filter((one) => one.name !== name)].slice(0, MOST_RECENT);
+  let left = MAX_KEPT;
+  const all = [{ name, data, when: Date.now() }, ...recent().filter((one) => one.name !== name)].slice(0, MAX_RECENT);
   const kept = all.filter((one) => (left -= one.data.length) > 0);
   try {
     localStorage.setItem(RECENT, JSON.stringify(kept));
@@ -78,11 +88,11 @@ export function keptFile(): Opening | null {
 export const mark = (of: Opened): string => `${of.name}|${of.gap}|${of.parts.length}|${of.size.join(",")}`;
 
 /** What an address says after its #: a design, of a sample or of the drawing with that mark. */
-interface Linked { mark: string; design: Design; sample?: string }
+interface Linked { name?: string; mark: string; design: Design; sample?: string }
 
 /** Address of this page that carries the design; whoever opens it needs the same file, unless it is a sample. */
 export function linkTo(of: Opened, design: Design, sample?: string): string {
-  const text = JSON.stringify({ mark: mark(of), design, sample } satisfies Linked);
+  const text = JSON.stringify({ name: of.name, mark: mark(of), design, sample } satisfies Linked);
   const data = toBase64(new TextEncoder().encode(text)).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
   return `${location.origin}/#state=${data}`;
 }
@@ -97,12 +107,12 @@ export function linked(): Linked | null {
   }
 }
 
-const MOST_STEPS = 40;
+const MAX_STEPS = 40;
 interface KeptDesign { mark: string; design: Design; history?: History }
 
 /** Keeps the design with the last steps of undo and redo. */
 export function keepDesign(of: Opened, design: Design, { past, future }: History): void {
-  const history = { past: past.slice(-MOST_STEPS), future: future.slice(-MOST_STEPS) };
+  const history = { past: past.slice(-MAX_STEPS), future: future.slice(-MAX_STEPS) };
   write("design", JSON.stringify({ mark: mark(of), design, history } satisfies KeptDesign));
 }
 

@@ -289,6 +289,7 @@ export interface Opened {
   dimension: 2 | 3;
   solids?: Solids; // in space, where parts have no rings
   pulled?: GoalEntry; // a goal suggested where there is none
+  apart: boolean; // true where no part is near another one, as on a cutting sheet
 }
 
 /** Outlines, or solids, with the gap applied. */
@@ -639,7 +640,7 @@ export interface LayReply {
   kind: "lay";
   id: number;
   panel: string;
-  ways: PlateHint[];
+  poses: PlateHint[];
 }
 
 /** A change of the design that may put something right: what stands in place of what it had. */
@@ -706,14 +707,14 @@ export interface PackedFrames {
 export interface StandaloneAnswer {
   gap: number;
   flex: FlexReply;
-  way: PackedFrames;
+  path: PackedFrames;
   outlines?: SharedOutlines; // where they are not those of the drawing
 }
 
 /** Whether it comes apart, with a path for each escape. */
 export interface StandaloneCheck {
   reply: CheckReply;
-  ways: PackedFrames[];
+  paths: PackedFrames[];
 }
 
 /** Everything in the file; all but the drawing may be missing. */

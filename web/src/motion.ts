@@ -1,4 +1,4 @@
-/** What the canvas shows: frames along a way, a place on it, playing, magnification, and a soft change from one to the next. */
+/** What the canvas shows: frames along a path, a place on it, playing, magnification, and a soft change from one to the next. */
 
 import { effect, signal } from "@preact/signals";
 import type { Frames } from "./protocol.ts";
@@ -122,7 +122,7 @@ export function show(next: Shown, soft = true): void {
 /** Shows the parts at rest. */
 export const showRest = (soft = true): void => show(REST, soft);
 
-/** Shows the way of an answer at its end; where parts leave it plays, for at the end they are gone. */
+/** Shows the path of an answer at its end; where parts leave it plays, for at the end they are gone. */
 export function showAnswer(frames: Frames, leaves: boolean, soft = true): void {
   show({ what: "answer", frames, label: "", back: !leaves }, soft);
   if (leaves && !calm()) play(true);

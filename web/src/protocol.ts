@@ -22,7 +22,7 @@ export type SaveWhat = SaveRequest["what"];
 /** Everything the user set: a page always knows its gap. Lengths in mm, angles in degrees. */
 export type Design = AnyDesign & { gap: number };
 
-/** Motions of all parts along a way: k frames of n parts, (dx mm, dy mm, turn rad) each; in space (dx, dy, dz mm, quaternion x, y, z, w). */
+/** Motions of all parts along a path: k frames of n parts, (dx mm, dy mm, turn rad) each; in space (dx, dy, dz mm, quaternion x, y, z, w). */
 export interface Frames { k: number; n: number; data: Float32Array }
 
 /** One binary frame: little endian id, k, n, 0, then k*n*3 floats; in space 7 in place of 0 and of 3. */

@@ -3,9 +3,9 @@
 import { fromBase64, type Saved } from "./protocol.ts";
 import { notice } from "./state.ts";
 
-export async function copy(text: string): Promise<void> {
+export async function copy(text: string, said = "copied"): Promise<void> {
   const done = await navigator.clipboard?.writeText(text).then(() => true, () => false);
-  notice.value = done ? "copied" : "the browser does not let this page copy: select the text";
+  notice.value = done ? said : "the browser does not let this page copy: select the text";
 }
 
 export function download(saved: Saved): void {

@@ -24,6 +24,8 @@ export interface Scene3d {
   ask(): void;
   /** Looks at a place from the front right, from so far that a ball of this radius is in sight. */
   look(centre: Triple, radius: number): void;
+  /** The same, where the hand has not turned the view. */
+  relook(centre: Triple, radius: number): void;
   /** Turns the view about what it looks at [rad]. */
   turn(sideways: number, upwards: number): void;
   /** Comes nearer by a factor. */
@@ -79,6 +81,7 @@ export function scene3d(box: HTMLElement, label: string, before: (now: number) =
   }
   return {
     renderer, camera, world, controls, ask, look,
+    relook: (centre, radius) => void (looked && look(centre, radius)),
     turn(sideways, upwards) {
       looked = null;
       const arm = camera.position.clone().sub(controls.target);

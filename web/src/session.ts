@@ -4,7 +4,7 @@ import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
+import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
@@ -16,8 +16,8 @@ import * as state from "./state.ts";
 let socket: Socket | null = null;
 const asked = new Map<number, Design>();
 let quick: { since: number; again: boolean } | null = null;
-/** The drag under way; what comes of others is dropped, also what comes late. */
-let drag: { id: number; since: number; answered: boolean; wanted: Wanted; next: Wanted | null } | null = null;
+/** The newest request of the drag under way; what was answered to the ones before it is shown too. */
+let drag: { id: number; wanted: Wanted } | null = null;
 type Wanted = Requests["drag"];
 /** The design whose outlines are shown; null while they are as drawn. */
 let shaped: Design | null = null;
@@ -32,6 +32,7 @@ export function start(): void {
   url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
   url.search = `?token=${encodeURIComponent(token())}`;
   socket = new Socket(url.href, { reply: hear, line: heardLine });
+  addEventListener("hashchange", () => linked() && location.reload()); // a link that was put into this tab's address
   follow();
 }
 
@@ -51,11 +52,20 @@ export function follow(): void {
     }
     keepDesign(opened, now, history());
     untracked(() => {
+      if (reviewed) state.findings.value = state.findings.peek().filter((one) => !changed(one.about, reviewed!, now));
+      reviewed = now;
       preview(now.gap);
       askFlex();
     });
   });
 }
+
+/** The design that the findings are about; null where they are about something else. */
+let reviewed: Design | null = null;
+
+/** What findings of a kind depend on. */
+const DEPENDS: Record<Finding["about"], (keyof Design)[]> = { stands: ["fixed"], pulled: ["goals"], gap: ["gap", "extra", "glue"], parts: ["gap", "extra"] };
+const changed = (about: Finding["about"], before: Design, now: Design): boolean => DEPENDS[about].some((key) => before[key] !== now[key]);
 
 function preview(gap: number): void {
   const opened = state.drawing.peek()!;
@@ -76,8 +86,8 @@ function away(): void {
 }
 
 /** Sends a request and gives its number; 0 while there is no line. */
-export function ask<K extends Kind>(kind: K, body: Requests[K]): number {
-  const id = socket?.ask(kind, body) ?? 0;
+export function ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false): number {
+  const id = socket?.ask(kind, body, goesOn) ?? 0;
   if (!id) {
     if (socket && !UNASKED.has(kind)) away();
     return 0;
@@ -89,7 +99,9 @@ export function ask<K extends Kind>(kind: K, body: Requests[K]): number {
 }
 
 function setRunning(kind: string, on: boolean): void {
-  const now = new Map(state.running.peek());
+  const before = state.running.peek();
+  if (on ? before.get(kind) === null : !before.has(kind)) return; // a moving hand asks at every frame
+  const now = new Map(before);
   if (on) now.set(kind, null);
   else now.delete(kind);
   state.running.value = now;
@@ -124,23 +136,17 @@ export function askDrag(part: string, grip: Point | Triple, target: Point | Trip
   if (!socket?.ready) return away();
   const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
   leads(wanted, sameShape());
-  state.dragging.value = { part, grip };
-  if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
-    drag.next = wanted;
-    return;
-  }
-  sendDrag(wanted);
+  const before = state.dragging.peek();
+  if (before?.part !== part || before.grip !== grip) state.dragging.value = { part, grip };
+  const goesOn = drag !== null && drag.wanted.part === part && drag.wanted.design === wanted.design;
+  const id = ask("drag", wanted, goesOn); // at once: the server begins with it as soon as the one before is answered
+  drag = id ? { id, wanted } : null;
 }
 
 /** In the plane the part follows the hand at once; in space its ghost does, until the answer comes. */
 function leads({ part, grip, target }: Wanted, shaped: boolean): void {
   const free = origin() !== "rest" || shown.peek().what === "rest";
   if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
-}
-
-function sendDrag(wanted: Wanted): void {
-  const id = ask("drag", wanted);
-  drag = id ? { id, since: performance.now(), answered: false, wanted, next: null } : null;
 }
 
 /** Whether the outlines shown are those of the present design. */
@@ -173,7 +179,7 @@ function endDrag(): void {
 export function back(): void {
   endDrag();
   const known = state.answer.peek();
-  if (known?.ways[0]) showAnswer(known.ways[0], known.reply.leaves.length > 0);
+  if (known?.paths[0]) showAnswer(known.paths[0], known.reply.leaves.length > 0);
   else showRest();
 }
 
@@ -223,19 +229,20 @@ function heardLine(now: Line): void {
   if (shown.peek().what !== "drag") state.dragging.value = null;
 }
 
-function hear(reply: Reply, ways: Frames[]): void {
-  batch(() => take(reply, ways));
+function hear(reply: Reply, paths: Frames[]): void {
+  batch(() => take(reply, paths));
 }
 
-function take(reply: Reply, ways: Frames[]): void {
+function take(reply: Reply, paths: Frames[]): void {
   if (reply.kind === "progress") {
     if (!state.running.peek().has(reply.kind_of)) return;
     state.running.value = new Map(state.running.peek()).set(reply.kind_of, reply);
     return;
   }
   const settled = !("settled" in reply) || reply.settled;
-  if ("id" in reply && settled && reply.kind !== "step") setRunning(requestOf(reply), false);
-  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id) ?? design.peek(), ways });
+  const earlier = reply.kind === "drag" && reply.id !== drag?.id; // than where the hand is now
+  if ("id" in reply && settled && reply.kind !== "step" && !earlier) setRunning(requestOf(reply), false);
+  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id) ?? design.peek(), paths });
   switch (reply.kind) {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
@@ -249,10 +256,10 @@ function take(reply: Reply, ways: Frames[]): void {
     case "check": state.checked.value = about(reply); return showEscape(0);
     case "limit": state.limit.value = about(reply); return;
     case "plan": state.planned.value = about(reply); return showEscape(0, state.planned.peek());
-    case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
+    case "step": return stepped(reply.gap, reply.objective, reply.verdict, paths[0]);
     case "sweep": state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
-    case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.coloured.value = true; return;
+    case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.tinted.value = reply.of; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
     case "bound": return bounded(about(reply));
     case "assembled": assembled.value = reply; if (ofSheet(state.trouble.value)) state.findings.value = []; return;
@@ -273,20 +280,20 @@ function reshaped({ rings, solids, shown }: { rings?: Opened["parts"][number]["r
 function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   const again = quick?.again;
   quick = null;
-  const { reply, ways } = about;
+  const { reply, paths } = about;
   reshaped(reply);
   shaped = about.design;
   const same = questionOf(about.design) === question.peek();
-  if (same && ways[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(ways[0]), atMost: reply.at_most });
+  if (same && paths[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(paths[0]), atMost: reply.at_most });
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
     if (reply.settled && reply.objective && reply.at_most === null && !inSpace() && state.can("prove")) ask("bound", { design: about.design });
     if (state.trouble.value === "flex") state.findings.value = [];
-    if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
-      magnify(reachOf(ways[0]));
+    if (paths[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
+      magnify(reachOf(paths[0]));
       const still = shown.peek().what === "answer" && !reply.leaves.length;
-      showAnswer(ways[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
+      showAnswer(paths[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
     }
   }
   if (again) askFlex();
@@ -297,8 +304,8 @@ function remember(one: state.Solved): void {
   state.solved.value = [...others, { ...one, end: one.objective === null ? null : one.end }].sort((a, b) => a.gap - b.gap);
 }
 
-function stepped(gap: number, objective: number | null, verdict: string, way?: Frames): void {
-  remember({ gap, objective, verdict, end: way ? end(way) : null });
+function stepped(gap: number, objective: number | null, verdict: string, path?: Frames): void {
+  remember({ gap, objective, verdict, end: path ? end(path) : null });
 }
 
 /** A proof counts for the gap that it is about. */
@@ -317,41 +324,35 @@ function bounded(about: state.About<Extract<Reply, { kind: "bound" }>>): void {
 }
 
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
-  if (!drag || drag.id !== about.reply.id) return;
-  const { next, wanted } = drag;
-  drag.next = null;
-  drag.answered = true;
+  if (!drag) return;
   reshaped(about.reply);
   shaped = about.design;
-  if (about.design === design.peek() && about.ways[0]) {
-    const before = state.dragged.peek()?.reply;
-    if (!about.reply.settled && before?.part === about.reply.part) about.reply.blocking = before.blocking; // until it is known anew
-    state.dragged.value = about;
-    show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, false);
-    const newest = next ?? wanted;
-    if (next || !about.reply.settled) leads(newest, sameShape());
-    else lead.value = null; // the truth is there
-  }
-  if (next) sendDrag({ ...next, from: origin(), shown: outlines });
+  if (about.design !== design.peek() || !about.paths[0]) return;
+  const before = state.dragged.peek()?.reply;
+  if (!about.reply.settled && before?.part === about.reply.part) about.reply.blocking = before.blocking; // until it is known anew
+  state.dragged.value = about;
+  show({ what: "drag", frames: about.paths[0], label: "dragged", back: false }, false);
+  if (about.reply.settled && about.reply.id === drag.id) lead.value = null; // the truth is there
+  else leads(drag.wanted, sameShape());
 }
 
 export function showMode(which: number): void {
   const known = state.modes.peek();
-  const frames = known?.ways[which];
+  const frames = known?.paths[which];
   if (!frames) return;
   magnify(Math.max(known.reply.modes[which]!.size, 0), factor());
-  show({ what: "mode", frames, label: `freedom ${which + 1} of ${known.ways.length}`, back: false });
+  show({ what: "mode", frames, label: `freedom ${which + 1} of ${known.paths.length}`, back: false });
   play(true);
 }
 
-/** Play one way out of a check, or one step of a plan. */
+/** Play one path out of a check, or one step of a plan. */
 export function showEscape(which: number, about: state.About<CheckReply | PlanReply> | null = state.checked.peek()): void {
-  const frames = about?.ways[which];
+  const frames = about?.paths[which];
   if (!frames) return;
-  const count = about.ways.length;
+  const count = about.paths.length;
   autoFactor.value = 1;
   const next = count > 1 ? () => showEscape((which + 1) % count, about) : undefined; // one after the other
-  const name = about.reply.kind === "plan" ? "plan" : "way out";
+  const name = about.reply.kind === "plan" ? "plan" : "path out";
   show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next }, false);
   play(true);
 }
@@ -380,6 +381,7 @@ function opened(reply: Opened): void {
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
   forgetSheet();
+  if (state.tab.peek() === "sheet" && !reply.apart) state.tab.value = "answer";
   state.selected.value = null;
   state.many.value = new Set();
   state.solved.value = [];
@@ -399,9 +401,12 @@ function opened(reply: Opened): void {
 
 function reopen(): void {
   again = state.drawing.peek() !== null;
-  const sample = linked()?.sample;
-  file ??= sample ? { name: sample, sample: true } : keptFile();
-  if (file) ask("open", file);
+  const link = file ? null : linked();
+  if (link?.sample) return openAs({ name: link.sample, sample: true });
+  const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
+  if (link && before) return openAs("data" in before ? { name: before.name, data: before.data } : before);
+  if (link) state.notice.value = `The link carries a design for ${link.name ?? "a drawing"}: open that file.`;
+  else if (before) ask("open", (file = before as Opening));
 }
 
 function worker(now: "ready" | "lost" | "restarted"): void {
@@ -435,6 +440,7 @@ function failed(of: string, lines: Finding[]): void {
     }
   }
   state.trouble.value = of;
+  reviewed = of === "flex" || of === "shape" || of === "drag" ? design.peek() : null;
   state.pointed.value = null;
   state.findings.value = lines;
   if (lines.length && state.drawing.peek() && !(state.tab.peek() === "sheet" && of !== "open")) {

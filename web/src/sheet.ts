@@ -25,8 +25,8 @@ export const tool = signal<Tool>("join");
 /** Edges, or points of panels, that were pressed for the hint that is being made. */
 export const picked = signal<readonly Picked[]>([]);
 export interface Picked { panel: string; edge: string; at: Point }
-/** Ways to lay the panel that was laid last, and which one is taken. */
-export const ways = signal<{ plates: PlateHint[]; taken: number } | null>(null);
+/** Poses of the panel that was laid last, and which one is taken. */
+export const poses = signal<{ plates: PlateHint[]; taken: number } | null>(null);
 export const chosen = signal<string | null>(null);
 
 export const panels = computed(() => new Map((assembled.value?.panels ?? []).map((panel) => [panel.name, panel])));
@@ -39,7 +39,7 @@ export function forgetSheet(): void {
   past.value = [];
   assembled.value = null;
   picked.value = [];
-  ways.value = null;
+  poses.value = null;
   chosen.value = null;
 }
 
@@ -60,13 +60,13 @@ export function undoHint(): void {
   if (!before) return;
   past.value = past.peek().slice(0, -1);
   hints.value = before;
-  ways.value = null;
+  poses.value = null;
   assemble();
 }
 
 /** Leaves out one of the hints of a kind. */
 export function drop(kind: keyof SheetHints, index: number): void {
-  ways.value = null;
+  poses.value = null;
   say({ ...hints.peek(), [kind]: hints.peek()[kind].filter((_, k) => k !== index) });
 }
 
@@ -110,16 +110,16 @@ export function layOn(a: Picked, b: Picked): void {
 }
 
 export function laid(reply: LayReply): void {
-  ways.value = { plates: reply.ways, taken: 0 };
+  poses.value = { plates: reply.poses, taken: 0 };
   take(0);
 }
 
-/** Takes one of the ways to lay the panel that was laid last. */
+/** Takes one of the poses the panel that was laid last. */
 export function take(which: number): void {
-  const known = ways.peek();
+  const known = poses.peek();
   if (!known) return;
   const plate = known.plates[((which % known.plates.length) + known.plates.length) % known.plates.length]!;
-  ways.value = { plates: known.plates, taken: known.plates.indexOf(plate) };
+  poses.value = { plates: known.plates, taken: known.plates.indexOf(plate) };
   say({ ...hints.peek(), plate: [...hints.peek().plate.filter((other) => other.panel !== plate.panel), plate] });
 }
 

@@ -6,14 +6,18 @@ import { type Frames, type Kind, readFrames, type Reply, type Requests } from ".
 export class Latest {
   #next = 1;
   #newest = new Map<string, number>();
+  #first = new Map<string, number>();
 
-  ask(kind: string): number {
+  /** Of a request that goes on where the one before is; answers to both are wanted. */
+  ask(kind: string, goesOn = false): number {
     const id = this.#next++;
+    if (!goesOn || !this.#newest.has(kind)) this.#first.set(kind, id);
     this.#newest.set(kind, id);
     return id;
   }
   wanted(kind: string, id: number): boolean {
-    return this.#newest.get(kind) === id;
+    const newest = this.#newest.get(kind);
+    return newest !== undefined && id <= newest && id >= this.#first.get(kind)!;
   }
   newest(kind: string): number | undefined {
     return this.#newest.get(kind);
@@ -41,7 +45,7 @@ export function requestOf(reply: Reply): string {
 export type Line = "connecting" | "open" | "broken" | "refused";
 
 export interface Heard {
-  reply(reply: Reply, ways: Frames[]): void;
+  reply(reply: Reply, paths: Frames[]): void;
   line(state: Line): void;
 }
 
@@ -52,7 +56,7 @@ export class Socket {
   #url: string;
   #socket: WebSocket | null = null;
   #latest = new Latest();
-  #ways = new Map<number, Frames[]>();
+  #paths = new Map<number, Frames[]>();
   #tries = 0;
   #everOpen = false;
 
@@ -67,9 +71,9 @@ export class Socket {
   }
 
   /** Sends a request and gives its id; 0 while there is no line. */
-  ask<K extends Kind>(kind: K, body: Requests[K]): number {
+  ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false): number {
     if (!this.ready) return 0;
-    const id = this.#latest.ask(kind);
+    const id = this.#latest.ask(kind, goesOn);
     this.#socket!.send(JSON.stringify({ kind, id, ...body }));
     return id;
   }
@@ -93,7 +97,7 @@ export class Socket {
     };
     socket.onmessage = (event: MessageEvent) => this.#hear(event.data);
     socket.onclose = (event) => {
-      this.#ways.clear();
+      this.#paths.clear();
       const refused = event.code === 1008 || (!this.#everOpen && this.#tries > 3);
       this.#heard.line(refused ? "refused" : "broken");
       if (!refused) setTimeout(() => this.#connect(), PATIENCE[Math.min(this.#tries++, PATIENCE.length - 1)]);
@@ -103,7 +107,7 @@ export class Socket {
   #hear(data: unknown): void {
     if (data instanceof ArrayBuffer) {
       const read = readFrames(data);
-      if (read) this.#ways.set(read.id, [...(this.#ways.get(read.id) ?? []), read.frames]);
+      if (read) this.#paths.set(read.id, [...(this.#paths.get(read.id) ?? []), read.frames]);
       return;
     }
     const reply = JSON.parse(String(data)) as Reply;
@@ -111,10 +115,10 @@ export class Socket {
       this.#heard.reply(reply, []);
       return;
     }
-    const ways = reply.kind === "progress" ? [] : (this.#ways.get(reply.id) ?? []);
-    if (reply.kind !== "progress") this.#ways.delete(reply.id);
+    const paths = reply.kind === "progress" ? [] : (this.#paths.get(reply.id) ?? []);
+    if (reply.kind !== "progress") this.#paths.delete(reply.id);
     const kind = requestOf(reply);
-    if (this.#latest.wanted(kind, reply.id)) this.#heard.reply(reply, ways);
-    for (const id of this.#ways.keys()) if (id < reply.id - 64) this.#ways.delete(id);
+    if (this.#latest.wanted(kind, reply.id)) this.#heard.reply(reply, paths);
+    for (const id of this.#paths.keys()) if (id < reply.id - 64) this.#paths.delete(id);
   }
 }

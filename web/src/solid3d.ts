@@ -1,4 +1,4 @@
-/** Parts in space on a page of their own: turned by hand, moved along their way, taken apart, with contacts. */
+/** Parts in space on a page of their own: turned by hand, moved along their path, taken apart, with contacts. */
 
 import { Group, Quaternion } from "three";
 import { fromBase64, type Triple } from "./protocol.ts";
@@ -43,7 +43,7 @@ export function between(times: readonly number[], t: number): [number, number] {
 
 function start(data: SolidScene): void {
   const box = document.getElementById("view")!;
-  const slider = document.getElementById("way") as HTMLInputElement;
+  const slider = document.getElementById("path") as HTMLInputElement;
   const explode = document.getElementById("explode") as HTMLInputElement;
   const play = document.getElementById("play") as HTMLButtonElement;
   const view = scene3d(box, "parts in 3D: drag or arrow keys turn them, the wheel comes nearer");

@@ -52,6 +52,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   let parts: Solid3d[] = [];
   let size = 1;
   let radius = 1;
+  let exploded = 0;
   let centre: Triple = [0, 0, 0];
   let colours: Colours3d = { force: "#c96a00", motion: "#0b3c6f", ghost: "#1f5f99", axes: ["#a02c22", "#2a6b4a", "#1f5f99"] };
   let ghost: Line | Group | null = null;
@@ -68,6 +69,10 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     const { motion, moving } = hand.pose(now);
     const factor = hand.factor();
     const apart = hand.exploded();
+    if (apart !== exploded) {
+      exploded = apart;
+      view.relook(centre, spread());
+    }
     parts.forEach((part, p) => {
       const [shift, turn] = moved(motion, p, factor);
       part.quaternion.copy(turn);
@@ -96,6 +101,9 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   const home = (p: number): Vector3 => new Vector3(...given!.reference[p]!);
   /** How far a part is set aside in the exploded view. */
   const aside = (p: number, apart: number): Vector3 => new Vector3(...given!.aside[p]!).multiplyScalar(apart);
+
+  /** Radius in which everything lies, set aside as it is. */
+  const spread = (): number => radius + hand.exploded() * Math.max(...given!.aside.map((by) => Math.hypot(...by)), 0);
 
   function renewMarks(told: Marks | null, motion: Float32Array, factor: number, apart: number): void {
     drop(marks);
@@ -265,7 +273,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
       view.ask();
     },
     ask: view.ask,
-    fit: () => view.look(centre, radius * (1 + 0.7 * hand.exploded())),
+    fit: () => view.look(centre, spread()),
     zoom: view.zoom,
     turn: view.turn,
     across(part, right, up) {

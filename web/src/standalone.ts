@@ -22,20 +22,20 @@ export function unpack(): boolean {
   const rest = standing(opened.outlines);
   state.standalone.value = { said, study, tints };
   state.line.value = "open";
-  state.drawing.value = { ...opened, dimension: 2, ignore: [], parts: opened.parts.map((part, i) => ({ ...part, rings: rest[i]! })) };
+  state.drawing.value = { ...opened, dimension: 2, ignore: [], apart: false, parts: opened.parts.map((part, i) => ({ ...part, rings: rest[i]! })) };
   state.tab.value = told.tab ?? "answer";
   state.sheetOpen.value = told.tab === "space" || told.tab === "study"; // on a phone: what the page is about
   state.lost.value = told.lost ?? null;
   begin({ ...opened.design, gap: told.begin ?? opened.gap });
-  const about = <T>(reply: T, ways: Frames[]) => ({ reply, design: design.peek(), ways });
+  const about = <T>(reply: T, paths: Frames[]) => ({ reply, design: design.peek(), paths });
   if (told.rank) state.ranking.value = about(told.rank, []);
-  if (told.check) state.checked.value = about(told.check.reply, told.check.ways.map(frames));
+  if (told.check) state.checked.value = about(told.check.reply, told.check.paths.map(frames));
   if (told.space) state.space.value = about(told.space, []);
-  const known = answers.map(({ gap, flex, way, outlines }) => ({ gap, flex, way: frames(way), outlines }));
+  const known = answers.map(({ gap, flex, path, outlines }) => ({ gap, flex, path: frames(path), outlines }));
   const steps = told.steps ?? known.map(({ gap, flex: { objective, verdict, at_most } }) => ({ gap, objective, verdict, at_most }));
   state.solved.value = steps.map(({ gap, objective, verdict, at_most }) => {
     const one = known.find((other) => other.gap === gap);
-    return { gap, objective, verdict, end: one && objective !== null ? end(one.way) : null, atMost: at_most ?? null };
+    return { gap, objective, verdict, end: one && objective !== null ? end(one.path) : null, atMost: at_most ?? null };
   });
   state.rings.value = rest;
   if (known.length === 0) {
@@ -44,15 +44,15 @@ export function unpack(): boolean {
   }
   else effect(() => {
     const { gap } = design.value;
-    const { flex, way, outlines, ...one } = nearestBy(known, (other) => other.gap, gap)!;
+    const { flex, path, outlines, ...one } = nearestBy(known, (other) => other.gap, gap)!;
     if (Math.abs(one.gap - gap) > 1e-5 * gap) { // a gap of the curve without an answer
       state.answer.value = null;
       return showRest();
     }
     state.rings.value = outlines ? standing(outlines) : rest;
-    state.answer.value = about(flex, [way]);
-    magnify(reachOf(way));
-    showAnswer(way, flex.leaves.length > 0);
+    state.answer.value = about(flex, [path]);
+    magnify(reachOf(path));
+    showAnswer(path, flex.leaves.length > 0);
   });
   return true;
 }

@@ -9,7 +9,7 @@ import type { Line } from "./socket.ts";
 import { boxOf, reachOfSolids } from "./solids.ts";
 
 /** An answer and the design that it answers. */
-export interface About<T> { reply: T; design: Design; ways: Frames[] }
+export interface About<T> { reply: T; design: Design; paths: Frames[] }
 
 /** On a page that carries what was found: what it is about, and more than the panels of the live page say. */
 export interface Told { said: { title: string; facts: string[] } | null; study: StudyTab | null; tints: { per: string; values: Record<string, number> } | null }
@@ -47,6 +47,8 @@ export const pressed = signal<Point | null>(null);
 export const space = signal<About<SpaceReply> | null>(null);
 /** What studies found, by kind. */
 export const studies = signal<{ tighten: About<StudyReply> | null; sample: About<StudyReply> | null }>({ tighten: null, sample: null });
+/** The study whose colours the parts have. */
+export const tinted = signal<"tighten" | "sample">("tighten");
 export const proof = signal<About<ProveReply> | null>(null);
 /** A quick bound of the answer, worked out after it. */
 export const bound = signal<About<BoundReply> | null>(null);

@@ -4,7 +4,7 @@ import { along, between, fittingFactor, reach, valueBetween } from "../src/motio
 
 const frames = { k: 3, n: 1, data: new Float32Array([0, 0, 0, 2, 4, 1, 4, 4, 1]) };
 
-test("a way is followed linearly between its frames, and stays at its ends", () => {
+test("a path is followed linearly between its frames, and stays at its ends", () => {
   const out = new Float32Array(3);
   assert.deepEqual([...along(frames, 0.25, out)], [1, 2, 0.5]);
   assert.deepEqual([...along(frames, 0.75, out)], [3, 4, 1]);

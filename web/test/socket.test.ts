@@ -3,6 +3,18 @@ import { test } from "node:test";
 import { readFrames, type Reply } from "../src/protocol.ts";
 import { Latest, Socket } from "../src/socket.ts";
 
+test("answers to a request that goes on are wanted, and to those before it since it began", () => {
+  const latest = new Latest();
+  const other = latest.ask("drag");
+  const first = latest.ask("drag");
+  const second = latest.ask("drag", true);
+  assert.ok(!latest.wanted("drag", other) && latest.wanted("drag", first) && latest.wanted("drag", second));
+  latest.forget("drag");
+  assert.ok(!latest.wanted("drag", first) && !latest.wanted("drag", second));
+  const anew = latest.ask("drag", true);
+  assert.ok(!latest.wanted("drag", second) && latest.wanted("drag", anew));
+});
+
 test("only the newest request of a kind is wanted, other kinds are left alone", () => {
   const latest = new Latest();
   const [a, check, b] = [latest.ask("flex"), latest.ask("check"), latest.ask("flex")];
@@ -50,7 +62,7 @@ test("an answer that comes late is dropped, with its motions", () => {
   const heard: [string, number, number[]][] = [];
   const socket = new Socket("ws://here", {
     line: () => undefined,
-    reply: (reply: Reply, ways) => heard.push([reply.kind, (reply as { id: number }).id, ways.flatMap((way) => [...way.data])]),
+    reply: (reply: Reply, paths) => heard.push([reply.kind, (reply as { id: number }).id, paths.flatMap((path) => [...path.data])]),
   });
   const design = { gap: 1, extra: {}, fixed: [], glue: [], goals: [] };
   const [first, second] = [socket.ask("flex", { design, thorough: false }), socket.ask("flex", { design, thorough: false })];

@@ -172,7 +172,7 @@ def reach(document: Document, request: ReachRequest, out: Reporter) -> None:
     how = (
         f"free at {reachable.SLICES} turns; between them hardly more can be reached"
         if found.exact
-        else f"sampled: {reachable.DIRECTIONS} directions, the corners were reached"
+        else f"sampled in {reachable.DIRECTIONS} directions, corners reached"
     )
     words = how + ("; it leaves, and the rest is cut off" if found.open else "")
     content = ReachReply(

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 import numpy as np
+import shapely
 from msgspec.structs import replace
 
 from wiggleroom.app.samples import sample_file
-from wiggleroom.assembly.assembly import place
+from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap
 from wiggleroom.drawing.read import READERS, read_drawing
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_model import SpatialDrawing
 
 AnyDrawing = TypeVar("AnyDrawing", Drawing, "SpatialDrawing")
+
+NEAR_SHARE = 0.01
+"""Parts nearer to each other than this share of a usual part's side do not lie apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +262,18 @@ def opened_reply(file: File, drawing: Drawing) -> Opened:
     reply = drawing_message(drawing, drawing.parts, file.name)
     if not drawing.goals and len(drawing.parts) > 1:
         reply.pulled = suggested(drawing)
+    reply.apart = lies_apart(drawing)
     return reply
+
+
+def lies_apart(drawing: Drawing) -> bool:
+    """Whether no part is near another one or in a hollow of it, as on a cutting sheet."""
+    hulls = np.array([shapely.convex_hull(shapely.multipoints(np.vstack(rings_at(part)))) for part in drawing.parts])
+    if len(hulls) < 2:
+        return False
+    near = NEAR_SHARE * float(np.median(np.sqrt(shapely.area(hulls))))
+    a, b = shapely.STRtree(hulls).query(hulls, predicate="dwithin", distance=near)
+    return bool(np.all(a == b))
 
 
 def suggested(drawing: Drawing) -> GoalEntry:

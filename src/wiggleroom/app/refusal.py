@@ -9,9 +9,10 @@ _STYLE = (
     "body{font:18px/1.5 system-ui,sans-serif;max-width:34em;margin:18vh auto;padding:0 1.5em;"
     "color:CanvasText;background:Canvas}code{font-size:.95em}"
 )
-# The page takes the token out of the address and keeps it for its tab under this name; a reload comes here and goes on to it.
+# The page takes the token out of the address and keeps it under this name for its tab and its browser; a reload or a link to a design
+# comes here and goes on to it.
 _SCRIPT = (
-    "try{const kept=sessionStorage.getItem('wiggleroom.token');"
+    "try{const name='wiggleroom.token',kept=sessionStorage.getItem(name)??localStorage.getItem(name);"
     "if(kept&&!new URL(location.href).searchParams.has('token'))"
     "location.replace('/?token='+encodeURIComponent(kept)+location.hash)}catch{}"
 )

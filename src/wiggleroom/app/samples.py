@@ -40,7 +40,7 @@ SAMPLES = {
     "chain": SampleDrawing(
         "Blocks in a row: how far does the last one go?",
         lambda: patterns.chain(6, "tee", gap=0.4, pitch=20),
-        lambda: patterns.chain(4, "tee", gap=0.8, pitch=20),
+        lambda: patterns.chain(6, "tee", gap=0.8, pitch=20),
     ),
     "swallowtails": SampleDrawing(
         "A frame of swallowtail joints",
@@ -50,7 +50,7 @@ SAMPLES = {
     "panel": SampleDrawing(
         "Blocks that hold each other on all sides",
         lambda: patterns.grid(10, 10, "tee", gap=0.2, pitch=20),
-        lambda: patterns.grid(6, 5, "tee", gap=0.8, pitch=20),
+        lambda: patterns.grid(10, 10, "tee", gap=0.8, pitch=20),
     ),
     "large": SampleDrawing(
         "As many as in a floor",

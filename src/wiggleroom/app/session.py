@@ -232,6 +232,8 @@ class Session:
                 if not job.stopped or job.again:  # it may have been about to say its last word
                     job.replied = True
                     await self._send(said.frames, said.text)
+                    if job.kind in ("drag", "flex") and job.kind in self._pending:
+                        self._halt(job)  # the hand is elsewhere already
         finally:
             if limit is not None:
                 limit.cancel()

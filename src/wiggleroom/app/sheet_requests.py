@@ -33,12 +33,12 @@ def assemble(document: Document, request: AssembleRequest, out: Reporter) -> Non
 def lay(document: Document, request: LayRequest, out: Reporter) -> None:
     """Where a loose panel could lie that touches another one."""
     found, _ = _assembled(document.file, request, out)
-    ways = laid_plates(found, request.panel, request.at, request.onto, request.there, stop=out.stop)
+    poses = laid_plates(found, request.panel, request.at, request.onto, request.there, stop=out.stop)
     out.check()
     out.reply(
         LayReply(
             panel=request.panel,
-            ways=[PlateHint(way.panel, way.frame, way.centre, way.right, way.up) for way in ways],
+            poses=[PlateHint(pose.panel, pose.frame, pose.centre, pose.right, pose.up) for pose in poses],
         )
     )
 

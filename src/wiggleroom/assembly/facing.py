@@ -25,6 +25,24 @@ class Stretch:
     inward: float
 
 
+def joint_reach(drawn: float, gap: float, room: float) -> tuple[float, float]:
+    """How far apart two sides of a joint may lie [mm], and how far behind each other; edges in the plane, faces in space.
+
+    Half of the joint's gap opens parts that are drawn larger. The drawing's own gap has no say: the same sides face each other whatever it
+    is, so parts only get smaller as it grows.
+
+    Parameters
+    ----------
+    drawn : float [mm]
+        Distance of both parts as drawn.
+    gap : float [mm]
+        The joint's.
+    room : float [mm]
+        For rounding, and for flattened curves.
+    """
+    return drawn + room + 0.1 * max(drawn, gap), room + max(0.1 * drawn, 0.5 * gap)
+
+
 def facing_stretches(a: Loops, b: Loops, reach: float, slack: float) -> list[tuple[int, float, float]]:
     """Stretches of `a` that face `b`, as (edge, from, to) with lengths along the edge [mm].
 

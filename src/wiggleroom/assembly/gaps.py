@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import place
-from wiggleroom.assembly.facing import Stretch, facing_stretches, split_ring
+from wiggleroom.assembly.facing import Stretch, facing_stretches, joint_reach, split_ring
 from wiggleroom.assembly.loops import (
     Loops,
     chained,
@@ -24,6 +24,7 @@ from wiggleroom.assembly.loops import (
 )
 from wiggleroom.assembly.mitre import offset_ring, resolved
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap, Part, Points, Region
+from wiggleroom.drawing.rings import extents_and_areas
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +119,8 @@ def _shapes(drawing: Drawing) -> _Shapes:
     chosen = [drawing.parts[i] for i in first]
     rings, region = region_rings([r for p in chosen for r in p.regions])
     owner = np.repeat(np.arange(len(chosen)), [len(p.regions) for p in chosen])
-    sizes = np.array([max(np.ptp(r.outer, axis=0).max() for r in p.regions) for p in chosen])
-    index = np.array(region)
+    sizes, index = np.zeros(len(chosen)), np.array(region)
+    np.maximum.at(sizes, owner, extents_and_areas([r.outer for p in chosen for r in p.regions])[0].max(axis=1))
     loops = _oriented(cleaned(chained(rings), sizes[owner[index]]), index)
     return _Shapes(np.array(shape), first, loops, index, owner)
 
@@ -175,16 +176,11 @@ def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretc
 
 
 def _reach(joint: JointGap, pair: list[Part], flattening: Flattening | None, size: float) -> tuple[float, float]:
-    """How far apart edges of a joint may lie [mm], and how far behind each other.
-
-    That is the drawn distance with room for flattened curves, and half of the joint's gap, which opens outlines that are drawn larger.
-    The drawing's own gap has no say: the same edges face each other whatever it is, so parts only get smaller as it grows.
-    """
+    """How far apart edges of a joint may lie [mm], and how far behind each other, with room for flattened curves."""
     shapes, owner = placed_regions(pair)
     drawn = float(shapely.distance(shapes[owner == 0][:, None], shapes[owner == 1]).min())
     error = 0.0 if flattening is None else flattening.error
-    room = 1e-6 * size + 2 * error
-    return drawn + room + 0.1 * max(drawn, joint.gap), room + max(0.1 * drawn, 0.5 * joint.gap)
+    return joint_reach(drawn, joint.gap, 1e-6 * size + 2 * error)
 
 
 def _moved_regions(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -13,6 +14,8 @@ from wiggleroom.drawing.model import Part, Points, Region
 
 SAME = 1e-9
 """Corners closer than this, or off a straight line by less, are not corners [part size]."""
+CORNERS_AT_ONCE = 20_000
+"""Number of corners of loops that are worked on together: what fits into the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +61,16 @@ class Loops:
         """One array (m, 2) [mm] per loop."""
         return np.split(self.points, self.starts[1:])
 
+    def batches(self) -> list[tuple[Loops, slice, slice]]:
+        """Consecutive loops of some thousand corners each, and which loops and which corners these are."""
+        ends = np.cumsum(self.counts)
+        cuts = [0, *(np.flatnonzero(np.diff(ends // CORNERS_AT_ONCE)) + 1).tolist(), len(ends)]
+        corners = [0, *ends[np.array(cuts[1:]) - 1].tolist()]
+        return [
+            (Loops(self.points[first:end], self.counts[low:high]), slice(low, high), slice(first, end))
+            for (low, high), (first, end) in zip(pairwise(cuts), pairwise(corners), strict=True)
+        ]
+
 
 def chained(rings: Sequence[Points]) -> Loops:
     """Rings, each (m, 2) [mm] and not closed, one after another.
@@ -89,11 +102,14 @@ def placed_regions(parts: Sequence[Part]) -> tuple[NDArray[np.object_], NDArray[
     owners = np.repeat(np.arange(len(parts)), [len(p.regions) for p in parts])
     rings, region = region_rings([r for p in parts for r in p.regions])
     loops = chained(rings)
-    at = np.array([p.at for p in parts], dtype=float)[owners[region]]
-    cosine, sine = (np.repeat(f(at[:, 2]), loops.counts) for f in (np.cos, np.sin))
-    x, y = loops.points.T
-    turned = np.column_stack([cosine * x - sine * y, sine * x + cosine * y])
-    return polygons(Loops(turned + np.repeat(at[:, :2], loops.counts, axis=0), loops.counts), region), owners
+    x, y, angle = np.array([p.at for p in parts], dtype=float)[owners[region]].T
+    at = np.column_stack([x, y, np.cos(angle), np.sin(angle)])
+    placed = np.empty_like(loops.points)
+    for some, which, corners in loops.batches():
+        (x, y), (right, up, cosine, sine) = some.points.T, np.repeat(at[which], some.counts, axis=0).T
+        placed[corners, 0] = cosine * x - sine * y + right
+        placed[corners, 1] = sine * x + cosine * y + up
+    return polygons(Loops(placed, loops.counts), region), owners
 
 
 def cleaned(loops: Loops, size: NDArray[np.float64]) -> Loops:
@@ -105,7 +121,7 @@ def cleaned(loops: Loops, size: NDArray[np.float64]) -> Loops:
     >>> cleaned(chained([square]), np.array([2.0])).points.tolist()
     [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
     """
-    while (drop := _droppable(loops, SAME * size)).any():
+    while (drop := np.concatenate([_droppable(some, SAME * size[which]) for some, which, _ in loops.batches()])).any():
         counts = loops.counts - np.add.reduceat(drop.astype(np.int64), loops.starts)
         loops = Loops(loops.points[~drop], counts)
     return loops
@@ -117,15 +133,23 @@ def _droppable(loops: Loops, tolerance: NDArray[np.float64]) -> NDArray[np.bool_
     back, ahead = loops.points - loops.points[before], loops.points[loops.after] - loops.points
     chord = np.hypot(*(back + ahead).T)
     off = np.abs(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0])
-    straight = (off <= tol * chord) & ((back * ahead).sum(axis=1) > 0)
+    straight = (off <= tol * chord) & (dot_products(back, ahead) > 0)
     idle = straight | (np.hypot(*back.T) <= tol)
     place = np.arange(len(idle)) - np.repeat(loops.starts, loops.counts)
     odd = idle & (place % 2 == 1)
     return odd if odd.any() else idle & ~((place == 0) & idle[before])
 
 
+def dot_products(one: Points, other: Points) -> NDArray[np.float64]:
+    """Dot products (n,) of vectors (n, 2); column by column, because sums of two numbers each are slow."""
+    return one[:, 0] * other[:, 0] + one[:, 1] * other[:, 1]
+
+
 def signed_areas(loops: Loops) -> NDArray[np.float64]:
     """Area of each loop (k,) [mm²], positive counter-clockwise."""
-    points = loops.points - np.repeat(loops.points[loops.starts], loops.counts, axis=0)
-    after = points[loops.after]
-    return np.add.reduceat(points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0], loops.starts) / 2
+    areas = []
+    for some, _, _ in loops.batches():
+        points = some.points - np.repeat(some.points[some.starts], some.counts, axis=0)
+        after = points[some.after]
+        areas.append(np.add.reduceat(points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0], some.starts) / 2)
+    return np.concatenate(areas)

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.loops import Loops, polygons
+from wiggleroom.assembly.loops import Loops, dot_products, polygons
 from wiggleroom.drawing.model import Points
 
 STEP_COSINE = np.cos(np.radians(20.0))
@@ -52,14 +52,21 @@ def offset_ring(loops: Loops, inward: NDArray[np.float64]) -> tuple[Loops, NDArr
     >>> offset_ring(chained([square]), np.array([1.0, 0.5, 0.5, 0.5]))[0].points.tolist()
     [[0.5, 1.0], [3.5, 1.0], [3.5, 3.5], [0.5, 3.5]]
     """
+    moved = [_moved(some, inward[corners]) for some, _, corners in loops.batches()]
+    points, counts, forward = (np.concatenate(column) for column in zip(*moved, strict=True))
+    return Loops(points, counts), forward
+
+
+def _moved(loops: Loops, inward: NDArray[np.float64]) -> tuple[Points, NDArray[np.int64], NDArray[np.bool_]]:
+    """Points and counts of moved loops, and which of them kept the directions of all their edges."""
     corner = _corners(loops, inward)
     step = corner.step[:, None]
     first, second = np.where(step, corner.end, corner.mitre), np.where(step, corner.start, corner.mitre)
-    forward = ((first[loops.after] - second) * corner.along).sum(axis=1) > 0
+    forward = dot_products(first[loops.after] - second, corner.along) > 0
     both = np.stack([first, second], axis=1)
     keep = np.column_stack([np.ones(len(first), dtype=bool), corner.step])
     counts = loops.counts + np.add.reduceat(corner.step.astype(np.int64), loops.starts)
-    return Loops(both[keep], counts), np.logical_and.reduceat(forward, loops.starts)
+    return both[keep], counts, np.logical_and.reduceat(forward, loops.starts)
 
 
 def _corners(loops: Loops, inward: NDArray[np.float64]) -> _Corners:
@@ -77,14 +84,14 @@ def _corners(loops: Loops, inward: NDArray[np.float64]) -> _Corners:
         end=loops.points + behind[:, None] * normal[before],
         start=loops.points + there[:, None] * normal,
         mitre=loops.points + shift,
-        step=(half != 0) & ((along[before] * along).sum(axis=1) > STEP_COSINE),
-        shortens=((shift * along[before]).sum(axis=1) < 0) & ((shift * along).sum(axis=1) > 0),
+        step=(half != 0) & (dot_products(along[before], along) > STEP_COSINE),
+        shortens=(dot_products(shift, along[before]) < 0) & (dot_products(shift, along) > 0),
     )
 
 
 def _scaled(direction: Points, amount: NDArray[np.float64]) -> Points:
     """`direction` scaled so that its part along either normal is `amount`; finite even for a needle's tip."""
-    return direction * (2 * amount / np.maximum((direction**2).sum(axis=1), 1e-18))[:, None]
+    return direction * (2 * amount / np.maximum(dot_products(direction, direction), 1e-18))[:, None]
 
 
 def resolved(loops: Loops, inward: NDArray[np.float64]) -> list[shapely.Polygon]:

@@ -105,6 +105,32 @@ def find_separation(e, f, p, q, sag_b, sag_a, least_b, least_a, first, corner, a
     return -1
 
 
+@njit(**COMPILED_CALLERS_ONLY)
+def clear_of(edge, f, c, s, x, y, least, corner, after, direction, length):
+    """True where edge f of the other part, turned and moved, lies outside, inside, beyond the end or before the begin of an edge."""
+    v, w = f, after[f]
+    px = c * corner[v, 0] - s * corner[v, 1] + x - corner[edge, 0]
+    py = s * corner[v, 0] + c * corner[v, 1] + y - corner[edge, 1]
+    qx = c * corner[w, 0] - s * corner[w, 1] + x - corner[edge, 0]
+    qy = s * corner[w, 0] + c * corner[w, 1] + y - corner[edge, 1]
+    dx, dy = direction[edge, 0], direction[edge, 1]
+    one, other = dy * px - dx * py, dy * qx - dx * qy
+    if (one > least and other > least) or (one < -least and other < -least):
+        return True
+    one, other = dx * px + dy * py, dx * qx + dy * qy
+    if one < -least and other < -least:
+        return True
+    return one - length[edge] > least and other - length[edge] > least
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def apart(e, f, p, least_b, least_a, corner, after, direction, length):
+    """True where edges e of A and f of B lie apart at a relative pose with more than `least` to spare."""
+    return clear_of(e, f, p[COS], p[SIN], p[X], p[Y], least_b, corner, after, direction, length) or clear_of(
+        f, e, p[COS], -p[SIN], p[BACK_X], p[BACK_Y], least_a, corner, after, direction, length
+    )
+
+
 @njit(**OPTIONS)
 def near_edges(
     a, b, p, stray_b, stray_a, rounding, corner, after, direction, length, run, first_run, run_disc, edges, how
@@ -122,22 +148,7 @@ def near_edges(
                 continue
             for f in range(run[j], run[j + 1]):
                 for e in range(run[i], run[i + 1]):
-                    found = find_separation(
-                        e,
-                        f,
-                        p,
-                        p,
-                        0.0,
-                        0.0,
-                        stray_b + rounding,
-                        stray_a + rounding,
-                        0,
-                        corner,
-                        after,
-                        direction,
-                        length,
-                    )
-                    if found >= 0:
+                    if apart(e, f, p, stray_b + rounding, stray_a + rounding, corner, after, direction, length):
                         continue
                     if count == len(how):
                         return -1
@@ -185,9 +196,7 @@ def free_piece(
             b[axis] = b0[axis] + t * (b1[axis] - b0[axis])
         relative(a, b, p)
         for k in range(doubt):  # edges that cross here need no further halving
-            if find_separation(
-                edges[k, 0], edges[k, 1], p, p, 0.0, 0.0, rounding, rounding, how[k], corner, after, direction, length
-            ) < 0:  # fmt: skip
+            if not apart(edges[k, 0], edges[k, 1], p, rounding, rounding, corner, after, direction, length):
                 return False
         poses[size + 1, 0], poses[size + 1, 1] = p0, p
         poses[size, 0] = p

@@ -35,6 +35,10 @@ OTHER = Style(_OTHER, "diamond")
 LEFT, TOP, HIGH, WIDE, BETWEEN = 70.0, 60.0, 320.0, 440.0, 80.0
 ROW_HEIGHT = 34.0
 """[px]"""
+LANES = 0.7
+"""Share of a row within which each method has its own height, so that no mark hides another."""
+LANE_HEIGHT = 58.0
+"""Height of such a row [px]."""
 NAME_WIDTH = 150.0
 """[px]"""
 
@@ -58,32 +62,33 @@ def speed_picture(found: Bench, command: str) -> str:
     """Seconds against parts for grids of tees, and for all joints at the largest size."""
     body, top = frame.header(found.title, _facts(found), 2 * WIDE)
     top += TOP
-    tees = [r for r in found.records if r["joint"] == "tee" and "total_seconds" in r]
-    curves = [_curve(name, some, "parts", "total_seconds") for name, some in _by_method(tees)]
+    timed = [r for r in found.records if "total_seconds" in r]
+    names, methods = (list(dict.fromkeys(r[key] for r in timed)) for key in ("assembly", "method"))
+    high = max(HIGH, LANE_HEIGHT * len(names))
+    curves = [
+        _curve(k, some, "parts", "total_seconds") for k, some in _by_method([r for r in timed if r["joint"] == "tee"])
+    ]
     left = LEFT
     if curves:
-        panel = around(left, top, WIDE, HIGH, curves, (True, True))
+        panel = around(left, top, WIDE, high, curves, (True, True))
         body += panel.axes("Grids of tee blocks", ("parts", "total [s]"))
         for curve in curves[::-1]:
             body += panel.curve(curve)
         left += WIDE + BETWEEN + NAME_WIDTH
-    timed = [r for r in found.records if "total_seconds" in r]
-    names = list(dict.fromkeys(r["assembly"] for r in timed))
     if names:
         seconds = np.array([r["total_seconds"] for r in timed])
-        panel = Panel(
-            left, top, WIDE, HIGH, (seconds.min() / 1.6, seconds.max() * 1.6), (len(names) - 0.4, -0.6), (True, False)
-        )
+        limits = (seconds.min() / 1.6, seconds.max() * 1.6)
+        panel = Panel(left, top, WIDE, high, limits, (len(names) - 0.4, -0.6), (True, False))
         body += panel.axes("All assemblies", ("total [s]", ""), names)
         for r in timed:
-            place, style = np.array([r["total_seconds"]]), STYLES.get(r["method"], OTHER)
-            body += panel.curve(Curve("", place, np.array([float(names.index(r["assembly"]))]), style))
-        for r in timed:
+            lane = (methods.index(r["method"]) + 0.5) / len(methods) - 0.5
+            place, row = np.array([r["total_seconds"]]), np.array([names.index(r["assembly"]) + LANES * lane])
+            body += panel.curve(Curve("", place, row, STYLES.get(r["method"], OTHER)))
             if r.get("at_least"):
-                u, v = panel.pixels(np.array([r["total_seconds"]]), np.array([names.index(r["assembly"])]))[0].tolist()
+                u, v = panel.pixels(place, row)[0].tolist()
                 arrow = f"M{u + 7:.1f},{v:.1f}h10m-4,-3.5l4,3.5l-4,3.5"  # stopped there, so it takes longer
                 body.append(f'<path d="{arrow}" fill="none" stroke="{palette.SUBDUED}" stroke-width="1.5"/>')
-    return _finished(found, command, body, top + HIGH, left + WIDE, [name for name, _ in _by_method(timed)])
+    return _finished(found, command, body, top + high, left + WIDE, methods)
 
 
 def chains_picture(found: Bench, command: str) -> str:

@@ -145,16 +145,19 @@ class BranchAndBound:
             _, _, ranges, before, hops, step = heapq.heappop(todo)
             if step is not None and step.depth > MAX_PROOF_DEPTH:
                 return best
-            for part, most, more in self._worked(ranges, before, hops, best, step):
+            for part, most, more in self._worked(ranges, before, hops, best, enough, step):
                 heapq.heappush(
                     todo, (-min(most, value), next(number), part, min(most, value), more, step and step.follow())
                 )
         return self.cut
 
     def _worked(
-        self, ranges: AngleRanges, before: float, hops: int, best: float, step: ProofNode | None
+        self, ranges: AngleRanges, before: float, hops: int, best: float, enough: float, step: ProofNode | None
     ) -> list[tuple[AngleRanges, float, int]]:
-        """What is left of `ranges`, in one or two pieces, what motions there are worth at most, and how far apart to ask next."""
+        """What is left of `ranges`, in one or two pieces, what motions there are worth at most, and how far apart to ask next.
+
+        Ranges in which nothing is worth more than `enough` stay as they are.
+        """
         self.cuts.unlike = COARSE_NORMALS if hops else FINE_NORMALS
         try:
             program = RelaxationInRanges(self.linkage, self.cuts, ranges)
@@ -172,6 +175,8 @@ class BranchAndBound:
             step.best, step.value = multipliers, most
         if value <= self.cut:
             return []
+        if value <= enough:
+            return [(ranges, value, hops)]
         best = min(best, value) if np.isfinite(best) else value
         asked = dominating(self.linkage, held, hops)
         self.tell(max(best, self.cut), f"turns of {len(asked)} of {len(held)} bodies")

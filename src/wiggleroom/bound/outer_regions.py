@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -18,13 +19,15 @@ from wiggleroom.bound.congruent_joints import (
     congruent_joints,
 )
 from wiggleroom.bound.joint_constraints import JointConstraints
-from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surface
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of, reached_slices
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
 from wiggleroom.search.prepare import Survey
+
+if TYPE_CHECKING:
+    from wiggleroom.freespace.outer.caging_surface import CagingSurface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -137,6 +140,8 @@ def _region(
     """Region of one pair, None where the joint is open or it was `over` first."""
     if not certify:
         return outer_region(material, lever, limit, over)
+    from wiggleroom.freespace.outer.caging_surface import caging_surface  # only certificates need it
+
     # chords are checked in every pair by themselves: of strips only their own size matters
     own = PairMaterial(material.a, material.b, material.clearance)
     slices = reached_slices(own, lever, limit, over)

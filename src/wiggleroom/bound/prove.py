@@ -27,8 +27,9 @@ from wiggleroom.search.progress import Progress
 
 Ints = NDArray[np.int64]
 
-CUTOFF_SHARE = 0.6
-"""Motions worth more than the witness by this share of what is asked for are looked for."""
+CUTOFF_SHARE, MANY_CUTOFF_SHARE = 0.6, 0.95
+"""Motions worth more than the witness by this share of what is asked for are looked for. The second share is that of assemblies with more
+bodies than `MANY_BODIES`: fewer motions are left, and the bound comes as near as asked in half the time, though seldom nearer."""
 LOOSE_SHARE = 1.0
 """Where the first linear program allows this share more than the witness, pairs whose joints are open are looked at too."""
 
@@ -110,7 +111,7 @@ def prove(
             answer, clock, _why_open(answer.assembly, surveyed, joints, asked[~held[asked]], clock, certify)
         )
     proof = ProofNode() if certify else None
-    cut = witness + CUTOFF_SHARE * aim
+    cut = witness + (MANY_CUTOFF_SHARE if held.sum() > MANY_BODIES else CUTOFF_SHARE) * aim
 
     def bounding_of(joints: JointConstraints, regions: Sequence[OuterRegion | CagingSurface]) -> BranchAndBound:
         return BranchAndBound(

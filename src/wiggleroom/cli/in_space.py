@@ -220,7 +220,13 @@ def spatial_places(outputs: Outputs) -> Places:
 
 
 def flex_in_space(
-    file: str, asked: QuestionOptions, outputs: Outputs, solver: str, limit: float | None, sheet: SheetOptions
+    file: str,
+    asked: QuestionOptions,
+    outputs: Outputs,
+    solver: str,
+    search: int | None,
+    limit: float | None,
+    sheet: SheetOptions,
 ) -> int:
     """`wiggleroom flex` of an assembly in space."""
     import time
@@ -235,7 +241,7 @@ def flex_in_space(
     with interruptible(limit) as stop:
         assembly = read_in_space(file, asked, sheet, stop)
         spent = time.perf_counter() - begin
-        answer = flex(assembly, solver=solver, stop=stop)
+        answer = flex(assembly, solver=solver, search=search, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
     answer = replace(answer, seconds=seconds, command=command_line())
     from wiggleroom.report.spatial_records import spatial_flex_record

@@ -22,7 +22,7 @@ from wiggleroom.geometry.neighbours import neighbours
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.program.nonlinear_program import Linearised, build_program
 from wiggleroom.program.objectives import Objective
-from wiggleroom.search.loop import ESCAPE_DISTANCE
+from wiggleroom.search.local_search import ESCAPE_DISTANCE
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.progress import Progress
 from wiggleroom.solve.linear_programming import maximise

@@ -17,7 +17,7 @@ from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
-from wiggleroom.search.loop import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, nudged
+from wiggleroom.search.local_search import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, nudged
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.progress import Progress
 from wiggleroom.solve.kkt_conditions import conditions

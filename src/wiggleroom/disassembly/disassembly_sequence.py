@@ -164,7 +164,7 @@ def disassemble(
         there[alive] = True
         so_far.departures.append(Departure(np.sort(alive[who]), path, there, stage.moves))
         so_far.motion = path[-1]
-        effort = replace(effort, passages=PassagesByGap())  # the others lie elsewhere now
+        effort = replace(effort, passages=PassagesByGap(), exits=[])  # the others lie elsewhere now
         stay = np.setdiff1d(np.arange(len(alive)), who)
         so_far.left = without_parts(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
         so_far.alive = alive[stay]

@@ -26,6 +26,8 @@ RADIUS_RATIO = 1.01
 """Radii are rounded down to powers of this: congruent bodies share a thickened wall."""
 ARCS = 32
 """Chords of a quarter of the circle where a wall is made thicker as exactly as that needs."""
+SURELY_LARGER = 1.03
+"""A disc by this much larger that gets out shows that the disc itself does, though buffers are polygons."""
 INSCRIBED_TOLERANCE = 1e-4
 """The middle of the largest disc in a body is found to this share of its size: any disc inside would do."""
 
@@ -161,11 +163,18 @@ def cages(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
     """
     for piece in (body, *shapely.get_parts(shapely.intersection(body, shapely.convex_hull(wall)))):
         disc = largest_disc(piece) if shapely.area(piece) > 0 else None
-        if disc is None or disc.radius <= 0:
+        if disc is None or disc.radius <= 0 or _leads_out(wall, disc):
             continue
         if hole_round(_inner_offset(wall, disc.radius), disc.middle) is not None:
             return True
     return False
+
+
+def _leads_out(wall: shapely.Geometry, disc: Disc) -> bool:
+    """True where even a disc that is a little larger gets out from among the wall, which is quick to see and ends most questions."""
+    thicker = shapely.buffer(wall, SURELY_LARGER * disc.radius, quad_segs=8)
+    inside = bool(shapely.contains_xy(thicker, *disc.middle))
+    return not inside and hole_round(thicker, disc.middle) is None
 
 
 def _inner_offset(wall: shapely.Geometry, radius: float) -> shapely.Geometry:

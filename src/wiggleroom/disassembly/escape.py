@@ -19,7 +19,9 @@ from wiggleroom.disassembly.enclosure import enclosed_by_held
 from wiggleroom.disassembly.escape_search import (
     EXIT_TESTS,
     MAX_QUESTIONS,
+    GoalSequence,
     answer_or_none,
+    escape_by_goals,
     escape_path,
     search_for_escape,
 )
@@ -112,12 +114,15 @@ class EscapeEffort:
         Work of the search over slides, in pairs of edges compared.
     passages : PassagesByGap
         Those known from other gaps of the assembly at rest; what is found is added.
+    exits : list of goals
+        What led apart at other gaps, the newest last, which is asked first; what is found is added.
     """
 
     boxes: int = BOXES_FOR_ONE_BODY
     questions: int = MAX_QUESTIONS
     work: float = WORK_BUDGET
     passages: PassagesByGap = field(default_factory=PassagesByGap)
+    exits: list[GoalSequence] = field(default_factory=list)
 
 
 def next_stage(
@@ -237,6 +242,12 @@ def _beyond_slides(
     known = _walled_in(ready, known, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
+    for goals in effort.exits[::-1]:
+        known_exit = escape_by_goals(simpler, ground, known.group, goals, stop)
+        if known_exit is not None:
+            stage = _after_motion(assembly, surveyed, simpler, still, *known_exit)
+            if stage.path is not None:
+                return replace(stage, questions=len(goals))
     nearly = _nearly(ready, ground, known.group, stop)
     for rigid in itertools.chain(
         tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, stop) for e in nearly)
@@ -252,8 +263,9 @@ def _beyond_slides(
     loose = slid.states > 1 and slid.whole and slid.on_lattice
     searched = search_for_escape(simpler, ground, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
     if searched.path is not None and searched.exit is not None:
-        path = of_bodies(assembly, bodies, of_parts(assembly, simpler.bodies, searched.path))
-        stage = _leave_moving(assembly, surveyed, still, path, searched.exit)
+        stage = _after_motion(assembly, surveyed, simpler, still, searched.path, searched.exit)
+        if stage.path is not None:
+            effort.exits.append(searched.asked)
         return replace(stage, questions=searched.questions)
     count = searched.questions
     for tilt in slid.tilts[:MAX_TILTS]:
@@ -349,6 +361,19 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
         if len(found) >= MAX_NEAR_EXITS or (stop is not None and stop.is_set()):
             break
     return list(found.values())[:MAX_NEAR_EXITS]
+
+
+def _after_motion(
+    assembly: Assembly,
+    surveyed: Survey,
+    simpler: Prepared,
+    still: MoveSequence,
+    path: Floats,
+    found: TranslationEscape,
+) -> Stage:
+    """A largest motion of the simpler bodies that was searched, continued straight."""
+    motions = of_bodies(assembly, surveyed.bodies, of_parts(assembly, simpler.bodies, path))
+    return _leave_moving(assembly, surveyed, still, motions, found)
 
 
 def _leave_moving(

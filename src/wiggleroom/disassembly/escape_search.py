@@ -36,6 +36,9 @@ NOVELTY_DISTANCE = 3.0
 EXIT_TESTS = 8
 """At most this many waypoints of an answer are tested for a straight escape path."""
 
+GoalSequence = tuple[tuple[Goal, ...], ...]
+"""Goals that are asked one after the other, each from where the one before ended."""
+
 
 @dataclass(frozen=True, eq=False)
 class EscapeSearch:
@@ -52,6 +55,8 @@ class EscapeSearch:
         True where there were more new places than it went on from.
     questions, unanswered : int
         How many were asked, and how many of them found no answer, or none whose path is certain.
+    asked : tuple of goals
+        What was asked one after the other on the way to `exit`.
     """
 
     path: Floats | None
@@ -60,6 +65,7 @@ class EscapeSearch:
     more_places: bool
     questions: int
     unanswered: int
+    asked: GoalSequence = ()
 
 
 def search_for_escape(
@@ -95,10 +101,10 @@ def search_for_escape(
         return EscapeSearch(None, None, False, False, 0, 0)
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
     places = [relative_pose(bodies, near.a, near.b)]
-    waiting: deque[Answer | None] = deque([None])
+    waiting: deque[tuple[Answer | None, GoalSequence]] = deque([(None, ())])
     questions, unanswered = 0, 0
     while waiting:
-        start = waiting.popleft()
+        start, before = waiting.popleft()
         for goals in _questions(ready, ground, group, nearly, only_turns):
             if questions >= most or (stop is not None and stop.is_set()):
                 return EscapeSearch(None, None, False, False, questions, unanswered)
@@ -112,14 +118,29 @@ def search_for_escape(
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
             found = escape_path(ready, ground, group, motions, EXIT_TESTS, stop)
             if found is not None:
-                return EscapeSearch(*found, True, False, questions, unanswered)
+                return EscapeSearch(*found, True, False, questions, unanswered, (*before, goals))
             if only_turns:
                 continue
             place = relative_pose(bodies, near.a, near.b, motions[-1])
             if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
                 places.append(place)
-                waiting.append(answer)
+                waiting.append((answer, (*before, goals)))
     return EscapeSearch(None, None, True, len(places) > MAX_STATES, questions, unanswered)
+
+
+def escape_by_goals(
+    ready: Prepared, ground: int, group: Ints, asked: GoalSequence, stop: Stop | None
+) -> tuple[Floats, TranslationEscape] | None:
+    """The path (k, n, 3) on which bodies leave when goals are asked one after the other, as at another gap; None where they do not."""
+    answer: Answer | None = None
+    for goals in asked:
+        answer = answer_or_none(ready, goals, answer, stop)
+        if answer is None or answer.path != "checked":
+            return None
+    if answer is None:
+        return None
+    motions = of_bodies(ready.assembly, ready.bodies, answer.waypoints)
+    return escape_path(ready, ground, group, motions, EXIT_TESTS, stop)
 
 
 def answer_or_none(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
@@ -15,6 +15,7 @@ from wiggleroom.disassembly.interlock import Interlock, interlock
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.progress import Progress, silent
+from wiggleroom.verdict import Separability
 
 RELATIVE_TOLERANCE = 1e-3
 """Both sides end no further apart than this share of the gap."""
@@ -88,8 +89,16 @@ def largest_gap(
 
     effort = EscapeEffort(BOXES_PER_GAP, QUESTIONS_PER_GAP)
 
+    proof_alone = replace(effort, questions=0)
+    undecided: list[float] = []
+
     def look(made: Assembly) -> Interlock:
-        return interlock(made, effort, every=False, stop=stop, tell=progress or silent)
+        # no path was found at a larger gap, where there is more room: only a proof can decide it here
+        enough = proof_alone if any(made.gap < gap for gap in undecided) else effort
+        found = interlock(made, enough, every=False, stop=stop, tell=progress or silent)
+        if found.verdict is Separability.UNKNOWN:
+            undecided.append(made.gap)
+        return found
 
     drawing = assembly.drawing
     return largest_gap_over(assembly, lambda gap: assemble(drawing, gap=gap), look, stop)

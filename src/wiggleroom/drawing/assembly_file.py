@@ -28,6 +28,7 @@ from wiggleroom.drawing.assembly_schema import (
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
+from wiggleroom.drawing.naming import is_printable
 from wiggleroom.drawing.rings import are_clean, clean_ring, extents_and_areas
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.tolerances import tolerance_findings
@@ -150,7 +151,7 @@ class _PlanarReader(EntryReader[FileEntry]):
         entry = convert(value, PartEntry, f"{self._file}: {where}", self._findings)
         if entry is None:
             return None
-        if not entry.name.strip() or not entry.name.isprintable():
+        if not is_printable(entry.name):
             self._say(f"parts[{i}]", "name must be printable text that is not empty")
         material = [key for key in ("shape", "outline", "outlines") if getattr(entry, key) is not None]
         if len(material) != 1:

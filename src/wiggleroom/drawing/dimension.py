@@ -18,10 +18,10 @@ def is_spatial_file(path: str | PathLike[str]) -> bool:
     if path.suffix.lower() != ".json" or not path.is_file():
         return False
     from wiggleroom.drawing.assembly_schema import decode_json  # slow to load, and of no use to drawings
-    from wiggleroom.drawing.source import load
+    from wiggleroom.drawing.source import load, read_bytes
 
-    source = load(path, opening="{[", name="assembly")
-    if f'"{SPATIAL_FORMAT}"' not in source.text:
+    # most files are told apart by their bytes alone; in UTF-16 and UTF-32 there are zeros in between
+    if f'"{SPATIAL_FORMAT}"'.encode() not in read_bytes(path).replace(b"\0", b""):
         return False
-    raw = decode_json(source)
+    raw = decode_json(load(path, opening="{[", name="assembly"))
     return isinstance(raw, dict) and raw.get("format") == SPATIAL_FORMAT

@@ -13,7 +13,21 @@ from wiggleroom.drawing.elements import Lettering, Stroke
 
 MAX_LABEL_LENGTH = 80
 """Characters of a name; longer texts are notes."""
+JOINERS = str.maketrans("", "", "\u200c\u200d")
+"""Characters that join or part letters; words of some scripts need them, though nothing is printed for them."""
 Polygons = Sequence[shapely.Polygon] | NDArray[np.object_]
+
+
+def is_printable(name: str) -> bool:
+    """Whether all of a name is seen where it is printed, and it is more than blanks.
+
+    Examples
+    --------
+    >>> is_printable("\u0645\u06cc\u200c\u062e\u0648\u0627\u0647\u0645"), is_printable("a\u202eb"), is_printable(" ")
+    (True, False, False)
+    """
+    seen = name.translate(JOINERS)
+    return seen.isprintable() and bool(seen.strip())
 
 
 def texts_inside(polygons: Polygons, texts: Sequence[Lettering]) -> tuple[list[str], int]:
@@ -30,7 +44,7 @@ def texts_inside(polygons: Polygons, texts: Sequence[Lettering]) -> tuple[list[s
         point = shapely.Point(lettering.at.real, lettering.at.imag)
         around = tree.query(point, predicate="intersects").tolist()
         owner = min(around, key=lambda i: area[i], default=None)
-        if owner is not None and lettering.text.isprintable() and 0 < len(lettering.text) <= MAX_LABEL_LENGTH:
+        if owner is not None and is_printable(lettering.text) and 0 < len(lettering.text) <= MAX_LABEL_LENGTH:
             said.setdefault(owner, []).append(lettering.text)
     names = [said[i][0] if len(said.get(i, [])) == 1 else "" for i in range(len(polygons))]
     return names, len(texts) - sum(map(bool, names))

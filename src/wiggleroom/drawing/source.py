@@ -93,7 +93,7 @@ def _decode(raw: bytes, name: str) -> str:
 
 
 def _checked(source: Source) -> Source:
-    if not source.text.strip():
+    if not source.text or source.text.isspace():
         message = f"{source.name}: is empty; a drawing with at least one part is needed"
         raise InputError(message)
     text = source.text  # what is ASCII holds no halves of surrogate pairs

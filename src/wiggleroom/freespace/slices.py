@@ -7,6 +7,7 @@ parallelogram covers is therefore wholly free or wholly forbidden, and one point
 from __future__ import annotations
 
 from bisect import bisect
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -106,7 +107,13 @@ def edges_of(geometry: shapely.Geometry) -> Floats:
     return np.vstack([np.stack([c[:-1], c[1:]], 1) for c in corners])
 
 
-def slice_near(pair: PairOutlines, phi: float, near: shapely.Geometry, limit: float = np.inf) -> Slice | None:
+def slice_near(
+    pair: PairOutlines,
+    phi: float,
+    near: shapely.Geometry,
+    limit: float = np.inf,
+    nudges: Sequence[float] = ANGLE_NUDGES,
+) -> Slice | None:
     """Free pieces at the turn `phi` that meet `near`, or None where there are none.
 
     Parameters
@@ -117,8 +124,10 @@ def slice_near(pair: PairOutlines, phi: float, near: shapely.Geometry, limit: fl
         A free translation, or the region of a slice at a turn close by.
     limit : float [mm]
         Half the side of the largest window, a square round rest; without it the window grows until it holds the pieces.
+    nudges : sequence of float [rad]
+        Added to the angle one after the other, until a piece is found.
     """
-    for nudge in ANGLE_NUDGES:
+    for nudge in nudges:
         try:
             found = _grown(pair, phi + nudge, near, limit)
         except shapely.errors.GEOSException:
@@ -152,12 +161,15 @@ def _grown(pair: PairOutlines, phi: float, near: shapely.Geometry, limit: float)
 def parallelograms(pair: PairOutlines, phi: float, box: Box) -> Floats:
     """Corners (k, 4, 2) of the translations in which two edges meet, for all edge pairs that touch the box."""
     b = rotated(pair.b.reshape(-1, 2), np.array([phi])).reshape(-1, 2, 2)
-    a, (low, high) = pair.a, np.array(box).reshape(2, 2)
+    low, high = np.array(box).reshape(2, 2)
+    a = _in_reach(pair.a, b.min(axis=(0, 1)) + low, b.max(axis=(0, 1)) + high)
+    if len(a):
+        b = _in_reach(b, a.min(axis=(0, 1)) - high, a.max(axis=(0, 1)) - low)
+    (a_low, a_high), (b_low, b_high) = ((e.min(axis=1), e.max(axis=1)) for e in (a, b))
     near = np.ones((len(a), len(b)), dtype=bool)
     for axis in (0, 1):
-        lower = a[:, :, axis].min(1)[:, None] - b[:, :, axis].max(1)
-        upper = a[:, :, axis].max(1)[:, None] - b[:, :, axis].min(1)
-        near &= (lower <= high[axis]) & (upper >= low[axis])
+        near &= a_low[:, axis, None] - b_high[:, axis] <= high[axis]
+        near &= a_high[:, axis, None] - b_low[:, axis] >= low[axis]
     i, j = np.nonzero(near)
     e, f = a[i, 1] - a[i, 0], b[j, 1] - b[j, 0]
     cross = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
@@ -172,6 +184,11 @@ def parallelograms(pair: PairOutlines, phi: float, box: Box) -> Floats:
         keep &= (at + room >= np.minimum(width, 0)) & (at - room <= np.maximum(width, 0))
     start, e, f = start[keep], e[keep], f[keep]
     return np.stack([start, start + e, start + e - f, start - f], axis=1)
+
+
+def _in_reach(edges: Floats, low: Floats, high: Floats) -> Floats:
+    """Edges (k, 2, 2) whose boxes meet a box."""
+    return edges[((edges.min(axis=1) <= high) & (edges.max(axis=1) >= low)).all(axis=1)]
 
 
 def _pieces(quads: Floats, box: Box, near: shapely.Geometry) -> NDArray[np.object_]:
@@ -283,7 +300,7 @@ def _followed(pair: PairOutlines, rest: Slice, goal: float, limit: float, stop: 
         go_on(stop)
         here = found[-1]
         there = min(here.angle + step, goal) if goal > 0 else max(here.angle + step, goal)
-        beside = slice_near(pair, there, here.region, limit)
+        beside = slice_near(pair, there, here.region, limit, nudges=(0.0,))  # half a step is another angle too
         if beside is None or not _overlap_well(here, beside):
             step /= 2
             continue

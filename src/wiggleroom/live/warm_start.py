@@ -18,7 +18,7 @@ from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.incumbent import BARRIER_GROWTH, Incumbent, Start
-from wiggleroom.search.loop import FINE_TOLERANCE, LocalSearch, Policy
+from wiggleroom.search.local_search import FINE_TOLERANCE, LocalSearch, Policy
 from wiggleroom.search.moves import regrow_stale, stale, tighten
 from wiggleroom.search.path_check import missed
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared

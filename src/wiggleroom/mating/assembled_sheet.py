@@ -160,6 +160,8 @@ def assemble_sheet(
             else "no edge of theirs fits another panel: they lie"
         )
         doubts.append(f"not placed: {panel_names(names, loose)}; {fits} loose, and a hint ([[plate]]) can say where")
+        if len(loose) == len(names):
+            doubts.insert(0, f"no panel fits another one: is the material {thickness:g} mm thick?")
     waiting = [row for row in unplaced if row not in loose]
     if waiting:
         doubts.append(f"not placed: {panel_names(names, waiting)}")

@@ -15,6 +15,7 @@ from wiggleroom.verdict import Verdict
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.search.answer import Answer, Contact
+    from wiggleroom.search.global_search import SearchEffort
     from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 MAX_NAME_LENGTH = 40
@@ -228,9 +229,8 @@ def bound_sentence(answer: Answer) -> str:
     return between + near + spent + (f"; no nearer one: {bound.why}" if bound is not None and bound.why else "")
 
 
-def searched(answer: Answer) -> str:
+def searched(effort: SearchEffort | None) -> str:
     """Say how many starts were made, how many ended at the value reported, and the best value but one."""
-    effort = answer.search
     if effort is None:
         return "from rest only"
     if effort.starts == 1:
@@ -249,7 +249,7 @@ def answer_sure(answer: Answer) -> list[tuple[str, str]]:
         ("verdict", f"{answer.verdict.value}: {verdict_sentence(answer)}"),
         ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
         ("at most", bound_sentence(answer)),
-        ("search", searched(answer)),
+        ("search", searched(answer.search)),
         ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
     ]

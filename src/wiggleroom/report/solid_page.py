@@ -156,7 +156,7 @@ def _page(
         f"<title>{escape(title)}</title><style>{STYLE}</style></head>\n<body><main>"
         '<div id="view"><noscript>This page needs JavaScript.</noscript></div>'
         '<div class="bar"><button id="play" type="button">Play</button>'
-        '<label>path <input id="way" type="range" min="0" max="1" step="0.001" value="1"></label>'
+        '<label>path <input id="path" type="range" min="0" max="1" step="0.001" value="1"></label>'
         '<label>exploded <input id="explode" type="range" min="0" max="1.5" step="0.01" value="0"></label></div></main>'
         f'<aside><h1>{escape(title)}</h1>{body}{asked}<p class="quiet">{escape(foot)}</p></aside>'
         f'<script type="application/json" id="solid">{data}</script>\n<script type="module">{script}</script></body></html>\n'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,8 @@ def spatial_flex_record(answer: SpatialAnswer) -> Record:
         "objective": None if free or answer.objective is None else float(answer.objective),
         "at_most": answer.at_most,
     }
+    if answer.search is not None:
+        record["search"] = asdict(answer.search)
     if free:
         record |= {"leaves": list(answer.leaves), "turns": list(answer.turns)}
     return record | {
@@ -86,7 +89,7 @@ def _separability_entry(found: SpatialDisassembly) -> Record:
 
 def spatial_steps(names: Sequence[str], paths: Sequence[np.ndarray]) -> str:
     """Motions along paths (k, n, 6), one after the other, as comma-separated values: a row for each path, step and part that moves."""
-    heads = ("way", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg")
+    heads = ("path", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg")
     rows = [
         (k + 1, step, names[p], *motion[p, :3].tolist(), *np.degrees(motion[p, 3:]).tolist())
         for k, path in enumerate(paths)

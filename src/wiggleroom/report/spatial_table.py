@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.answer_words import few, number, rounded_up, short, spatial_goal_text, spatial_towards, unit
+from wiggleroom.report.answer_words import (
+    few,
+    number,
+    rounded_up,
+    searched,
+    short,
+    spatial_goal_text,
+    spatial_towards,
+    unit,
+)
 from wiggleroom.report.table import columns, fixed
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
@@ -106,6 +115,7 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     most = [] if answer.at_most is None else [f"at most:  {spatial_bound_sentence(answer)}"]
     sure = [
         *most,
+        *([f"search:   {searched(answer.search)}"] if answer.search is not None else []),
         f"checked:  {spatial_certainty(answer)}; {overlap}",
         f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
         f"seconds:  {spent}",

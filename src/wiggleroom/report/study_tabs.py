@@ -27,7 +27,9 @@ def tightening_message(found: Tightening, command: str) -> StudyReply:
     ]
     rows = [(k + 1, name, moved[0][name], moved[1][name]) for k, name in enumerate(found.chosen)]
     heads = ["order", "part", "moved mm before", "after"]
-    sections = [section("Make these tighter, in this order", "They are coloured.", columns=heads, rows=rows)]
+    sections = [
+        section("Make these tighter, in this order", "Colour the parts to see which.", columns=heads, rows=rows)
+    ]
     if len(found.random):
         marks = [
             (value, f"{said} {number(value)}")

@@ -101,6 +101,7 @@ class Opened(Reply, kw_only=True):
     dimension: Literal[2, 3] = 2
     solids: Annotated[Solids | UnsetType, Meta(description="in space, where parts have no rings")] = UNSET
     pulled: Annotated[GoalEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
+    apart: Annotated[bool, Meta(description="true where no part is near another one, as on a cutting sheet")] = False
 
 
 class ShapeReply(Reply, tag="shape", kw_only=True):
@@ -264,7 +265,7 @@ class LayReply(Reply, tag="lay", kw_only=True):
     """Where a loose panel could lie, what seems best first."""
 
     panel: str
-    ways: list[PlateHint]
+    poses: list[PlateHint]
 
 
 class Failed(Reply, kw_only=True):

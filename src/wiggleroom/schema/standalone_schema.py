@@ -55,7 +55,7 @@ class StandaloneAnswer(Struct):
 
     gap: float
     flex: FlexReply
-    way: PackedFrames
+    path: PackedFrames
     outlines: Annotated[SharedOutlines | UnsetType, Meta(description="where they are not those of the drawing")] = UNSET
 
 
@@ -63,7 +63,7 @@ class StandaloneCheck(Struct):
     """Whether it comes apart, with a path for each escape."""
 
     reply: CheckReply
-    ways: list[PackedFrames]
+    paths: list[PackedFrames]
 
 
 class StandalonePage(Struct, kw_only=True, omit_defaults=True):

@@ -17,7 +17,7 @@ from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.search.answer import Answer, Contact, Period
 from wiggleroom.search.contact_forces import ContactForces, contact_forces, contacts
 from wiggleroom.search.incumbent import Incumbent
-from wiggleroom.search.loop import ESCAPE_DISTANCE, FULL_TURN, LocalSearch
+from wiggleroom.search.local_search import ESCAPE_DISTANCE, FULL_TURN, LocalSearch
 from wiggleroom.search.moves import branches_left_open
 from wiggleroom.search.periodic_motion import PeriodicMotion
 from wiggleroom.search.progress import Progress

@@ -16,7 +16,7 @@ from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.canonical_frame import CanonicalFrame
 from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
-from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.solution import Solution

@@ -13,7 +13,7 @@ from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import about
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.incumbent import Start
-from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.turn_in_place import start_after

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.geometry.relative_pose import rotated
-from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE
+from wiggleroom.geometry.row_kinds import A_EDGE
+from wiggleroom.geometry.touching_corners import touching_corners
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.active_set import EDGE_END_TOLERANCE, ActiveSet
 from wiggleroom.search.answer import Contact
+from wiggleroom.solve.nonnegative_least_squares import nonnegative_least_squares
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -60,64 +62,43 @@ def contact_forces(program: Program, u: Floats, active: ActiveSet) -> ContactFor
     found = [(np.zeros(0, dtype=np.int64),) * 4 + (np.zeros(0),)]
     if not real.all():
         at = program.linearise(u)
-        for pair in np.unique(active.pair[~real]):
-            mine = active.pair == pair
+        pairs = np.unique(active.pair[~real])
+        corners = touching_corners(
+            program.bodies, cells.a[pairs], cells.b[pairs], at.g[pairs], TOUCHING_DISTANCE * program.length, EDGE_END_TOLERANCE
+        )  # fmt: skip
+        order = np.argsort(active.pair, kind="stable")
+        first, end = (np.searchsorted(active.pair[order], pairs, side) for side in ("left", "right"))
+        for k, pair in enumerate(pairs.tolist()):
+            mine, some = order[first[k] : end[k]], slice(*corners.row[k : k + 2].tolist())
             wrench = active.force[mine] @ at.d[active.row[mine]] * program.length  # rows count in units of that length
-            shared = _shared_out(program, int(pair), at.g[pair], wrench)
-            whole = whole and shared is not None and shared[1]
+            lever = np.array([1.0, 1.0, 1.0 / program.bodies.radius[cells.b[pair]]])
+            shared = _shared_out(corners.place[some], corners.d[some] * lever, wrench * lever)
+            whole = whole and shared is not None and shared[2]
             if shared is not None:
-                keep &= ~mine
-                found.append((np.full(len(shared[0][0]), pair), *shared[0]))
+                keep[mine] = False
+                row = some.start + shared[0]
+                found.append(
+                    (np.full(len(row), pair), corners.kind[row], corners.edge[row], corners.corner[row], shared[1])
+                )
     row = active.row[keep]
     found.append((active.pair[keep], cells.kind[row], cells.edge[row], cells.corner[row], active.force[keep]))
     pair, kind, edge, corner, force = (np.concatenate(column) for column in zip(*found, strict=True))
     return ContactForces(pair, kind, edge, corner, force, whole)
 
 
-def _shared_out(
-    program: Program, pair: int, pose: Floats, wrench: Floats
-) -> tuple[tuple[Ints, Ints, Ints, Floats], bool] | None:
-    """Kind, edge, corner and force (k,) of contacts of a pair that carry its force and torque; None where those that touch cannot.
+def _shared_out(place: Floats, d: Floats, wrench: Floats) -> tuple[Ints, Floats, bool] | None:
+    """Which of some corners, and their forces (k,), carry the force and torque of a pair; None where those that touch cannot.
 
-    The second value tells whether no corner that touches an edge at its end is needed for that.
+    The third value tells whether no corner that touches an edge at its end is needed for that.
     """
-    from scipy.optimize import nnls  # slow to import, and not always needed
-
-    kind, edge, corner, place, d = _touching(program, pair, pose)
-    lever = np.array([1.0, 1.0, 1.0 / program.bodies.radius[program.cells.b[pair]]])
     inside = (place > EDGE_END_TOLERANCE) & (place < 1 - EDGE_END_TOLERANCE)
-    for some in (inside, np.ones(len(kind), dtype=np.bool_)):
-        if not some.any():
+    for some in (np.flatnonzero(inside), np.arange(len(place))):
+        if not len(some):
             continue
-        force, left = nnls((d[some] * lever).T, wrench * lever)
-        if left <= BALANCE_TOLERANCE * np.linalg.norm(wrench * lever):
-            return (kind[some], edge[some], corner[some], force), bool(inside[some].all())
+        force, left = nonnegative_least_squares(d[some], wrench)
+        if left <= BALANCE_TOLERANCE * np.linalg.norm(wrench):
+            return some, force, bool(inside[some].all())
     return None
-
-
-def _touching(program: Program, pair: int, pose: Floats) -> tuple[Ints, Ints, Ints, Floats, Floats]:
-    """Corners that touch edges of the other body at a relative pose: kind, edge, corner, place (k,) and derivatives (k, 3)."""
-    bodies, cells = program.bodies, program.cells
-    shapes, q, angle = bodies.shapes, pose[:2], float(pose[2])
-    rows = [np.arange(*shapes.first[[s, s + 1]]) for s in bodies.shape[[cells.a[pair], cells.b[pair]]]]
-    tangents = np.column_stack([-shapes.normal[:, 1], shapes.normal[:, 0]])
-    found = []
-    for kind, edges, corners in ((A_EDGE, rows[0], rows[1]), (B_EDGE, rows[1], rows[0])):
-        own = shapes.corner[corners]
-        seen = rotated(own, angle) + q if kind == A_EDGE else rotated(own - q, -angle)
-        off = seen[:, None] - shapes.corner[edges]
-        ahead = (off * shapes.normal[edges]).sum(2)
-        along = (off * tangents[edges]).sum(2) / shapes.length[edges]
-        near = (np.abs(ahead) <= TOUCHING_DISTANCE * program.length) & (np.abs(along - 0.5) <= 0.5 + EDGE_END_TOLERANCE)
-        v, e = np.nonzero(near)
-        if kind == A_EDGE:
-            arm, normal = seen[v] - q, shapes.normal[edges[e]]
-        else:
-            arm, normal = own[v] - q, -rotated(shapes.normal[edges[e]], angle)
-        d = np.column_stack([normal, normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]])
-        found.append((np.full(len(v), kind), edges[e], corners[v], along[v, e], d))
-    kinds, edge, corner, place, d = (np.concatenate(column) for column in zip(*found, strict=True))
-    return kinds, edge, corner, place, d
 
 
 def contacts(

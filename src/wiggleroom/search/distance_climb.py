@@ -7,6 +7,7 @@ corners from edges commit to nothing, so this climb ends in a better one; then c
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from wiggleroom.program.distance_program import DistanceProgram, build_distances
 from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
-from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, nudged
+from wiggleroom.search.local_search import ESCAPE_DISTANCE, LocalSearch, nudged
 from wiggleroom.search.prepare import congruent_cells
 from wiggleroom.search.progress import Progress
 from wiggleroom.solve import interior_point
@@ -51,6 +52,8 @@ KEPT_ROOM = 0.05
 """A pair keeps its cell of rest where all walls are further away than this, in units of the clearance."""
 MAX_ROWS_PER_PAIR = 40
 """Curves of many short edges list more, most of them about the same place; there the climb takes too many steps."""
+WHOLE_TOLERANCE = 3e-3
+"""Of the first rounds of a large assembly where the search begins among cells, those of corners included: coarser ones end lower."""
 
 
 def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incumbent:
@@ -64,7 +67,7 @@ def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incu
     began = time.perf_counter()
     program = _program(search, start)
     if program.rows > MAX_ROWS_PER_PAIR * len(program.cells.a):
-        return start
+        return _with_corners(search, start, program) if search.large else start
     rest = program.variables(start.inner)
     begin = nudged(program, rest)
     solution = _climb(search, start, program, begin, audited=True)
@@ -149,6 +152,15 @@ def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, so
     if points[inner] is not solution.inner:
         return begun
     return carried_start(begun, program, solution, np.ones(len(cells.a), dtype=bool))
+
+
+def _with_corners(search: LocalSearch, start: Start, program: DistanceProgram) -> Start:
+    """The start with cells of all pairs of a program: where there are many, those near at a corner only count too."""
+    try:
+        cells, good = _cells_of_rest(search, program.cells.a, program.cells.b)
+    except StoppedError:  # the first round ends at once, with an answer
+        return start
+    return replace(start, cells=cells, tolerance=WHOLE_TOLERANCE) if good.all() else start
 
 
 def _last_free(search: LocalSearch, motions: list[Floats]) -> int:

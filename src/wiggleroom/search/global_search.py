@@ -12,7 +12,7 @@ from wiggleroom.freespace.cells.cells import concatenated, grow_cells, select
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program.objectives import Objective, PointMotion
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
-from wiggleroom.search.loop import LocalSearch, Policy
+from wiggleroom.search.local_search import LocalSearch, Policy
 from wiggleroom.search.moves import CLIMB, RANDOM_CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.state_tree import ClimbTree

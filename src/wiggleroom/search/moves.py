@@ -16,7 +16,7 @@ from wiggleroom.search.active_set import target_poses
 from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, exchanged, followed
 from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
-from wiggleroom.search.loop import (
+from wiggleroom.search.local_search import (
     FINE_TOLERANCE,
     MAX_TOLERANCE,
     ROUGH_TOLERANCE,

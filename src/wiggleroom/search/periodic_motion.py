@@ -20,7 +20,7 @@ from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.geometry.rotational_symmetry import symmetry_orders
 from wiggleroom.program.objectives import Approach, Objective, PointMotion, Points, Sum
 from wiggleroom.search.incumbent import PathSegment, Start, start_at_rest
-from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import CLIMB
 from wiggleroom.search.path_check import CheckedPath, check_path
 from wiggleroom.search.prepare import prepare_as_drawn

@@ -63,9 +63,9 @@ def prepare_walls(assembly: Assembly, surveyed: Survey | None = None, stop: Stop
     return prepare_simplified(assembly, stop=stop) or prepare_as_drawn(assembly, surveyed=surveyed, stop=stop)
 
 
-def refined_at_contacts(ready: Prepared, answer: Answer) -> Prepared:
-    """The same, simplified outlines as near to what was drawn as they were in the end where an answer has contacts."""
-    places = contact_places(answer) if ready.simplified else NOWHERE
+def refined_at_contacts(ready: Prepared, *answers: Answer) -> Prepared:
+    """The same, simplified outlines as near to what was drawn as they were in the end where answers have contacts."""
+    places = np.concatenate([contact_places(answer) for answer in answers]) if ready.simplified else NOWHERE
     return (prepare_simplified(ready.assembly, places) or ready) if len(places) else ready
 
 

@@ -16,7 +16,7 @@ from wiggleroom.geometry.rigid_motions import about, of_parts
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION, Objective, PointMotion
 from wiggleroom.search.incumbent import PathSegment, Start
-from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]

@@ -42,8 +42,6 @@ class GapSearchSettings:
         Shares below the border at which a proof is tried, one after the other: near ones say more, far ones are easier.
     min_proof_share : float in (0, 1)
         No proof is tried that would have to come nearer to the motion than this share of it.
-    max_confirmations : int
-        Global searches, each at an answer that the one before has lowered.
     """
 
     relative_tolerance: float = 1e-3
@@ -54,7 +52,6 @@ class GapSearchSettings:
     proof_seconds: float = 10.0
     proof_steps: tuple[float, ...] = (0.004, 0.02, 0.08, 0.3)
     min_proof_share: float = 2e-3
-    max_confirmations: int = 4
 
 
 SETTINGS = GapSearchSettings()
@@ -126,20 +123,34 @@ class MotionBorder:
         self.assembly, self.goals = model.assembly, model.goals
         self.deadline, self.progress = deadline, progress
         self.trials: dict[float, Trial] = {}
+        self.search: int | None = 0
+        self.unconfirmed = False
 
     def enclose(self) -> AllowableGap:
-        """Bracket the border by growing and halving, then look for a proof on its lower side."""
+        """Bracket the border by growing and halving, have it confirmed, then look for a proof on its lower side.
+
+        Trials climb from rest. Where a search at the answer finds more than that, every gap is searched.
+        """
+        low, high, why = self._bracket()
+        if low is not None and not self._confirmed(low):
+            self.search = None
+            self.trials = {}
+            low, high, why = self._bracket()
+        if low is None:
+            return self._answer(None, why)
+        return self._answer(low, why, high, self._proven(low))
+
+    def _bracket(self) -> tuple[float | None, float | None, str]:
+        """A gap that keeps the limit and one that does not, near each other; what is None was not found, and the words say why."""
         size = self.assembly.size
         low = self._below(size)
         if low is None:
-            return self._answer(None, self._least_trial_words())
+            return None, None, self._least_trial_words()
         high, why = self._above(low, size)
         low = max(t.gap for t in self.trials.values() if self._keeps(t) and (high is None or t.gap < high))
         if high is not None:
             low, high = self._narrow(low, high)
-        low, high = self._confirmed(low, high)
-        proven = self._proven(low)
-        return self._answer(low, why, high, proven)
+        return low, high, why
 
     def _below(self, size: float) -> float | None:
         """A gap at which the motion stays below the limit; None where none was found."""
@@ -208,17 +219,14 @@ class MotionBorder:
             halve = high - low > 0.5 * wide
         return low, high
 
-    def _confirmed(self, low: float, high: float | None) -> tuple[float, float | None]:
-        """Search globally at the answer, which trials do not; where that finds a larger motion the border lies below."""
-        for _ in range(SETTINGS.max_confirmations):
-            if self.deadline.is_set():
-                break
-            self.trials[low] = self._solved(low, None)
-            smaller = [t.gap for t in self.trials.values() if self._keeps(t) and t.gap < low]
-            if not self._fails(self.trials[low]) or not smaller:
-                break
-            low, high = self._narrow(max(smaller), low)
-        return low, high
+    def _confirmed(self, low: float) -> bool:
+        """False where a global search at the answer, which trials do not make, finds a larger motion."""
+        if self.search is None or self.deadline.is_set():
+            self.unconfirmed = self.search is not None
+            return True
+        self.trials[low] = self._solved(low, None)
+        self.unconfirmed = self.trials[low].verdict == Verdict.STOPPED
+        return not self._fails(self.trials[low])
 
     def _proven(self, low: float) -> float | None:
         """Largest gap at which no motion above the limit is possible, by a bound."""
@@ -246,10 +254,10 @@ class MotionBorder:
     def _at(self, gap: float) -> Trial:
         """What is found at a gap; at a larger gap never less than at a smaller one."""
         if gap not in self.trials:
-            self.trials[gap] = self._solved(gap)
+            self.trials[gap] = self._solved(gap, self.search)
         return self.trials[gap]
 
-    def _solved(self, gap: float, search: int | None = 0) -> Trial:
+    def _solved(self, gap: float, search: int | None) -> Trial:
         try:
             made = self.model.made(gap)
         except InputError:
@@ -299,7 +307,7 @@ class MotionBorder:
         searched = low
         near = proven is not None and proven >= (1 - SETTINGS.max_proof_distance) * (beyond or low or 0.0)
         cut = self.deadline.is_set() and (
-            low is None or high is None or high - low > SETTINGS.relative_tolerance * high
+            self.unconfirmed or low is None or high is None or high - low > SETTINGS.relative_tolerance * high
         )
         undecided = high is not None and low is not None and high - low > SETTINGS.relative_tolerance * high and not cut
         if undecided:

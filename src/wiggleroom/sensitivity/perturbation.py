@@ -2,11 +2,13 @@
 
 Walls are linear in the displacement of outlines, so pairs and free spaces of a prepared assembly are used again with
 their walls moved. `objective_in_same_walls` solves the last program of an answer once more: what derivatives need.
-`perturbed_objective` begins at rest with the moved cells and goes through the rounds of the search: for changes of any size.
+`perturbed_objective` begins at rest with the moved cells and goes through the rounds of the search, and where a global search found more
+than that, at the end it found: for changes of any size.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -16,7 +18,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.maximise import witness
@@ -24,8 +26,9 @@ from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
+from wiggleroom.search.global_search import MAX_BODIES
 from wiggleroom.search.incumbent import Incumbent, start_at_rest
-from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import solve
@@ -34,6 +37,10 @@ from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
+SAME_VALUE = 1e-3
+"""Objectives that differ by less than this share are the same end."""
+UNUSUAL_GAIN = 0.25
+"""A perturbed objective that is larger by more than this share is worked out anew, its path audited."""
 FINE_TOLERANCE = 1e-10
 """Relative tolerance of the objective of a program solved for a difference."""
 
@@ -75,6 +82,30 @@ class PerturbationBase:
     solution: Solution
     inner: Floats
     value: float
+
+
+def is_searched(assembly: Assembly) -> bool:
+    """True where a direct question does more than climb from rest: where few bodies move."""
+    return sum(not p.fixed for p in assembly.parts) <= MAX_BODIES
+
+
+def searched_answer(
+    question: Assembly | Prepared, goals: Goal | Sequence[Goal] | None, stop: Stop | None = None
+) -> Answer:
+    """The largest motion as a direct question finds it, without a bound; in assemblies of many bodies that of a climb from rest."""
+    few = is_searched(question if isinstance(question, Assembly) else question.assembly)
+    answer = witness(question, goals, search=None if few else 0, stop=stop)
+    if not few or answer.objective is None or answer.warm_start is not None:
+        return answer
+    climb = witness(question, goals, stop=stop)  # of the other one nothing is known that a study could go on from
+    return climb if climb.objective is None or climb.objective >= (1 - SAME_VALUE) * answer.objective else answer
+
+
+def varied(assembly: Assembly, inward: Floats) -> Assembly:
+    """The assembly, made anew with the outline of each part moved inward by `inward` (parts,) [mm]."""
+    return assemble(
+        assembly.drawing, offset={name: -float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
+    )
 
 
 def ended(answer: Answer) -> Incumbent:
@@ -125,35 +156,53 @@ def objective_in_same_walls(base: PerturbationBase, inward: Floats) -> float:
 
 
 def perturbed_objective(
-    ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats
+    ready: Prepared,
+    objective: Objective,
+    goals: tuple[Goal, ...],
+    inward: Floats,
+    usual: float = np.inf,
+    end: PerturbationBase | None = None,
 ) -> PerturbedObjective:
     """Largest objective when the outline of each part moves inward by `inward` (parts,) [mm]; negative moves it out.
 
     The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the path
     from rest is not checked: one answer of `flex` for the middle of many perturbations does that. Where the moved cells do
-    not lead to an optimum, or an outline loses an edge, everything is worked out anew.
+    not lead to an optimum, or an outline loses an edge, everything is worked out anew; so too where it leads to much more than
+    `usual`, the objective without perturbation: then the path may go through parts. `end` is where a global search without
+    perturbation found more than a climb from rest: then the larger of both counts.
     """
+    climbed = _climbed_from_rest(ready, objective, goals, inward, (1 + UNUSUAL_GAIN) * usual)
+    beyond = np.nan if end is None or not np.isfinite(climbed.value) else objective_in_same_walls(end, inward)
+    return PerturbedObjective(float(beyond), Verdict.OPTIMAL) if beyond > climbed.value else climbed
+
+
+def _climbed_from_rest(
+    ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats, most: float
+) -> PerturbedObjective:
+    """Where a climb with the moved cells ends, or one with all anew: where they lead to no optimum, or to more than `most`."""
     try:
         bodies = offset_bodies(ready.bodies, inward)
     except InputError:
         return perturbed_objective_anew(ready.assembly, goals, inward)
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.ignored).deepest > 0:
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
-    varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = LocalSearch(varied, objective, solve, WITHOUT_BRANCHES)
-    found = finder.improve(start_at_rest(varied))
+    moved = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
+    finder = LocalSearch(moved, objective, solve, WITHOUT_BRANCHES)
+    found = finder.improve(start_at_rest(moved))
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return perturbed_objective_anew(ready.assembly, goals, inward)
-    if overlaps(bodies, found.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
+    if found.value > most or overlaps(bodies, found.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
         return perturbed_objective_anew(ready.assembly, goals, inward)
     return PerturbedObjective(found.value, Verdict.OPTIMAL)
 
 
-def perturbed_objective_anew(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> PerturbedObjective:
-    """The same as `perturbed_objective`, as `wiggleroom.flex` answers it for parts made so."""
-    offset = {name: -float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
+def perturbed_objective_anew(
+    assembly: Assembly, goals: tuple[Goal, ...], inward: Floats, *, search: bool = False
+) -> PerturbedObjective:
+    """The same as `perturbed_objective`, by a climb from rest for parts made so, or as `wiggleroom.flex` answers it: with `search`."""
+    look = searched_answer if search else witness
     try:
-        answer = witness(assemble(assembly.drawing, offset=offset), goals)
+        answer = look(varied(assembly, inward), goals)
     except InputError:
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
     if answer.objective is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import Stop
 from wiggleroom.maximise import witness
@@ -25,14 +24,18 @@ from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
+    SAME_VALUE,
     PerturbationBase,
     PerturbedObjective,
     base,
     can_be_ranked,
     ended,
+    is_searched,
     objective_in_same_walls,
     perturbed_objective,
     perturbed_objective_anew,
+    searched_answer,
+    varied,
 )
 from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives
 from wiggleroom.solve.solution import Solution
@@ -49,6 +52,8 @@ class PlanarModel:
 
     question: Assembly | Prepared
     goals: Goal | Sequence[Goal] | None = None
+    climbs: list[Answer] = field(default_factory=list, init=False, repr=False)
+    """The climb from rest, once it was needed."""
 
     @property
     def assembly(self) -> Assembly:
@@ -66,8 +71,26 @@ class PlanarModel:
         return self.ready.clearance
 
     def answer(self, stop: Stop | None) -> Answer:
-        """Largest motion from rest, without a bound."""
-        return witness(self.ready if "ready" in vars(self) else self.question, self.goals, stop=stop)
+        """Largest motion as a direct question finds it, without a bound."""
+        return searched_answer(self._asked, self.goals, stop)
+
+    @property
+    def _asked(self) -> Assembly | Prepared:
+        return self.ready if "ready" in vars(self) else self.question
+
+    def _climb(self, answer: Answer, stop: Stop | None) -> Answer:
+        """A climb from rest: the answer itself where a direct question makes no more."""
+        if not is_searched(self.assembly):
+            return answer
+        if not self.climbs:
+            self.climbs.append(witness(self._asked, self.goals, stop=stop))
+        return self.climbs[0]
+
+    def is_beyond_climb(self, answer: Answer, stop: Stop | None) -> bool:
+        """True where a climb from rest ends at less than an answer."""
+        value = self._climb(answer, stop).objective
+        climb = np.inf if value is None else value
+        return answer.objective is None or climb < (1 - SAME_VALUE) * answer.objective
 
     def can_be_ranked(self, answer: Answer) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
@@ -86,14 +109,24 @@ class PlanarModel:
         return DifferenceQuotients(slope, start, _derivatives(found.program, solution, len(answer.assembly.parts)))
 
     def moved(self, answer: Answer, inward: Floats, stop: Stop | None) -> Answer:
-        """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]."""
-        offset = {name: -float(x) for name, x in zip(self.assembly.names, inward, strict=True) if x}
-        return witness(assemble(self.assembly.drawing, offset=offset), answer.goals, stop=stop)
+        """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]; by a climb where that led to the answer."""
+        made = varied(self.assembly, inward)
+        if self.is_beyond_climb(answer, stop):
+            return searched_answer(made, answer.goals, stop)
+        return witness(made, answer.goals, stop=stop)
 
-    def draws(self, answer: Answer) -> tuple[Work, Any]:
+    def confirmed(self, answer: Answer, after: Answer, inward: Floats, stop: Stop | None) -> Answer:
+        """What a direct question finds where `moved` found `after`."""
+        if not is_searched(self.assembly) or self.is_beyond_climb(answer, stop):
+            return after
+        return searched_answer(varied(self.assembly, inward), answer.goals, stop)
+
+    def draws(self, answer: Answer, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""
-        ready = refined_at_contacts(self.ready, answer)
-        return one_draw, (ready, ready.objective(answer.goals), answer.goals)
+        ready = refined_at_contacts(self.ready, answer, self._climb(answer, stop))  # draws climb from rest
+        end = base(self.ready, ended(answer)) if self.is_beyond_climb(answer, stop) else None
+        usual = np.inf if answer.objective is None else answer.objective
+        return one_draw, (ready, ready.objective(answer.goals), answer.goals, usual, end)
 
     def draws_afresh(self, answer: Answer) -> tuple[Work, Any]:
         """The same, everything worked out anew."""
@@ -142,15 +175,17 @@ def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
     return np.nan
 
 
-def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
+def one_draw(
+    shared: tuple[Prepared, Objective, tuple[Goal, ...], float, PerturbationBase | None], inward: Floats
+) -> PerturbedObjective:
     """One draw, with the moved walls of the prepared assembly."""
-    ready, objective, goals = shared
-    return perturbed_objective(ready, objective, goals, inward)
+    ready, objective, goals, usual, end = shared
+    return perturbed_objective(ready, objective, goals, inward, usual, end)
 
 
 def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, everything worked out anew."""
-    return perturbed_objective_anew(*shared, inward)
+    return perturbed_objective_anew(*shared, inward, search=True)
 
 
 def model_of(question: Any, goals: Any) -> Any:

@@ -186,7 +186,7 @@ def sample(
     check_end(model, answer)
     extra = distribution.draw(draws, len(model.assembly.parts), seed)
     many = ParallelRun(workers, cluster, stop, progress)
-    results = many.each(*model.draws(answer), list(extra / 2))
+    results = many.each(*model.draws(answer, stop), list(extra / 2))
     done = [k for k, r in enumerate(results) if r is not None]
     if not done:
         finding = "sample: stopped before the first draw was done"

@@ -86,7 +86,10 @@ class StudyModel(Protocol):
     def moved(self, answer: Any, inward: Floats, stop: Stop | None) -> Any:
         """Largest motion when the boundary of each part moves inward by `inward` (n,) [mm]; negative moves it out."""
 
-    def draws(self, answer: Any) -> tuple[Work, Any]:
+    def confirmed(self, answer: Any, after: Any, inward: Floats, stop: Stop | None) -> Any:
+        """What a direct question finds where `moved` found `after`; the same where that does no more."""
+
+    def draws(self, answer: Any, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: `work(shared, inward)` is a `PerturbedObjective`."""
 
     def draws_afresh(self, answer: Any) -> tuple[Work, Any] | None:

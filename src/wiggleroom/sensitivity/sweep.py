@@ -23,17 +23,16 @@ from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.placed_bodies import placed
-from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.incumbent import Start
-from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls
-from wiggleroom.sensitivity.perturbation import ended
+from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, searched_answer
 from wiggleroom.solve.dual_linear_program import need_highs
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.verdict import Verdict
@@ -109,7 +108,8 @@ def sweep(
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
     Each gap begins with the motion of the gap before, which is free of overlap there too, because every part has become
-    smaller: so the curve never falls, and a path that was checked stays checked.
+    smaller: so the curve never falls, and a path that was checked stays checked. The first gap, and the drawing's own, are
+    searched as a direct question is.
 
     Parameters
     ----------
@@ -293,15 +293,24 @@ def _step(
         answer = None if last is None or ready is None else _from(last, ready, goals, stop)
         if answer is None or ready is None:
             ready = prepare_walls(made, stop=stop)
-            answer = witness(ready, goals, stop=stop)
+            answer = searched_answer(ready, goals, stop)
+        elif gap == assembly.gap:
+            answer = _larger(answer, searched_answer(ready, goals, stop))
     except StoppedError:
         return SweepStep(gap, None, Verdict.STOPPED, False), last
     except InputError:
         return SweepStep(gap, None, Verdict.TOUCHING, False), None
     answer = replace(answer, assembly=made)
     step = SweepStep(gap, answer.objective, answer.verdict, answer.path == "checked", replace(answer, warm_start=None))
-    good = answer.verdict.ends
+    good = answer.verdict.ends and can_be_ranked(answer)
     return step, _SweepState(gap, ready, answer) if good else last
+
+
+def _larger(one: Answer, other: Answer) -> Answer:
+    """The answer with the larger motion, of which that of the second is checked; the first where nothing can go on from the second."""
+    if one.objective is None or other.path != "checked" or (other.objective is not None and not can_be_ranked(other)):
+        return one
+    return other if other.objective is None or other.objective > one.objective else one
 
 
 def _beyond(gap: float) -> SweepStep:

@@ -164,11 +164,13 @@ def tighten(
     before = model.answer(stop)
     check_end(model, before)
     choice, after = _choose(model, before, room, parts, limit, stop)
+    if choice:  # what the choice was made by need not be the largest motion
+        after = model.confirmed(before, after, _inward(choice, room), stop)
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
     subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
-    results = many.each(*model.draws(before), [_inward(subset, room) for subset in subsets])
+    results = many.each(*model.draws(before, stop), [_inward(subset, room) for subset in subsets])
     names = tuple(model.assembly.names[k] for k in choice)
     return Tightening(
         before, after, names, aim, limit, np.array([r.value for r in results if r is not None], dtype=float)

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+MAX_ITERATIONS_PER_ROW, MIN_ITERATION_LIMIT = 25, 10_000
+"""A simplex method that takes more iterations than this for each of its rows is taken to cycle, but never before the second number."""
+
 
 def need_highs() -> Any:
     """Module highspy.
@@ -88,7 +91,7 @@ class DualLinearProgram:
         lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
         lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
         self.over = over
-        self.highs = _solver(highspy, over)
+        self.highs = _solver(highspy, over, n)
         self.highs.passModel(lp)
         self.every = np.arange(n, dtype=np.int32)
         self.x: Floats = np.zeros(n)
@@ -100,7 +103,7 @@ class DualLinearProgram:
         other.up, other.down, other.every, other.x = self.up, self.down, self.every, self.x
         other.count, other.more = self.count, True
         other.over = self.over
-        other.highs = _solver(highspy, self.over)
+        other.highs = _solver(highspy, self.over, len(self.every))
         other.highs.passModel(self.highs.getLp())
         other.highs.setBasis(self.highs.getBasis())
         used = np.flatnonzero(row).astype(np.int32)
@@ -111,10 +114,14 @@ class DualLinearProgram:
         """Multipliers (m,) of the rows, positive where a row's upper side holds; where it ended is left in `x`.
 
         `interior` solves it by an interior-point method that leaves no basis to go on from: many times as quick for a large program.
+        The same is done where the simplex method cycles.
         """
         self.highs.changeRowsBounds(len(self.every), self.every, cost, cost)
-        self.highs.setOptionValue("solver", "ipm" if interior else "simplex")
-        self.highs.run()
+        for solver in ("ipm",) if interior else ("simplex", "ipm"):
+            self.highs.setOptionValue("solver", solver)
+            self.highs.run()
+            if self.highs.getModelStatus() != need_highs().HighsModelStatus.kIterationLimit:
+                break
         found = self.highs.getSolution()
         y = np.zeros(self.count + self.more)
         value = np.array(found.col_value)
@@ -133,7 +140,7 @@ class DualLinearProgram:
         return int(self.highs.getInfo().simplex_iteration_count)
 
 
-def _solver(highspy: Any, over: Callable[[], bool]) -> Any:
+def _solver(highspy: Any, over: Callable[[], bool], rows: int) -> Any:
     solver = highspy.Highs()
 
     def interrupt(kind: Any, message: str, found: Any, answer: Any, more: Any) -> None:  # noqa: ARG001
@@ -144,6 +151,7 @@ def _solver(highspy: Any, over: Callable[[], bool]) -> Any:
         solver.startCallback(getattr(highspy.cb.HighsCallbackType, kind))
     for option, value in (
         ("output_flag", False),
+        ("simplex_iteration_limit", max(MAX_ITERATIONS_PER_ROW * rows, MIN_ITERATION_LIMIT)),
         ("threads", 1),
         ("solver", "simplex"),
         ("presolve", "off"),

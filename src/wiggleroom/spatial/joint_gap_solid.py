@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.facing import joint_reach
 from wiggleroom.spatial.facing_faces import FlatFace, facing_regions, flat_faces
 from wiggleroom.spatial.made_solids import drawn_surface
 from wiggleroom.spatial.mesh_pieces import convex_pieces
@@ -82,10 +83,7 @@ def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], li
     for joint in drawing.gaps:
         one, other = joint.parts
         drawn = _distance(part[one], surface[one], part[other], surface[other])
-        slack = 1e-6 * size + 0.1 * max(
-            drawn, joint.gap
-        )  # whatever the drawing's gap: parts only get smaller as it grows
-        reach = drawn + slack
+        reach, slack = joint_reach(drawn, joint.gap, 1e-6 * size)
         for name, across in ((one, other), (other, one)):
             seen = flat_faces(_seen(part[name], part[across], surface[across]))
             regions = facing_regions(faces[name], seen, reach, slack)

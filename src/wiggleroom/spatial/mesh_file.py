@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
-from wiggleroom.spatial.solid_boolean import is_sound, solid_of, surface_of
+from wiggleroom.spatial.solid_boolean import is_sound, solid_of, surface_of, union_of, volume_of
 from wiggleroom.spatial.spatial_model import Surface
 from wiggleroom.spatial.step_file import step_bodies
 
@@ -167,7 +167,7 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     if not mesh.is_winding_consistent:
         trimesh.repair.fix_winding(mesh)
         notes.append(f"{name}: faces looked different ways; they all look outward now")
-    if mesh.is_watertight and mesh.volume < 0:
+    if mesh.is_watertight and volume_of(Surface(mesh.vertices, mesh.faces)) < 0:
         mesh.invert()
         notes.append(f"{name}: all faces looked inward; they look outward now")
     surface = Surface(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64))
@@ -175,4 +175,20 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     if not is_sound(solid) or solid.volume() <= 1e-12 * size**3:
         message = f"{name}: does not enclose a volume: its surface crosses itself or is folded; mend the mesh"
         raise InputError(message)
-    return surface_of(solid), notes
+    whole_solid, said = _united(name, solid)
+    return surface_of(whole_solid), notes + said
+
+
+def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
+    """One solid of closed surfaces that overlap or share faces, and notes about it; unchanged where some of them are hollows."""
+    shells = solid.decompose()
+    if len(shells) < 2 or min(shell.volume() for shell in shells) <= 0:
+        return solid, []
+    whole = union_of(shells)
+    left = len(whole.decompose())
+    notes = []
+    if left < len(shells):
+        notes.append(f"{name}: {len(shells)} closed surfaces overlap or touch; the part is their union")
+    if left > 1:
+        notes.append(f"{name}: has {left} pieces that share no face; they move as one")
+    return whole, notes

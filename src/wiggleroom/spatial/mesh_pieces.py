@@ -25,6 +25,8 @@ INEXACT = 1e-7
 """Share of the volume by which all pieces together may miss a mesh: cuts of curved faces of many triangles leave films behind."""
 FILM = 1e-7
 """A piece thinner than this share of its length is made so thick: its faces would be rounding."""
+HOLLOW = 1e-9
+"""A surface inside a solid that encloses more than this share of its volume is the wall of a hollow."""
 OFF_PLANE = 1e-6
 """A moved corner may miss its planes by this share of the displacement."""
 MAX_PIECES = 2000
@@ -118,7 +120,7 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
 
     Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
     """
-    todo = [s for s in solid.decompose() if s.volume() > 0]
+    todo = _lumps(solid)
     whole, hulls = solid.volume(), []
     while todo:
         part = todo.pop()
@@ -131,9 +133,7 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
             cuts = _cuts(surface_of(part))
             best, halves, enough = np.inf, [], hull.volume() * (1 - CONVEX)
             for n0, n1, n2, offset in cuts.tolist():
-                both = [
-                    h for half in part.split_by_plane((n0, n1, n2), offset) for h in half.decompose() if h.volume() > 0
-                ]
+                both = [h for half in part.split_by_plane((n0, n1, n2), offset) for h in _lumps(half)]
                 hollow = sum(h.hull().volume() for h in both)
                 useful = len(both) > 1 or hollow < enough  # also where only a film without a volume falls off
                 if useful and both and hollow < best:
@@ -147,6 +147,14 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     if (together - solid).volume() + (solid - together).volume() > INEXACT * whole:
         return None
     return [convex_piece(_thick(surface_of(hull).vertices)) for hull in hulls]
+
+
+def _lumps(solid: Any) -> list[Any]:
+    """Pieces of a solid that do not hang together; one with hollows inside stays whole."""
+    shells = [(shell, shell.volume()) for shell in solid.decompose()]
+    if min((volume for _, volume in shells), default=0.0) < -HOLLOW * solid.volume():
+        return [solid]
+    return [shell for shell, volume in shells if volume > 0]
 
 
 def _thick(corners: Floats) -> Floats:

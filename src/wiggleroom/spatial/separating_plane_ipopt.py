@@ -106,13 +106,12 @@ def _solution(
     last = program.linearise(watch.path[-1], watch.value)
     slack = np.maximum(last.h, SETTINGS.least_slack)
     state = SeparatingPlaneIterate(last, slack, np.maximum(watch.lam, 1e-300), unit, 0.0, program.start.pose, 0.0)
-    dual, dual_planes = state.residuals(0.0, state.displacement)
-    wrong = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
-    error = max(float(slack @ watch.lam), wrong) / max(abs(last.value / unit), 1.0)
+    lacking = state.residuals(0.0)
+    error = max(float(slack @ watch.lam), lacking.imbalance) / max(abs(last.value / unit), 1.0)
     curved = False
     if status is SolverStatus.CONVERGED:
         system = SeparatingPlaneSystem(factor(program.pattern), GraphRetraction(program))
-        system.set(state, dual, 0.0)
+        system.set(state, lacking)
         curved = system.factorise(SETTINGS.least_curvature)
     return SeparatingPlaneSolution(
         last.point, watch.lam * unit / program.length, last.value, status, watch.iteration, tuple(watch.path), error, curved

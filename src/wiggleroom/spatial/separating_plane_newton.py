@@ -13,10 +13,45 @@ from wiggleroom.spatial import separating_plane_elimination as kernel
 from wiggleroom.spatial.graph_retraction import GraphRetraction
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import logarithm
-from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes
+from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes, SeparatingPlanePoint
 from wiggleroom.spatial.separating_plane_settings import SETTINGS
 
 Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SeparatingPlaneResiduals:
+    """By how much the conditions of first order fail at an iterate.
+
+    Parameters
+    ----------
+    u : (V,) float64
+        Scaled motion from the anchor.
+    weight : float
+        Weight of the proximal term, half the squared motion.
+    primal : (R,) float64 [clearances]
+        How far slacks run ahead of rows.
+    dual : (V,) float64
+        Imbalance of the bodies, in units of the objective's largest derivative per clearance.
+    dual_planes : (K, 3) float64
+        Imbalance of the planes.
+    """
+
+    u: Floats
+    weight: float
+    primal: Floats
+    dual: Floats
+    dual_planes: Floats
+
+    @property
+    def imbalance(self) -> float:
+        """Largest imbalance."""
+        return max(float(np.abs(d).max(initial=0.0)) for d in (self.dual, self.dual_planes))
+
+    @property
+    def unheld(self) -> float:
+        """What imbalances are worth over the whole motion."""
+        return dot(np.abs(self.dual), np.abs(self.u))
 
 
 @dataclass(eq=False)
@@ -66,10 +101,13 @@ class SeparatingPlaneIterate:
         rows = max(len(self.lam), 1)
         return self.held * mu * rows / max(dot(u, u), rows)
 
-    def residuals(self, weight: float, u: Floats) -> tuple[Floats, Floats]:
-        """Dual residuals of the bodies (V,) and of the planes (K, 3), with a proximal term of some weight."""
+    def residuals(self, mu: float) -> SeparatingPlaneResiduals:
+        """What the conditions lack, with the proximal term of a barrier parameter."""
+        u = self.displacement
+        weight = self.proximal(mu, u)
         force, moment = self.at.against(self.lam)
-        return weight * u - self.at.gradient / self.unit - force, -moment
+        dual = weight * u - self.at.gradient / self.unit - force
+        return SeparatingPlaneResiduals(u, weight, self.s - self.at.h, dual, -moment)
 
     def barrier(self, at: LinearisedSeparatingPlanes, mu: float, weight: float) -> float:
         """Barrier function at a point, infinite outside the rows."""
@@ -79,16 +117,38 @@ class SeparatingPlaneIterate:
         return -at.value / self.unit - mu * float(np.log(at.h).sum()) + weight / 2 * dot(u, u)
 
 
+@dataclass(frozen=True, eq=False)
+class CarriedIterate:
+    """Where a round begins.
+
+    Parameters
+    ----------
+    point : SeparatingPlanePoint
+        Pieces that joined may overlap there; their planes stand where these overlap least.
+    lam : (R,) float64
+        Multipliers, objective per mm of each row; zero on the planes that joined.
+    value : float
+        Objective at the point.
+    path : tuple of SeparatingPlanePoint
+        Points inside all rows, from rest: those of the round before, as far as nothing that joined overlaps.
+    """
+
+    point: SeparatingPlanePoint
+    lam: Floats
+    value: float
+    path: tuple[SeparatingPlanePoint, ...]
+
+
 class SeparatingPlaneSystem:
     """The condensed system of one iterate, factorised."""
 
     def __init__(self, matrix: Factor, retraction: GraphRetraction) -> None:
         self._matrix, self._retraction = matrix, retraction
 
-    def set(self, state: SeparatingPlaneIterate, dual: Floats, weight: float) -> None:
+    def set(self, state: SeparatingPlaneIterate, lacking: SeparatingPlaneResiduals) -> None:
         """Work the matrix out."""
         self._at, self._s, self._lam = state.at, state.s, state.lam
-        self._curvature = self._retraction.balance(dual, state.at), 1.0 / state.unit, weight
+        self._curvature = self._retraction.balance(lacking.dual, state.at), 1.0 / state.unit, lacking.weight
         self._condense(0.0)
 
     def _condense(self, damping: float) -> None:
@@ -119,12 +179,10 @@ class SeparatingPlaneSystem:
         """Factorise with a shift of the diagonal; False where the matrix is not positive definite."""
         return bool(np.isfinite(self._data).all()) and self._matrix.update(self._data, shift)
 
-    def newton(
-        self, primal: Floats, dual: Floats, dual_planes: Floats, goal: Floats
-    ) -> tuple[Floats, Floats, Floats, Floats]:
+    def newton(self, lacking: SeparatingPlaneResiduals, goal: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Directions (du, dy, ds, dlam) that change s * lam by `goal` and remove the residuals, to first order."""
-        du, dy = self._solved((self._lam * primal + goal) / self._s, dual, dual_planes)
-        ds = self._at.along(du, dy) - primal
+        du, dy = self._solved((self._lam * lacking.primal + goal) / self._s, lacking.dual, lacking.dual_planes)
+        ds = self._at.along(du, dy) - lacking.primal
         return du, dy, ds, (goal - self._lam * ds) / self._s
 
     def correction(self, missing: Floats) -> tuple[Floats, Floats]:

@@ -25,6 +25,10 @@ class SeparatingPlaneSettings:
         A shorter step of the predictor and corrector is tried again with a stronger diagonal.
     first_mu : float > 0
         Barrier parameter at the start.
+    carried_mu : tuple of float > 0
+        The same where a round begins at the end of the one before, times the rows, as a share of the objective; tried one after the other.
+    carried_damping : float > 0 [objective's unit per clearance squared]
+        First damping of rows there.
     first_slack : float > 0 [clearances]
         Least slack at the start, where slacks run ahead.
     least_slack : float > 0 [clearances]
@@ -63,6 +67,8 @@ class SeparatingPlaneSettings:
         Error of an iterate that is good enough where rounding spoils the conditions again.
     lost : float > 1
         Factor by which the error has grown then.
+    diverged : float > 1
+        An error above this is beyond hope.
     patience : int > 0
         After this many iterations that do not reduce the error the mode with slacks has failed.
     patience_damped : int > 0
@@ -97,6 +103,14 @@ class SeparatingPlaneSettings:
         A diagonal strengthened by more than this keeps steps short; then longer ones are tried.
     heaviest : float > 1
         Largest weight of a row in the fit of the planes, against the lightest.
+    centrality_corrections : int >= 0
+        Where rows are damped, at most so many corrections of a step bring products of slacks and multipliers nearer to each other.
+    off_centre : float > 1
+        They bring them to within this factor of the barrier parameter.
+    longer : float in (0, 1)
+        They aim at a step that is longer by this.
+    worthwhile : float in (0, 1)
+        And count where both lengths together grow by this.
     corrections : int >= 0
         Corrections of second order per step at most.
     corrected : float in (0, 1)
@@ -109,6 +123,8 @@ class SeparatingPlaneSettings:
     largest_correction: float = 10.0
     short: float = 0.05
     first_mu: float = 0.1
+    carried_mu: tuple[float, ...] = (0.03, 0.3)
+    carried_damping: float = 1e-4
     first_slack: float = 1e-3
     least_slack: float = 1e-15
     longest: float = 0.1
@@ -128,13 +144,14 @@ class SeparatingPlaneSettings:
     least_iterations: int = 3
     acceptable: float = 1e-6
     lost: float = 1e3
+    diverged: float = 1e9
     patience: int = 12
     patience_damped: int = 60
     unheld: float = 0.3
     unheld_damped: float = 0.3
     unheld_centred: float = 3.0
     early: float = 0.05
-    early_damped: float = 5e-3
+    early_damped: float = 5e-4
     early_centred: float = 5e-4
     stuck: int = 10
     raised: float = 100.0
@@ -149,6 +166,10 @@ class SeparatingPlaneSettings:
     far_apart: float = 1e10
     free: float = 1e-3
     heaviest: float = 1e12
+    centrality_corrections: int = 2
+    off_centre: float = 10.0
+    longer: float = 0.3
+    worthwhile: float = 0.03
     corrections: int = 4
     corrected: float = 0.05
 

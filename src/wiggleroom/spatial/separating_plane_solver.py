@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.solve.newton_step import dot
-from wiggleroom.spatial.separating_plane_newton import SeparatingPlaneIterate
+from wiggleroom.spatial.separating_plane_newton import CarriedIterate, SeparatingPlaneIterate
 from wiggleroom.spatial.separating_plane_program import (
     LinearisedSeparatingPlanes,
     SeparatingPlanePoint,
@@ -119,27 +119,18 @@ class SeparatingPlaneSolver:
     path: list[SeparatingPlanePoint] = field(default_factory=list)
 
     def solve(
-        self, start: SeparatingPlanePoint | None = None, mu: float = SETTINGS.first_mu
+        self, start: CarriedIterate | None = None, carried_mu: float = SETTINGS.carried_mu[0]
     ) -> SeparatingPlaneSolution:
-        """Run the method from a point inside all rows."""
+        """Run the method from beside rest, or from the end of a round before."""
         P = self.program
         self._steps = SeparatingPlaneSteps(P, self.inside, self.damped, self.horizon)
         self._floor = SETTINGS.rounding * P.bodies.size / P.length
-        at = P.linearise(beside_rest(P, self.seed) if start is None else start)
+        at = P.linearise(beside_rest(P, self.seed)) if start is None else P.linearise(start.point, start.value)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
         if unit <= CONSTANT * np.abs(P.objective.gradient(at.point.pose) * P.scale).max(initial=0.0):
             return self._at_rest()
-        slack = at.h if self.inside else np.maximum(at.h, SETTINGS.first_slack)
-        state = SeparatingPlaneIterate(
-            at,
-            slack,
-            mu / slack,
-            unit,
-            SETTINGS.tiny_shift,
-            P.start.pose,
-            SETTINGS.anchored if self.inside else SETTINGS.loose,
-        )
-        self.path = [P.start]
+        state = self._first_iterate(at, unit, start, carried_mu)
+        self.path = [P.start] if start is None else list(start.path)
         status, error, state = self._follow(state)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
         last = state.at if state.at.point is self.path[-1] else P.linearise(self.path[-1], state.at.value)
@@ -154,6 +145,23 @@ class SeparatingPlaneSolver:
             curved,
         )
 
+    def _first_iterate(
+        self, at: LinearisedSeparatingPlanes, unit: float, start: CarriedIterate | None, carried_mu: float
+    ) -> SeparatingPlaneIterate:
+        """Slacks and multipliers to begin with: all products alike, or at least so large where a round goes on."""
+        P = self.program
+        held = SETTINGS.anchored if self.inside else SETTINGS.loose
+        if start is None:
+            slack = at.h if self.inside else np.maximum(at.h, SETTINGS.first_slack)
+            return SeparatingPlaneIterate(
+                at, slack, SETTINGS.first_mu / slack, unit, SETTINGS.tiny_shift, P.start.pose, held
+            )
+        mu = carried_mu * max(1.0, abs(start.value) / unit) / P.rows
+        lam = np.maximum(start.lam * P.length / unit, np.sqrt(mu))
+        slack = np.maximum(at.h, mu / lam)
+        lam = np.maximum(start.lam * P.length / unit, mu / slack)
+        return SeparatingPlaneIterate(at, slack, lam, unit, SETTINGS.carried_damping, P.start.pose, held)
+
     def _at_rest(self) -> SeparatingPlaneSolution:
         """The answer where nothing that is free changes the objective."""
         start = self.program.start
@@ -166,11 +174,9 @@ class SeparatingPlaneSolver:
 
         Rows weigh at most so much: what is positive definite then is so with their whole weight, whose rounding would hide it.
         """
-        u = state.displacement
-        weight = state.proximal(state.complementarity, u)
-        dual = state.residuals(weight, u)[0]
+        lacking = state.residuals(state.complementarity)
         for most in SETTINGS.most_weights:
-            self._steps.system.set(replace(state, s=np.maximum(state.s, state.lam / most)), dual, weight)
+            self._steps.system.set(replace(state, s=np.maximum(state.s, state.lam / most)), lacking)
             if self._steps.system.factorise(SETTINGS.least_curvature):
                 return True
         return False
@@ -182,24 +188,21 @@ class SeparatingPlaneSolver:
         patience = SETTINGS.patience_damped if self.damped else SETTINGS.patience
         unheld_weight, early = self._weight_of_unheld()
         for k in range(self.most + 1):
-            u, mu = state.displacement, state.complementarity
-            weight = state.proximal(mu, u)
-            dual, dual_planes = state.residuals(weight, u)
+            mu = state.complementarity
+            lacking = state.residuals(mu)
             value = state.at.value / state.unit
             if self.progress is not None:
                 self.progress(self.iterations, state.at.value)
             size = max(abs(value), 1.0)
-            primal = state.s - state.at.h
-            infeasible = dot(state.lam, np.abs(primal))
+            infeasible = dot(state.lam, np.abs(lacking.primal))
             rows = len(state.lam)
-            gap = rows * mu + weight * dot(u, u)
-            unheld = dot(np.abs(dual), np.abs(u))
-            wrong = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
+            gap = rows * mu + lacking.weight * dot(lacking.u, lacking.u)
+            unheld = lacking.unheld
             legal = self._legal(state.at)
             if legal is not None:
                 self.path.append(legal)
             error = max(gap, infeasible, min(unheld, 1e3)) / size
-            if k >= SETTINGS.least_iterations and wrong < SETTINGS.balanced and legal is not None:
+            if k >= SETTINGS.least_iterations and lacking.imbalance < SETTINGS.balanced and legal is not None:
                 enough = max(self.tolerance * size, 5 * rows * self._floor)
                 settled = unheld < 10 * enough or (
                     abs(value - before) < enough and unheld < np.sqrt(self.tolerance) * size
@@ -225,14 +228,14 @@ class SeparatingPlaneSolver:
                 return (SolverStatus.ESCAPING if legal is not None else SolverStatus.FAILED), error, state
             lost = best.error < SETTINGS.acceptable and error > SETTINGS.lost * best.error
             least, since = (error, 0) if error < 0.9 * least else (least, since + 1)
-            if k == self.most or lost or (not self.inside and since > patience):
+            if k == self.most or lost or error > SETTINGS.diverged or (not self.inside and since > patience):
                 break
             lowest = max(0.2 * self.tolerance * size / max(rows, 1), self._floor)
             lag = max(infeasible, unheld_weight * unheld if unheld > early * size else 0.0) / max(rows * mu, 1e-300)
             following = (
-                self._steps.advance(state, dual, dual_planes, weight, u, wrong, lowest)
+                self._steps.advance(state, lacking, lowest)
                 if self.inside
-                else self._steps.run_ahead(state, primal, dual, dual_planes, weight, u, lag, lowest)
+                else self._steps.run_ahead(state, lacking, lag, lowest)
             )
             if following is None:
                 break

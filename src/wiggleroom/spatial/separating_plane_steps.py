@@ -13,7 +13,11 @@ from numpy.typing import NDArray
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.newton_step import dot, max_step
 from wiggleroom.spatial.graph_retraction import GraphRetraction
-from wiggleroom.spatial.separating_plane_newton import SeparatingPlaneIterate, SeparatingPlaneSystem
+from wiggleroom.spatial.separating_plane_newton import (
+    SeparatingPlaneIterate,
+    SeparatingPlaneResiduals,
+    SeparatingPlaneSystem,
+)
 from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes, SeparatingPlaneProgram
 from wiggleroom.spatial.separating_plane_settings import SETTINGS
 
@@ -68,24 +72,16 @@ class SeparatingPlaneSteps:
         self.system = SeparatingPlaneSystem(factor(self.program.pattern), self.retraction)
 
     def run_ahead(
-        self,
-        state: SeparatingPlaneIterate,
-        primal: Floats,
-        dual: Floats,
-        dual_planes: Floats,
-        weight: float,
-        u: Floats,
-        lag: float,
-        lowest: float,
+        self, state: SeparatingPlaneIterate, lacking: SeparatingPlaneResiduals, lag: float, lowest: float
     ) -> SeparatingPlaneIterate | None:
         """The next iterate with slacks: the step is halved while rows fall behind by more than half of the complementarity."""
-        self.system.set(state, dual, weight)
-        step = self._predicted(state, primal, dual, dual_planes, weight, u, lowest, lag)
+        self.system.set(state, lacking)
+        step = self._predicted(state, lacking, lowest, lag)
         if step is None:
             return None
         share = min(step.primal, self._longest_share(step.u))
         lam = state.lam + step.dual * step.lam
-        before = dot(state.lam, np.abs(primal))
+        before = dot(state.lam, np.abs(lacking.primal))
         for _ in range(8):
             ahead = self._moved(state, step, share, SETTINGS.least_slack)
             s = np.maximum(np.maximum(state.s + share * step.s, ahead.h), SETTINGS.least_slack)
@@ -95,18 +91,11 @@ class SeparatingPlaneSteps:
         return replace(state, at=ahead, s=s, lam=lam, shift=step.shift)
 
     def advance(
-        self,
-        state: SeparatingPlaneIterate,
-        dual: Floats,
-        dual_planes: Floats,
-        weight: float,
-        u: Floats,
-        wrong: float,
-        lowest: float,
+        self, state: SeparatingPlaneIterate, lacking: SeparatingPlaneResiduals, lowest: float
     ) -> SeparatingPlaneIterate | None:
         """The next iterate; None where no step makes the barrier function smaller."""
-        mu = state.complementarity
-        self.system.set(state, dual, weight)
+        mu, wrong = state.complementarity, lacking.imbalance
+        self.system.set(state, lacking)
         if self._fixed_mu is not None:
             spread = float(np.abs(state.at.h * state.lam - self._fixed_mu).max(initial=0.0))
             solved = SETTINGS.solved * self._fixed_mu
@@ -114,7 +103,7 @@ class SeparatingPlaneSteps:
                 self._fixed_mu, self._errors = None, [solved]
         if self._fixed_mu is None:
             self._errors.append(mu + SETTINGS.balance_share * wrong)
-            step = self._predicted(state, np.zeros_like(state.s), dual, dual_planes, weight, u, lowest)
+            step = self._predicted(state, lacking, lowest)
             following = None if step is None else self._taken(state, step)
             if following is not None and self._error(following) < SETTINGS.progress * max(
                 self._errors[-SETTINGS.memory :]
@@ -125,17 +114,14 @@ class SeparatingPlaneSteps:
         self._steps_at_fixed_mu += 1
         if self._steps_at_fixed_mu > SETTINGS.stuck and self._fixed_mu < SETTINGS.highest:
             return self.recentred(state, min(SETTINGS.raised * self._fixed_mu, SETTINGS.highest))
-        return self._descended(state, dual_planes, max(self._fixed_mu, lowest), u)
+        return self._descended(state, max(self._fixed_mu, lowest))
 
     def recentred(self, state: SeparatingPlaneIterate, mu: float) -> SeparatingPlaneIterate | None:
         """The iterate after a first step at a larger mu, which then stands still; displacements count from here on."""
         self._fixed_mu, self._steps_at_fixed_mu = mu, 0
         state = replace(state, anchor=state.at.point.pose)
-        u = state.displacement
-        weight = state.proximal(mu, u)
-        dual, dual_planes = state.residuals(weight, u)
-        self.system.set(state, dual, weight)
-        return self._descended(state, dual_planes, mu, u)
+        self.system.set(state, state.residuals(mu))
+        return self._descended(state, mu)
 
     def _solved_at(self, mu: float, wrong: float) -> bool:
         """True where the problem of the present barrier parameter is solved."""
@@ -143,20 +129,11 @@ class SeparatingPlaneSteps:
 
     def _error(self, state: SeparatingPlaneIterate) -> float:
         """Complementarity and imbalance of an iterate in one number."""
-        u, mu = state.displacement, state.complementarity
-        dual, dual_planes = state.residuals(state.proximal(mu, u), u)
-        return mu + SETTINGS.balance_share * max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
+        mu = state.complementarity
+        return mu + SETTINGS.balance_share * state.residuals(mu).imbalance
 
     def _predicted(
-        self,
-        state: SeparatingPlaneIterate,
-        primal: Floats,
-        dual: Floats,
-        dual_planes: Floats,
-        weight: float,
-        u: Floats,
-        lowest: float,
-        lag: float = 0.0,
+        self, state: SeparatingPlaneIterate, lacking: SeparatingPlaneResiduals, lowest: float, lag: float = 0.0
     ) -> _PlaneStep | None:
         """Predictor and corrector; diagonal or rows are strengthened until the matrix is positive definite and the step no stub.
 
@@ -171,20 +148,45 @@ class SeparatingPlaneSteps:
             if not (system.factorise_damped(shift) if self.damped else system.factorise(shift)):
                 shift = max(growth * shift, SETTINGS.least_damping)
                 continue
-            _, _, ds, dl = system.newton(primal, dual, dual_planes, -s * lam)
+            _, _, ds, dl = system.newton(lacking, -s * lam)
             after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
             centring = max((after / mu) ** 3 if mu > 0 else 0.0, min(10.0, lag) if lag > SETTINGS.behind else 0.0)
             target = max(centring * mu, lowest)
             goal = (
                 target - s * lam - np.clip(ds * dl, -SETTINGS.largest_correction * mu, SETTINGS.largest_correction * mu)
             )
-            less = (state.proximal(min(target, mu), u) - weight) * u
-            du, dy, ds, dl = system.newton(primal, dual + less, dual_planes, goal)
+            less = (state.proximal(min(target, mu), lacking.u) - lacking.weight) * lacking.u
+            ahead = replace(lacking, dual=lacking.dual + less)
+            du, dy, ds, dl = system.newton(ahead, goal)
             found = _PlaneStep(du, dy, ds, dl, _to_boundary(s, ds), _to_boundary(lam, dl), shift, target)
+            if self.damped:
+                found = self._lengthened(state, ahead, goal, found)
             if found.primal > SETTINGS.short or attempt >= 5:
                 break
             shift = max(growth * shift, SETTINGS.least_damping if self.damped else 1e-6)
         return found
+
+    def _lengthened(
+        self, state: SeparatingPlaneIterate, lacking: SeparatingPlaneResiduals, goal: Floats, step: _PlaneStep
+    ) -> _PlaneStep:
+        """The step with corrections towards the central path, as long as they make it longer.
+
+        Source: multiple centrality corrections, Gondzio 1996.
+        """
+        s, lam = state.s, state.lam
+        least, most = step.mu / SETTINGS.off_centre, step.mu * SETTINGS.off_centre
+        for _ in range(SETTINGS.centrality_corrections):
+            if min(step.primal, step.dual) >= SETTINGS.fraction:
+                break
+            ahead = [min(1.0, share + SETTINGS.longer) for share in (step.primal, step.dual)]
+            product = (s + ahead[0] * step.s) * (lam + ahead[1] * step.lam)
+            goal = goal + np.maximum(np.clip(product, least, most) - product, -most)
+            du, dy, ds, dl = self.system.newton(lacking, goal)
+            trial = _PlaneStep(du, dy, ds, dl, _to_boundary(s, ds), _to_boundary(lam, dl), step.shift, step.mu)
+            if trial.primal + trial.dual < step.primal + step.dual + SETTINGS.worthwhile:
+                break
+            step = trial
+        return step
 
     def _taken(self, state: SeparatingPlaneIterate, step: _PlaneStep) -> SeparatingPlaneIterate | None:
         """The iterate after a step of predictor and corrector; None where that is outside the rows or nearly no step."""
@@ -198,21 +200,19 @@ class SeparatingPlaneSteps:
             share /= 2
         return None
 
-    def _descended(
-        self, state: SeparatingPlaneIterate, dual_planes: Floats, mu: float, u: Floats
-    ) -> SeparatingPlaneIterate | None:
+    def _descended(self, state: SeparatingPlaneIterate, mu: float) -> SeparatingPlaneIterate | None:
         """The iterate after one step that makes the barrier function at a fixed mu smaller."""
         h, lam, system, at = state.at.h, state.lam, self.system, state.at
-        weight = state.proximal(mu, u)
-        dual = state.residuals(weight, u)[0]
+        lacking = state.residuals(mu)
         shift = max(SETTINGS.tiny_shift, mu, state.shift / 3 if state.shift > SETTINGS.negligible_shift else 0.0)
         while not system.factorise(shift):
             shift = max(8 * shift, 1e-5)
             if shift > 1e12:
                 return None
-        du, dy, dh, dlam = system.newton(np.zeros_like(h), dual, dual_planes, mu - h * lam)
+        du, dy, dh, dlam = system.newton(lacking, mu - h * lam)
         step = _PlaneStep(du, dy, dh, dlam, _to_boundary(h, dh), _to_boundary(lam, dlam), shift, mu)
-        slope = dot(weight * u - at.gradient / state.unit, du) - mu * dot(1 / h, dh)
+        weight = lacking.weight
+        slope = dot(weight * lacking.u - at.gradient / state.unit, du) - mu * dot(1 / h, dh)
         now, share = state.barrier(at, mu, weight), min(step.primal, self._longest_share(du))
         for _ in range(40):
             ahead = self._moved(state, step, share)

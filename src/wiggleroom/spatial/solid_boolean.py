@@ -69,8 +69,18 @@ def is_sound(solid: Any) -> bool:
 
 def centroid_of(surface: Surface) -> tuple[float, Floats]:
     """Volume [mm3] and centroid (3,) [mm] inside a closed surface, by tetrahedra from its middle."""
-    middle = surface.vertices.mean(axis=0)
-    a, b, c = (surface.vertices[surface.faces[:, k]] - middle for k in range(3))
-    six = np.einsum("ij,ij->i", a, np.cross(b, c))
+    middle, corners, six = _tetrahedra(surface)
     volume = float(six.sum()) / 6
-    return volume, middle + (six[:, None] * (a + b + c)).sum(axis=0) / (24 * volume)
+    return volume, middle + (six[:, None] * corners.sum(axis=0)).sum(axis=0) / (24 * volume)
+
+
+def volume_of(surface: Surface) -> float:
+    """Volume [mm3] inside a closed surface; negative where its faces look inward."""
+    return float(_tetrahedra(surface)[2].sum()) / 6
+
+
+def _tetrahedra(surface: Surface) -> tuple[Floats, Floats, Floats]:
+    """Middle (3,) of a surface, corners (3, f, 3) of its faces from there, and six times the volume (f,) of the tetrahedra between."""
+    middle = surface.vertices.mean(axis=0)
+    corners = np.array([surface.vertices[surface.faces[:, k]] - middle for k in range(3)])
+    return middle, corners, np.einsum("ij,ij->i", corners[0], np.cross(corners[1], corners[2]))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.displayable import Drawable
+from wiggleroom.search.global_search import SearchEffort
 from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_bodies import Grouping
@@ -69,6 +70,8 @@ class SpatialAnswer(Drawable):
         Parts that move away or turn without limit.
     at_most : float or None
         A value that no motion can exceed; only where all parts move in one plane.
+    search : SearchEffort or None
+        What climbs from other places came to; None where there were none.
     warm_start : HeldMotion or None
         The program and the forces that hold the motion, where it ends.
     """
@@ -92,6 +95,7 @@ class SpatialAnswer(Drawable):
     command: str = ""
     at_most: float | None = None
     model: str = "planes"
+    search: SearchEffort | None = None
     warm_start: HeldMotion | None = field(default=None, repr=False)
 
     @property

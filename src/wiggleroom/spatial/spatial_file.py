@@ -15,6 +15,7 @@ from wiggleroom.drawing.dimension import SPATIAL_FORMAT
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import JointGap, Region
+from wiggleroom.drawing.naming import is_printable
 from wiggleroom.drawing.rings import clean_ring
 from wiggleroom.drawing.source import load
 from wiggleroom.errors import InputError
@@ -110,7 +111,7 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         entry = convert(value, SolidEntry, f"{self._file}: {where}", self._findings)
         if entry is None:
             return None
-        if not entry.name.strip() or not entry.name.isprintable():
+        if not is_printable(entry.name):
             self._say(f"parts[{i}]", "name must be printable text that is not empty")
         at = self._numbers(entry.at, where, "at")
         if not all(math.isfinite(angle) for angle in entry.rotate):
@@ -164,10 +165,12 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
                 self._say(where, '"holes" go with corners of an outline; those of a sheet are taken from there')
             regions = self._from_sheet(where, entry.outline)
             return Plate(regions, thickness) if regions else None
-        rings = []
+        rings, known = [], len(self._findings)
         for k, corners in enumerate([entry.outline or [], *entry.holes]):
             label = f"hole {k}" if k else "outline"
             given = self._numbers([c for corner in corners for c in corner], where, label).reshape(-1, 2)
+            if len(self._findings) > known:
+                return None
             ring = clean_ring(given, clockwise=k > 0)
             if len({tuple(corner) for corner in corners}) < 3 or len(ring) < 3:
                 self._say(where, f"{label} needs at least 3 corners that are not on one line")
@@ -229,7 +232,10 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         )
 
     def _boxes(self, where: str, entry: SolidEntry) -> Boxes | None:
+        known = len(self._findings)
         numbers = self._numbers([x for box in entry.boxes or [] for x in box], where, "boxes").reshape(-1, 2, 3)
+        if len(self._findings) > known:
+            return None
         if not len(numbers):
             self._say(where, '"boxes" is empty; at least one is needed')
             return None

@@ -23,6 +23,7 @@ from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twis
 from wiggleroom.spatial.spatial_path_check import MAX_STRAIN
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
+from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
@@ -39,15 +40,21 @@ def flex_spatial(
     goals: SpatialGoal | Sequence[SpatialGoal] | None = None,
     *,
     solver: str = "interior-point",
+    search: int | None = None,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> SpatialAnswer:
     """How far a spatial assembly can move; see `wiggleroom.flex`.
 
+    Parameters
+    ----------
+    search : int, optional
+        Number of climbs beside the one from rest; by default none.
+
     Raises
     ------
     InputError
-        If nothing is fixed or pulled, or a goal names an unknown part.
+        If nothing is fixed or pulled, a goal names an unknown part, or `search` is negative.
     TouchingError
         If two parts touch at rest.
     """
@@ -56,29 +63,33 @@ def flex_spatial(
     its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
     asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     wrong = goal_findings(its.drawing, asked) + lacking(its, asked)
+    if search is not None and search < 0:
+        wrong.append(f"search is {search}: it must be a number of starts, 0 for none")
     if wrong:
         raise InputError([f"{its.drawing.source}: {line}" if its.drawing.source else line for line in wrong])
     ready = assembly if isinstance(assembly, SpatialPrepared) else prepare_spatial(assembly)
     prepared = time.perf_counter()
-    search = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
-    done = search.run()
+    climb = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
+    first = climb.run()
+    best = best_of_starts(climb, first, search or 0)
+    if first.good and _verdict(ready, climb.objective, best.end)[0] is Verdict.STOPPED:
+        best = BestOfStarts(first, None, climb.iterations, climb.rounds)  # what seemed to leave may not
+    done = best.end
     solved = time.perf_counter()
     found, path, whole = done.found, done.path, done.whole
     motion = path[-1]
     deepest = deepest_overlap(its, motion)
-    pose = ready.grouping.pose_of(motion)
-    last = found.point.pose
-    at_end = bool(np.abs(pose.T - last.T).max() + ready.size * np.abs(pose.R - last.R).max() < 1e-9 * ready.size)
-    verdict, leaves, turns = _verdict(ready, search.objective, done, at_end)
+    at_end = _at_end(ready, done)
+    verdict, leaves, turns = _verdict(ready, climb.objective, done)
     held = at_end and found.status is SolverStatus.CONVERGED
     contacts = spatial_contacts(its, ready.grouping, done.program, found) if held else ()
     ended = time.perf_counter()
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
-    value = None if verdict is Verdict.UNBOUNDED else search.value(done)
+    value = None if verdict is Verdict.UNBOUNDED else climb.value(done)
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
         path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP * ready.size,
-        deepest_overlap=deepest, solver=solver, rounds=search.rounds, iterations=search.iterations, seconds=spent,
+        deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip
 
@@ -93,11 +104,17 @@ def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str
     return found
 
 
+def _at_end(ready: SpatialPrepared, done: SearchEnd) -> bool:
+    """True where the path ends at the solution."""
+    pose, last = ready.grouping.pose_of(done.path[-1]), done.found.point.pose
+    return bool(np.abs(pose.T - last.T).max() + ready.size * np.abs(pose.R - last.R).max() < 1e-9 * ready.size)
+
+
 def _verdict(
-    ready: SpatialPrepared, objective: SumOfTerms, done: SearchEnd, at_end: bool
+    ready: SpatialPrepared, objective: SumOfTerms, done: SearchEnd
 ) -> tuple[Verdict, tuple[str, ...], tuple[str, ...]]:
     """How the question ended, and the parts that leave or turn without limit."""
-    names, found = ready.assembly.names, done.found
+    names, found, at_end = ready.assembly.names, done.found, _at_end(ready, done)
     if done.leaving:
         return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), ()
     if found.status is SolverStatus.ESCAPING and done.whole and at_end:

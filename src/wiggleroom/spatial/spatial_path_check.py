@@ -30,6 +30,8 @@ MAX_HALVINGS = 9
 """A piece of a path is halved at most this many times."""
 MAX_STRAIN = 1e-5
 """Glued parts shift against each other by at most this share of the size between two waypoints."""
+OPPOSITE = 1e-6
+"""Normals whose sum is shorter look away from each other: a plane has turned over, as where pieces went through each other."""
 MAX_LIFTS, ENOUGH_LIFT = 6, 0.2
 """Corrections of a point half way, until no row is below this share of the mean of both ends."""
 
@@ -91,6 +93,8 @@ def halfway(
     pose = SpatialPose(T, R)
     n = one.n + other.n
     length = np.linalg.norm(n, axis=1)
+    if length.min(initial=1.0) < OPPOSITE:
+        return None
     n, d = n / length[:, None], (one.d + other.d) / 2
     goal = (P.values(one) + P.values(other)) / 2 * P.length
     q, Psi = P.frames(pose)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
+from wiggleroom.spatial.carried_planes import carried_iterate
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.separating_plane_program import (
     DISTANCE_RATIO,
@@ -17,6 +18,7 @@ from wiggleroom.spatial.separating_plane_program import (
     best_axis,
     build_planes,
 )
+from wiggleroom.spatial.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.spatial_path_check import free_path
@@ -110,6 +112,8 @@ class SpatialSearch:
     tell: Callable[[int, float], None] | None
     begin: SpatialPose | None = None
     solver: str = "interior-point"
+    once: bool = False
+    """True: in one way only."""
     iterations: int = 0
     rounds: int = 0
     pieces: Ints = field(init=False)
@@ -119,7 +123,7 @@ class SpatialSearch:
         """Search in one way after the other until an end is good.
 
         First slacks run ahead, then rows are damped too, then iterates are centred besides, at last they stay inside all rows, from several
-        starts. Large programs begin with centred iterates.
+        starts. Large programs begin with damped rows.
         """
         ready = self.ready
         self.pieces = (
@@ -128,11 +132,11 @@ class SpatialSearch:
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
         large = len(self.pieces) > MAX_PAIRS_UNDAMPED and self.solver != "ipopt"
-        best = self._attempt(_CENTRED if large else _Mode())
+        best = self._attempt(_DAMPED if large else _Mode())
         starts = 0 if large and best.whole else INSIDE_STARTS if best.program.rows <= MAX_ROWS_OF_STARTS else 1
-        between = () if self.solver == "ipopt" or large else (_DAMPED, _CENTRED)
+        between = () if self.solver == "ipopt" else (_CENTRED,) if large else (_DAMPED, _CENTRED)
         for mode in (*between, *(_Mode(seed) for seed in range(starts))):
-            if best.good or self._asked_to_stop():
+            if best.good or self.once or self._asked_to_stop():
                 break
             done = self._attempt(mode)
             if done.good or self.value(done) > self.value(best):
@@ -147,10 +151,18 @@ class SpatialSearch:
         return value
 
     def _attempt(self, mode: _Mode) -> SearchEnd:
-        """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again from rest."""
+        """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again.
+
+        That begins at rest; with damped rows at the end of the round before, until one so begun comes to nothing: it may have carried
+        parts through each other.
+        """
         limit = MAX_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
+        end: tuple[SeparatingPlaneProgram, SeparatingPlaneSolution] | None = None
+        before: SearchEnd | None = None
+        carries = mode.damped
+        self.met = self.met[:0]
         for _ in range(MAX_ROUNDS):
-            program, found = self._solved(mode, limit)
+            program, found = self._solved(mode, limit, end)
             self.iterations += found.iterations
             self.rounds += 1
             if found.status is SolverStatus.FAILED:
@@ -159,17 +171,29 @@ class SpatialSearch:
                     return done
             missed, rest_of_way = self._missed(program, found)
             if not len(missed) or self._asked_to_stop():
-                break
+                done = self._checked(program, found)
+                if before is not None and not done.good and self.value(before) > self.value(done):
+                    return before
+                if end is None or done.good or self._asked_to_stop():
+                    return done
+                end, carries, before = None, False, done
+                continue
             if found.status is SolverStatus.CONVERGED and rest_of_way:
                 done = self._checked(program, replace(found, path=tuple(rest_of_way)))
                 if done.good:
                     return done
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
             self.met = np.unique(np.vstack([self.met, missed]), axis=0)
+            end = (program, found) if carries and found.status is SolverStatus.CONVERGED else None
         return self._checked(program, found)
 
-    def _solved(self, mode: _Mode, limit: float) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
-        """The program, and its solution from beside rest, twists up to a limit [rad]."""
+    def _solved(
+        self,
+        mode: _Mode,
+        limit: float,
+        before: tuple[SeparatingPlaneProgram, SeparatingPlaneSolution] | None = None,
+    ) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
+        """The program, and its solution from beside rest or from the end of a round before, twists up to a limit [rad]."""
         ready, horizon = self.ready, HORIZON * self.ready.size
         pieces = self._working_set() if mode.damped else self.pieces
         program = build_planes(
@@ -186,20 +210,25 @@ class SpatialSearch:
             return program, solve_with_ipopt(
                 program, seed=mode.seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell
             )
-        solver = SeparatingPlaneSolver(
-            program,
-            inside=mode.seed is not None,
-            damped=mode.damped,
-            centred=mode.centred,
-            most=SLACK_ITERATIONS if mode.seed is None else INSIDE_ITERATIONS,
-            seed=mode.seed or 0,
-            horizon=horizon,
-            most_turn=limit,
-            stop=self.stop,
-            progress=self.tell,
-        )
-        found = solver.solve()
-        return solver.program, found
+        start = None if before is None else carried_iterate(program, *before)
+        for carried_mu in SETTINGS.carried_mu:
+            solver = SeparatingPlaneSolver(
+                program,
+                inside=mode.seed is not None,
+                damped=mode.damped,
+                centred=mode.centred,
+                most=SLACK_ITERATIONS if mode.seed is None else INSIDE_ITERATIONS,
+                seed=mode.seed or 0,
+                horizon=horizon,
+                most_turn=limit,
+                stop=self.stop,
+                progress=self.tell,
+            )
+            found = solver.solve(start, carried_mu)
+            if start is None or found.status is not SolverStatus.FAILED or self._asked_to_stop():
+                break
+            self.iterations += found.iterations
+        return program, found
 
     def _working_set(self) -> Ints:
         """Pairs of pieces that face each other at the begin, and those that met on the way in an earlier round."""

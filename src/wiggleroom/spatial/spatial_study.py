@@ -77,10 +77,17 @@ class SpatialModel:
         return DifferenceQuotients(spatial_slope, shared, self.derivatives(answer))
 
     def moved(self, answer: SpatialAnswer, inward: Floats, stop: Stop | None) -> SpatialAnswer:
-        """Largest motion when all faces of each part move inward by `inward` (n,) [mm]."""
+        """Largest motion when all faces of each part move inward by `inward` (n,) [mm], each time worked out as a direct question."""
         return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, stop=stop)
 
-    def draws(self, answer: SpatialAnswer) -> tuple[Work, Any]:
+    def confirmed(
+        self, answer: SpatialAnswer, after: SpatialAnswer, inward: Floats, stop: Stop | None
+    ) -> SpatialAnswer:
+        """The same: `moved` asks as a direct question does."""
+        del answer, inward, stop
+        return after
+
+    def draws(self, answer: SpatialAnswer, stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
         """What many such motions need: each is worked out from nothing."""
         return one_spatial_draw, (self.assembly, answer.goals)
 

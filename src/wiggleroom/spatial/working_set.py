@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
+CONTACT_DIMENSION = 2
+"""Sum of the dimensions of what touches in general position: a corner and a face, or two edges."""
 BAND = 0.1
 """Corners within this share of the clearance are at the same level."""
 
@@ -39,4 +41,6 @@ def _faces(bodies: RigidBodies, pose: SpatialPose, who: list[int], clearance: fl
     band = BAND * clearance
     across = np.linalg.svd(n[None])[2][1:]
     near = [shapely.MultiPoint(c @ across.T).convex_hull for c in (own[p > p.max() - band], other[v < v.min() + band])]
+    if sum(shapely.get_dimensions(near)) < CONTACT_DIMENSION:
+        return False
     return bool(near[0].distance(near[1]) < clearance)

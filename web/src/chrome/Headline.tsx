@@ -34,7 +34,7 @@ const whole: Record<string, string> = { closer: "parts closer together", weight:
 
 interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 
-/** A shorter way than this share of the gap is none. */
+/** A shorter path than this share of the gap is none. */
 const NOTHING = 2e-3;
 
 function said(): Said {
@@ -48,7 +48,7 @@ function said(): Said {
   const { gap } = design.value;
   if (dragging.value && (what === "drag" || running.value.has("drag"))) return draggedSaid();
   if (what === "mode" && modes.value) {
-    const mode = modes.value.reply.modes[modes.value.ways.indexOf(shown.value.frames!)];
+    const mode = modes.value.reply.modes[modes.value.paths.indexOf(shown.value.frames!)];
     const far = mode ? (mode.ends === false ? "without end" : `up to ${number(mode.size, 3)} mm`) : "";
     return { title: `Wiggle, ${label}`, line: mode ? `${far} · most of all ${few(mode.parts, 4)}` : "", tone: "" };
   }

@@ -3,27 +3,28 @@
 import { useEffect, useRef } from "preact/hooks";
 import { inSpace } from "../design.ts";
 import { standalone, helpOpen } from "../state.ts";
+import { pages } from "../panels/Panel.tsx";
 import { Button } from "./Button.tsx";
 
 type Row = readonly [keys: string, words: string];
 /** What serves without a server too. */
 const LOOK: Row[] = [
-  [", .", "choose the part before or after"], ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"],
-  ["1 … 5", "panels"], ["Esc", "back to the answer, let the part go"], ["?", "this list"],
+  [", .", "choose the part before or after"], ["Space", "play or pause the path"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"],
+  ["Esc", "back to the answer, let the part go"], ["?", "this list"],
 ];
 const KEYS: Row[] = [
   [", .", "choose the part before or after"], ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"],
   ["G", "glue the chosen part to another one"], ["L", "choose many: draw a line round them (or Shift and drag on the ground; Shift and press adds one)"], ["A", "choose all parts"], ["W", "wiggle: show every freedom that is left"],
   ["R", "show where the chosen part can be brought"], ["← ↑ → ↓", "of a pulled part: point the pull that way (Shift: turn it by 5°); else drag the part a step"],
-  ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"], ["[ ]", "gap smaller or larger by a step"],
-  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["B", "keep this answer beside"], ["1 … 6", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
+  ["Space", "play or pause the path"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"], ["[ ]", "gap smaller or larger by a step"],
+  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["B", "keep this answer beside"], ["Esc", "cancel work, back to the answer, let the part go"],
   ["?", "this list"],
 ];
 const SPACE_KEYS: Row[] = [
   ["← ↑ → ↓", "turn the view"], ["Shift ← ↑ → ↓", "drag the chosen part a step, in the plane of the picture"], [", .", "choose the part before or after"],
   ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"], ["T", "twist the chosen part, or stop"], ["G", "glue the chosen part to another one"],
-  ["H", "outline the chosen part alone, to see past it"], ["Space", "play or pause the way"], ["+ −", "nearer, further"], ["0", "the whole assembly"], ["[ ]", "gap smaller or larger by a step"],
-  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a file"], ["S", "save"], ["1 … 5", "panels"], ["Esc", "cancel work, back to the answer, let the part go"], ["?", "this list"],
+  ["H", "outline the chosen part alone, to see past it"], ["Space", "play or pause the path"], ["+ −", "nearer, further"], ["0", "the whole assembly"], ["[ ]", "gap smaller or larger by a step"],
+  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a file"], ["S", "save"], ["Esc", "cancel work, back to the answer, let the part go"], ["?", "this list"],
 ];
 const SPACE_MICE: Row[] = [
   ["Drag a part", "it goes as near to the pointer as the others let it, in the plane of the picture"], ["Click a part", "choose it"],
@@ -42,11 +43,12 @@ export function Help() {
     if (open) dialog.current?.showModal();
     else dialog.current?.close();
   }, [open]);
+  const numbers: Row = [`1 … ${pages.value.length}`, "panels"];
   const rows = (all: readonly Row[]) => all.map(([key, words]) => <div key={key}><dt>{key}</dt><dd>{words}</dd></div>);
   return (
     <dialog ref={dialog} class="help" aria-label="Keys and help" onClose={() => (helpOpen.value = false)}>
       <header><h2>Keys</h2><Button icon="close" label="Close" onClick={() => (helpOpen.value = false)} /></header>
-      <dl>{rows(standalone.value ? LOOK : inSpace() ? SPACE_KEYS : KEYS)}</dl>
+      <dl>{rows([...(standalone.value ? LOOK : inSpace() ? SPACE_KEYS : KEYS), numbers])}</dl>
       <h2>Mouse and touch</h2>
       <dl>{rows(standalone.value ? LOOK_MICE : inSpace() ? SPACE_MICE : MICE)}</dl>
       {!standalone.value && <p>What you open stays on this machine: the page speaks only to the program that serves it.</p>}

@@ -4,7 +4,7 @@ import { useEffect, useId, useRef, useState } from "preact/hooks";
 
 const VERDICTS: Record<string, string> = {
   proven: "Proven: a bound shows that no motion is worth more than 0.1 % more.",
-  optimal: "Optimal: every surface that stops it is really touched, and no small change goes further. A quite different way might.",
+  optimal: "Optimal: every surface that stops it is really touched, and no small change goes further. A quite different path might.",
   stationary: "Stationary: no small change goes further from here, but at some contacts it could also pass on another side, which was not tried. The motion itself is checked; it may not be the largest.",
   unbounded: "Unbounded: nothing stops it. The parts that leave were followed all the way out.",
   stopped: "Stopped: time ran out. The motion shown is safe, and further ones may exist.",

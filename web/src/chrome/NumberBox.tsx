@@ -4,20 +4,23 @@ import { useEffect, useRef } from "preact/hooks";
 import { notice } from "../state.ts";
 import { number } from "../words.ts";
 
-interface Asked { value: number; onChange: (value: number) => void; label: string; min?: number; step?: number; unit?: string; digits?: number; disabled?: boolean }
+interface Asked { value: number; onChange: (value: number) => void; label: string; min?: number; step?: number; unit?: string; digits?: number; disabled?: boolean;
+  /** What the empty box says, which stands for 0. */
+  none?: string;
+}
 
-export function NumberBox({ value, onChange, label, min, step, unit, digits = 5, disabled }: Asked) {
+export function NumberBox({ value, onChange, label, min, step, unit, digits = 5, disabled, none }: Asked) {
   const box = useRef<HTMLInputElement>(null);
-  const text = number(value, digits);
+  const text = none && value === 0 ? "" : number(value, digits);
   useEffect(() => {
     if (box.current && document.activeElement !== box.current) box.current.value = text;
   }, [text]);
   const take = (): void => {
     if (!box.current) return; // it has gone with what it was about
-    const typed = Number(box.current.value.replace(",", "."));
     const given = box.current.value.trim();
-    if (!Number.isFinite(typed) || given === "" || (min !== undefined && typed < min)) {
-      notice.value = `${label}: “${given}” is not ${min === undefined ? "a number" : `a number of ${min} or more`}; it stays ${text}${unit ? ` ${unit}` : ""}`;
+    const typed = Number(given.replace(",", "."));
+    if (!Number.isFinite(typed) || (given === "" && !none) || (min !== undefined && typed < min)) {
+      notice.value = `${label}: “${given}” is not ${min === undefined ? "a number" : `a number of ${min} or more`}; it stays ${text || none}${text && unit ? ` ${unit}` : ""}`;
       box.current.value = text;
     } else if (typed !== value) onChange(typed);
   };
@@ -36,8 +39,8 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
     }
   };
   return (
-    <span class="numberbox" style={{ "--letters": text.length }}>
-      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} onChange={take} onKeyDown={keys} />
+    <span class="numberbox" style={{ "--letters": (text || none || "").length }}>
+      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} placeholder={none} onChange={take} onKeyDown={keys} />
       {unit && <span class="unit" aria-hidden="true">{unit}</span>}
     </span>
   );

@@ -1,4 +1,4 @@
-/** Under the canvas: play, the place on the way, magnification, and the zoom. */
+/** Under the canvas: play, the place on the path, magnification, and the zoom. */
 
 import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion.ts";
 import { back, showMode } from "../session.ts";
@@ -24,7 +24,7 @@ export function Player() {
           <>
             <Button icon={playing.value ? "pause" : "play"} label={playing.value ? "Pause" : "Play"} keyName="Space" onClick={() => play(!playing.value)} />
             <input
-              type="range" min="0" max="1000" value={Math.round(place.value * 1000)} aria-label="place on the way from rest"
+              type="range" min="0" max="1000" value={Math.round(place.value * 1000)} aria-label="place on the path from rest"
               aria-valuetext={`${Math.round(place.value * 100)} %`}
               onInput={(event) => {
                 play(false);
@@ -34,9 +34,9 @@ export function Player() {
             <output>{place.value <= 0 ? "rest" : `${Math.round(place.value * 100)} %`}</output>
           </>
         )}
-        {what === "mode" && modes.value && modes.value.ways.length > 1 && (
+        {what === "mode" && modes.value && modes.value.paths.length > 1 && (
           <span class="modes" role="group" aria-label="freedoms">
-            {modes.value.ways.map((way, i) => <Button key={i} label={`Freedom ${i + 1}`} onClick={() => showMode(i)} pressed={way === frames} class="small">{i + 1}</Button>)}
+            {modes.value.paths.map((path, i) => <Button key={i} label={`Freedom ${i + 1}`} onClick={() => showMode(i)} pressed={path === frames} class="small">{i + 1}</Button>)}
           </span>
         )}
         {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}

@@ -75,7 +75,7 @@ export function SaveMenu() {
               </button>
             );
           })}
-          <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(link()))} title="for this file, in a page of this server">
+          <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(link(), "copied: the link opens this design in this browser while the server runs"))}>
             <span>Copy a link to this design</span><kbd>link</kbd>
           </button>
           {command && (

@@ -33,15 +33,24 @@ export function Selection() {
   if (inSpace()) return <InSpace name={name} />;
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
-      <span class="name" title={name}>{short(name, 18)}</span>
+      <Who name={name} note={reached(name) ? reach.value!.reply.words : ""} />
       <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
       <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => wiggle(name)}>Wiggle</Button>
       <Button icon="reach" label="Show where it can be brought" keyName="R" onClick={() => askReach(name)} disabled={fixedNames.value.has(name)} pressed={reached(name)}>Reach</Button>
-      {reached(name) && <span class="quiet note">{reach.value!.reply.words}</span>}
       <ExtraGap name={name} />
     </div>
+  );
+}
+
+/** Name of the chosen part, and below it what is known of it. */
+function Who({ name, note }: { name: string; note: string }) {
+  return (
+    <span class="who">
+      <span class="name" title={name}>{short(name, 18)}</span>
+      <span class="quiet note" role="status" title={note}>{note}</span>
+    </span>
   );
 }
 
@@ -58,13 +67,11 @@ function InSpace({ name }: { name: string }) {
   const far = motion ? farOf(motion, i, 7) : 0;
   const turned = motion ? (turnOf(motion, i, 7) * 180) / Math.PI : 0;
   const tiny = 1e-6 * extent.value.radius;
+  const moved = [...(far > tiny ? [`centre ${number(far, 3)} mm`] : []), ...(turned > 1e-4 ? [`turned ${number(turned, 3)}°`] : [])].join(", ");
   const twisted = goals.value.some((goal) => goal.part === name && isTwist(goal));
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
-      <span class="who">
-        <span class="name" title={name}>{short(name, 18)}</span>
-        <span class="quiet note" role="status">{far > tiny || turned > 1e-4 ? `moved ${far > tiny ? number(far, 3) : 0} mm${turned > 1e-4 ? `, turned ${number(turned, 3)}°` : ""}` : "at rest"}</span>
-      </span>
+      <Who name={name} note={moved || "at rest"} />
       <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name) && !twisted}>Pull</Button>
       <Button icon="twist" label="Twist this part" keyName="T" onClick={() => toggleTwist(name)} pressed={twisted}>Twist</Button>

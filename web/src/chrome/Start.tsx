@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { forgetRecent, recent } from "../keep.ts";
 import type { SampleEntry } from "../protocol.ts";
 import { openAs } from "../session.ts";
-import { findings, hello, line } from "../state.ts";
+import { findings, hello, line, notice } from "../state.ts";
 import { short } from "../words.ts";
 
 export function Start() {
@@ -13,6 +13,7 @@ export function Start() {
   return (
     <div class="start">
       <div class="startpage">
+        <p class="lead">How far loose, interlocking parts can move, what stops them, and whether they come apart.</p>
         <section class="dropzone">
           <p class="big">Drop a drawing here</p>
           <p>SVG, DXF, LightBurn or an assembly file (JSON).</p>
@@ -20,6 +21,7 @@ export function Start() {
           <p class="quiet">It stays on this machine.</p>
         </section>
         {line.value !== "open" && <p class="quiet" role="status">{line.value === "connecting" ? "Reaching the server…" : "The server does not answer; this page tries again by itself."}</p>}
+        {notice.value && <p role="status">{notice.value}</p>}
         {findings.value.length > 0 && <div class="notice bad" role="alert"><ul>{findings.value.map((one) => <li key={one.words}>{one.words}</li>)}</ul></div>}
         {files.value.length > 0 && (
           <section>

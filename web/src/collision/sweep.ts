@@ -2,7 +2,7 @@
  * How far a body goes straight among bodies that stand still: exact translational sweep of polygons, and sliding along what it meets.
  *
  * Of two polygons in translation the first contact is always a corner of one on an edge of the other, so it is enough to send every
- * corner of the moving one along the way, and every corner of the others back along it.
+ * corner of the moving one along the path, and every corner of the others back along it.
  */
 
 import { type Outline, RUN } from "./outline.ts";
@@ -11,7 +11,7 @@ import { type Outline, RUN } from "./outline.ts";
 export interface Body { outline: Outline; x: number; y: number; cos: number; sin: number }
 
 export interface Contact {
-  /** Share 0..1 of the way that is free. */
+  /** Share 0..1 of the path that is free. */
   share: number;
   /** Unit normal of what was met, towards the moving body. */
   nx: number;
@@ -22,7 +22,7 @@ const FREE: Contact = { share: 1, nx: 0, ny: 0 };
 const PARALLEL = 1e-9;
 const SLIDES = 5;
 
-/** First contact of moving bodies, shifted by (ox, oy), on the way (dx, dy) among standing ones; `clearance` [mm] is kept between them. */
+/** First contact of moving bodies, shifted by (ox, oy), on the path (dx, dy) among standing ones; `clearance` [mm] is kept between them. */
 export function firstContact(moving: readonly Body[], standing: readonly Body[], ox: number, oy: number, dx: number, dy: number, clearance: number): Contact {
   let best = FREE;
   const far = Math.hypot(dx, dy);

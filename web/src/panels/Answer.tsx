@@ -1,8 +1,10 @@
 /** What is asked, what was found, and what holds it. */
 
+import { computed } from "@preact/signals";
+import { useMemo, useRef } from "preact/hooks";
 import { asks, change, design, goals, inSpace, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
-import { type Cell, type Finding, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
-import { answer, current, standalone, dragged, drawing, extent, findings, highlit, names, selected } from "../state.ts";
+import { type Cell, type ContactEntry, type Finding, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
+import { answer, current, standalone, dragged, drawing, extent, findings, highlit, names, selected, tab } from "../state.ts";
 import { columns, end, farOf, shown, turnOf } from "../motion.ts";
 import { ask, degrees, few, number, short, towards } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
@@ -17,6 +19,7 @@ export function Answer() {
   const about = answer.value;
   return (
     <>
+      <OnSheet />
       <Standing />
       <Asked />
       <Gap />
@@ -29,6 +32,17 @@ export function Answer() {
         </>
       )}
     </>
+  );
+}
+
+/** Where parts lie apart they are perhaps panels of something that is to be put together first. */
+function OnSheet() {
+  if (!drawing.value?.apart || inSpace() || standalone.value) return null;
+  return (
+    <Section title="Is this a cutting sheet?">
+      <p>No part is near another one. Panels of a box or a stool can be put together first.</p>
+      <p class="likely"><Button label="Put the panels together" onClick={() => (tab.value = "sheet")} class="small">Put them together</Button></p>
+    </Section>
   );
 }
 
@@ -162,26 +176,39 @@ function Chip({ name, words, onRemove, class: kind }: { name: string; words: str
   );
 }
 
+const NO_CONTACTS: ContactEntry[] = [];
+/** What holds the motion that is shown; null while the hand moves, until that is known. */
+const holding = computed(() => {
+  if (shown.value.what !== "drag") return answer.value?.reply.contacts ?? NO_CONTACTS;
+  return dragged.value?.reply.settled ? dragged.value.reply.held : null;
+});
+
+/** The contacts before stand there, pale, until new ones are known: nothing jumps while the hand moves. */
 function Held() {
-  const contacts = (shown.value.what === "drag" ? dragged.value?.reply.held : answer.value?.reply.contacts) ?? [];
-  if (contacts.length === 0) return null;
-  const rows = contacts.map(({ parts, point, force }): Cell[] => [parts, ...point, force]);
-  return (
+  const known = useRef(NO_CONTACTS);
+  const contacts = (known.current = holding.value ?? known.current);
+  const pale = holding.value === null;
+  return useMemo(() => contacts.length > 0 && (
     <Section title="What holds it" side={<span class="quiet">{contacts.length} {contacts.length === 1 ? "contact" : "contacts"}</span>}>
       <p>Where parts press on each other at the end, and how hard<Explain word="force" words={FORCE} /></p>
-      <Table columns={["between", "x mm", "y mm", ...(inSpace() ? ["z mm"] : []), "force"]} rows={rows} bar={inSpace() ? 4 : 3} onHover={(i) => (highlit.value = i === null ? null : contacts[i]!.point)} />
+      <div class={pale ? "old" : ""} aria-busy={pale}>
+        <Table
+          columns={["between", "x mm", "y mm", ...(inSpace() ? ["z mm"] : []), "force"]} rows={contacts.map(({ parts, point, force }): Cell[] => [parts, ...point, force])}
+          bar={inSpace() ? 4 : 3} onHover={(i) => (highlit.value = i === null || pale ? null : contacts[i]!.point)}
+        />
+      </div>
     </Section>
-  );
+  ), [contacts, pale]);
 }
 
 const NOTHING = 1e-6;
 
 /** How far every part goes in the answer, the farthest first. */
 function Moved() {
-  const way = answer.value?.ways[0];
-  if (!way || way.n !== names.value.length || shown.value.what === "drag") return null;
-  const motion = end(way);
-  const width = columns(way);
+  const path = answer.value?.paths[0];
+  if (!path || path.n !== names.value.length || shown.value.what === "drag") return null;
+  const motion = end(path);
+  const width = columns(path);
   const axes = width === 7 ? 3 : 2;
   const rows = names.value.map((name, i): { far: number; cells: Cell[] } => {
     const turn = width === 7 ? turnOf(motion, i, width) : motion[3 * i + 2]!;

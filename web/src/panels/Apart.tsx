@@ -1,4 +1,4 @@
-/** Whether it comes apart, and the ways out as films. */
+/** Whether it comes apart, and the paths out as films. */
 
 import { useSignal } from "@preact/signals";
 import { design, fixedNames, inSpace } from "../design.ts";
@@ -30,7 +30,7 @@ export function Apart() {
             {about.reply.escapes.map((one, i) => (
               <li class="row" key={i}>
                 <Button
-                  icon="play" label={`Play the way out of ${few(one.parts)}`} pressed={shown.value.what === "escape" && shown.value.frames === about.ways[i]}
+                  icon="play" label={`Play the path out of ${few(one.parts)}`} pressed={shown.value.what === "escape" && shown.value.frames === about.paths[i]}
                   onClick={() => showEscape(i)}
                 />
                 <span class="grow">{one.words}</span>
@@ -54,6 +54,7 @@ function LargestGap() {
   const about = limit.value;
   return (
     <Section title="The largest gap that holds">
+      <p>Up to which gap the parts stay together, whatever moves.</p>
       <div class="asks"><Run kind="limit" label="Find the largest gap that holds it together" onClick={() => void ask("limit", { design: design.peek() })}>Find it</Run></div>
       {about && (
         <div class={current(about) ? "result" : "result old"}>
@@ -69,7 +70,7 @@ function LargestGap() {
 
 const DIRECTIONS: Record<string, Point | null> = { "nowhere": null, "in -y": [0, -1], "in +y": [0, 1], "in -x": [-1, 0], "in +x": [1, 0] };
 
-/** In which order and along which ways parts are taken out: every step can be played. */
+/** In which order and along which paths parts are taken out: every step can be played. */
 function Planned() {
   const falls = useSignal("nowhere");
   const about = planned.value;
@@ -78,7 +79,7 @@ function Planned() {
   const run = (targets: string[]): void => void ask("plan", { design: design.peek(), targets, gravity: DIRECTIONS[falls.value] ?? null });
   return (
     <Section title="Take apart, put together">
-      <p>The order in which parts are taken out, and every step on the way: who moves, how, and with how much room. Backwards it is how to put it together.</p>
+      <p>The order in which parts are taken out, and every step of it: who moves, how, and with how much room. Backwards it is how to put it together.</p>
       <div class="asks">
         <label>loose parts fall <select value={falls.value} aria-label="direction in which loose parts fall" onChange={(event) => (falls.value = event.currentTarget.value)}>
           {Object.keys(DIRECTIONS).map((name) => <option key={name} value={name}>{name}</option>)}
@@ -94,7 +95,7 @@ function Planned() {
             {about.reply.steps.map((one, i) => (
               <li class="row" key={i}>
                 <Button
-                  icon="play" label={`Play step ${i + 1}: ${one.words}`} pressed={shown.value.what === "escape" && shown.value.frames === about.ways[i]}
+                  icon="play" label={`Play step ${i + 1}: ${one.words}`} pressed={shown.value.what === "escape" && shown.value.frames === about.paths[i]}
                   onClick={() => showEscape(i, about)}
                 />
                 <span class="grow">{i + 1}. {one.words}</span>

@@ -69,7 +69,7 @@ function Found() {
 function Hinted() {
   const tool = TOOLS.find(({ name }) => name === sheet.tool.value)!;
   const { picked } = sheet;
-  const ways = sheet.ways.value;
+  const poses = sheet.poses.value;
   return (
     <Section title="What you know" side={<Button icon="undo" label="Take the last hint back" onClick={sheet.undoHint} disabled={!sheet.canUndo.value} class="small" />}>
       <div class="tools" role="group" aria-label="what a press on the sheet says">
@@ -78,10 +78,10 @@ function Hinted() {
       <p class="quiet" role="status">{picked.value.length ? `${picked.value.map((one) => (tool.name === "body" ? one.panel : one.edge)).join(", ")} chosen. ` : ""}{tool.how}</p>
       {tool.name === "body" && <p><Button label="The chosen panels make one body" onClick={sheet.together} disabled={picked.value.length < 2} class="small main">One body of these</Button></p>}
       {(tool.name === "join" || tool.name === "flush" || tool.name === "lay") && <ByName key={tool.name} kind={tool.name} />}
-      {ways && (
+      {poses && (
         <p class="row">
-          <span class="grow">{ways.plates[0]!.panel}: way {ways.taken + 1} of {ways.plates.length}</span>
-          <Button label="Another way to lay it" onClick={() => sheet.take(ways.taken + 1)} disabled={ways.plates.length < 2 || running.value.has("assemble")} class="small">Another way</Button>
+          <span class="grow">{poses.plates[0]!.panel}: pose {poses.taken + 1} of {poses.plates.length}</span>
+          <Button label="Another pose" onClick={() => sheet.take(poses.taken + 1)} disabled={poses.plates.length < 2 || running.value.has("assemble")} class="small">Another pose</Button>
         </p>
       )}
       <ul class="rows" aria-label="hints">
@@ -132,7 +132,8 @@ function ByName({ kind }: { kind: "join" | "flush" | "lay" }) {
 }
 
 function GoOn() {
-  const { certainty, file } = sheet.assembled.value!;
+  const { certainty, file, panels } = sheet.assembled.value!;
+  if (panels.every(({ state }) => state !== "placed")) return null;
   return (
     <Section title="How it goes on">
       <p>{certainty === "sure" ? "Ask how the parts move, and whether it comes apart." : "It is not sure that this is how it belongs: look at it first."}</p>

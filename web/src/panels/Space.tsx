@@ -2,7 +2,7 @@
 
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { design } from "../design.ts";
+import { design, fixedNames } from "../design.ts";
 import { end, shown } from "../motion.ts";
 import { ask } from "../session.ts";
 import { isDark } from "../stage/colours.ts";
@@ -26,6 +26,7 @@ export function Space() {
       a.value = pair?.[0] ?? names.value[0] ?? "";
       b.value = pair?.[1] ?? names.value[1] ?? "";
       if (chosen && !pair) [a.value, b.value] = [names.value.find((name) => name !== chosen) ?? "", chosen];
+      if (fixedNames.value.has(b.value) && !fixedNames.value.has(a.value)) [a.value, b.value] = [b.value, a.value];
     }
   }, [selected.value, touching.value]);
   const about = space.value;
@@ -106,6 +107,7 @@ function Body() {
             <input type="range" min={0} max={slices.length - 1} value={which.value} aria-valuetext={`${number(slice.angle_deg, 3)} degrees`} onInput={(event) => (which.value = Number(event.currentTarget.value))} />
           </label>
           <Slice slices={slices} which={which.value} state={state} here={which.value === nearest(slices, state[2])} />
+          {slice.rings.length === 0 || which.value === 0 || which.value === slices.length - 1 ? <p class="quiet">The free space ends at this turn: hardly more than a point is left.</p> : null}
         </>
       )}
     </>

@@ -3,11 +3,11 @@
 import { useSignal } from "@preact/signals";
 import { asks, design, fixedNames } from "../design.ts";
 import { ask } from "../session.ts";
-import { answer, current, names, studies } from "../state.ts";
+import { answer, coloured, current, names, studies, tinted } from "../state.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
 import { stepOf } from "../chrome/Selection.tsx";
-import { Blamebar, Colouring } from "./Ranked.tsx";
+import { Blamebar } from "./Ranked.tsx";
 import { Command } from "./Command.tsx";
 import { Section } from "./Section.tsx";
 import { Sections } from "./Study.tsx";
@@ -46,7 +46,7 @@ function Sample() {
       <div class="asks">
         <label>standard deviation <NumberBox value={used} min={0} step={stepOf(gap / 5)} unit="mm" label="standard deviation of the gap" onChange={(v) => (spread.value = v)} /></label>
         <label>draws <NumberBox value={draws.value} min={1} step={50} label="number of draws" onChange={(v) => (draws.value = Math.min(Math.round(v), 5000))} /></label>
-        <label>good up to <NumberBox value={limit.value} min={0} step={stepOf(10 * gap)} unit="mm" label="largest motion that is good, 0 for none" onChange={(v) => (limit.value = v)} /></label>
+        <label>good up to <NumberBox value={limit.value} min={0} step={stepOf(10 * gap)} unit="mm" none="any" label="largest motion that is good" onChange={(v) => (limit.value = v)} /></label>
         <Run kind="sample" label="Draw gaps at random" onClick={run} disabled={!asked() || used <= 0}>Draw</Run>
       </div>
       <Result of="sample" />
@@ -58,13 +58,14 @@ function Result({ of }: { of: "tighten" | "sample" }) {
   const about = studies.value[of];
   if (!about) return null;
   const { said, study, tints, command } = about.reply;
+  const mine = coloured.value && tinted.value === of;
   return (
     <div class={current(about) ? "result" : "result old"}>
       <p class="strong">{said.title}</p>
       <p class="quiet">{said.facts.join(" · ")}</p>
       {!current(about) && <p class="quiet">said of an earlier design</p>}
-      <Colouring />
-      {tints.per && <Blamebar most={Math.max(...Object.values(tints.values))} per={tints.per} />}
+      <label class="check"><input type="checkbox" checked={mine} onChange={(event) => { tinted.value = of; coloured.value = event.currentTarget.checked; }} /> colour the parts</label>
+      {mine && tints.per && <Blamebar most={Math.max(...Object.values(tints.values))} per={tints.per} />}
       <Sections of={study} />
       <Command text={command} />
     </div>

@@ -1,4 +1,4 @@
-/** The kept answer in a canvas of its own, beside the live one: the same view, the same place on the way, the same magnification. */
+/** The kept answer in a canvas of its own, beside the live one: the same view, the same place on the path, the same magnification. */
 
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -35,16 +35,16 @@ function painter(canvas: HTMLCanvasElement): () => void {
 
 function paintKept(g: CanvasRenderingContext2D, { about, shapes, roles }: Kept): void {
   const ratio = g.canvas.width / size.peek().width;
-  const way = about.ways[0]!;
+  const path = about.paths[0]!;
   const at = place.peek();
-  const motion = along(way, at, new Float32Array(3 * way.n));
+  const motion = along(path, at, new Float32Array(3 * path.n));
   const scene = {
     shapes, names: names.peek(), roles, blame: null, motion, factor: factor(), chosen: NONE, hovered: -1, held: NONE, colours: colours(),
   };
   clear(g, scene.colours);
   paint(g, size.peek(), ratio, view.peek(), scene, false);
   if (at < 0.999) return;
-  const marks = { contacts: about.reply.contacts, at: end(way), thread: null, highlit: null };
+  const marks = { contacts: about.reply.contacts, at: end(path), thread: null, highlit: null };
   paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, shapes, indexOf.peek(), motion, scene.factor, marks);
 }
 
@@ -98,7 +98,7 @@ function Pane({ of }: { of: Kept }) {
           <Button icon="close" label="Keep nothing beside" onClick={() => (kept.value = null)} />
         </span>
       </div>
-      <canvas ref={canvas} aria-label={`Kept: ${reply.headline}, gap ${design.gap} mm`} role="img" />
+      <div class="pane"><canvas ref={canvas} aria-label={`Kept: ${reply.headline}, gap ${design.gap} mm`} role="img" /></div>
     </section>
   );
 }

@@ -62,15 +62,15 @@ function Measure() {
   const drawn = some.map((one) => ends(one, factor()));
   const lines = drawn.map((pair) => pair.map(screen) as [Point, Point]);
   const [one, other] = drawn;
-  const way = other ? (shortest(one!, other).map(screen) as [Point, Point]) : null;
+  const segment = other ? (shortest(one!, other).map(screen) as [Point, Point]) : null;
   const [a, b] = some.map((feature) => ends(feature, 1));
   const far = b ? long(shortest(a!, b)) : 0;
   const words = b ? (far < TOUCHING * extent.value.radius ? "they touch" : `${number(far, 4)} mm`) : "";
-  const middle: Point | null = way && [(way[0][0] + way[1][0]) / 2, (way[0][1] + way[1][1]) / 2];
+  const middle: Point | null = segment && [(segment[0][0] + segment[1][0]) / 2, (segment[0][1] + segment[1][1]) / 2];
   return (
     <g class="measure">
       {lines.map(([[x1, y1], [x2, y2]], i) => (x1 === x2 && y1 === y2 ? <circle key={i} cx={x1} cy={y1} r={5} /> : <line key={i} class="edge" x1={x1} y1={y1} x2={x2} y2={y2} />))}
-      {way && <line class="way" x1={way[0][0]} y1={way[0][1]} x2={way[1][0]} y2={way[1][1]} />}
+      {segment && <line class="segment" x1={segment[0][0]} y1={segment[0][1]} x2={segment[1][0]} y2={segment[1][1]} />}
       {middle && <text x={Math.min(Math.max(middle[0], 60), size.value.width - 60)} y={Math.max(middle[1] - 14, 16)}>{words}</text>}
     </g>
   );

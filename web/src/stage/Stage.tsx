@@ -1,6 +1,6 @@
 /** The canvas with the parts, and what the pointer does on it. */
 
-import { computed, effect, untracked } from "@preact/signals";
+import { computed, effect, untracked, useComputed } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
@@ -133,11 +133,11 @@ function marksNow() {
   const thread = threadNow();
   if (what === "drag" && state.dragged.peek()) {
     const about = state.dragged.peek()!;
-    return { contacts: about.reply.held, at: end(about.ways[0]!), thread, highlit: null };
+    return { contacts: about.reply.held, at: end(about.paths[0]!), thread, highlit: null };
   }
   const about = state.answer.peek();
-  if (what !== "answer" || !about?.ways[0] || place.peek() < 0.999 || blame.peek()) return null;
-  return { contacts: about.reply.contacts, at: end(about.ways[0]), thread, highlit: state.highlit.peek() as Point | null };
+  if (what !== "answer" || !about?.paths[0] || place.peek() < 0.999 || blame.peek()) return null;
+  return { contacts: about.reply.contacts, at: end(about.paths[0]), thread, highlit: state.highlit.peek() as Point | null };
 }
 
 /** From where the dragged point is drawn to where it is wanted. */
@@ -279,7 +279,7 @@ export function Stage() {
     };
   }, []);
   const parts = state.drawing.value?.parts.length ?? 0;
-  const grabbing = pointerTarget.value !== null;
+  const grabbing = useComputed(() => pointerTarget.value !== null).value;
   const over = state.hovered.value !== null && !state.standalone.value;
   return (
     <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : measuring.value || lassoing.value ? "cell" : state.gluing.value ? "cell" : over ? "grab" : "default"}>

@@ -11,7 +11,7 @@ export interface Kept { about: About<FlexReply>; shapes: Shape[]; roles: Role[] 
 export const kept = signal<Kept | null>(null);
 
 /** True where there is a settled answer to the present design. */
-export const canKeep = (): boolean => answer.value !== null && answer.value.design === design.value && answer.value.reply.settled && answer.value.ways.length > 0;
+export const canKeep = (): boolean => answer.value !== null && answer.value.design === design.value && answer.value.reply.settled && answer.value.paths.length > 0;
 
 /** Keeps the present answer. */
 export function keep(): void {

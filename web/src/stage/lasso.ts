@@ -33,7 +33,8 @@ export function close(more: boolean): void {
 /** Chooses parts; one alone is chosen as by a press. */
 export function chooseMany(found: Iterable<string>): void {
   const all = new Set(found);
-  many.value = all.size > 1 ? all : new Set();
+  if (all.size > 1) many.value = all;
+  else if (many.peek().size) many.value = new Set(); // else nothing changes: a moving hand chooses its part at every frame
   selected.value = all.size === 1 ? [...all][0]! : null;
 }
 

@@ -67,7 +67,7 @@ export function led({ part, grip, target, shaped }: Wanted, motion: Float32Array
   return { free, desired };
 }
 
-/** Parts that the moving ones could meet on their way. */
+/** Parts that the moving ones could meet on their path. */
 function standing(moving: readonly Body[], group: readonly number[], motion: Float32Array, desired: Point): number[] {
   const far = Math.hypot(...desired);
   const aside = new Set(group);

@@ -57,7 +57,7 @@ export function ends({ part, from, to }: Feature, times: number): [Point, Point]
   return [outOf(p, from), outOf(p, to)];
 }
 
-/** Shortest way between two edges or corners: its ends. */
+/** Shortest segment between two edges or corners: its ends. */
 export function shortest([a, b]: readonly [Point, Point], [c, d]: readonly [Point, Point]): [Point, Point] {
   const tries: [Point, Point][] = [[a, foot(a, c, d)], [b, foot(b, c, d)], [foot(c, a, b), c], [foot(d, a, b), d]];
   if (cross(a, b, c, d)) {

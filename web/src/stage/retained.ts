@@ -14,7 +14,7 @@ import { type Size, toScreen, type View } from "./view.ts";
 export const UNSEEN = 0.25;
 /** So many parts are painted in one frame at first, and at least; the number follows how long frames take. */
 const FIRST_RATE = 400;
-const LEAST_RATE = 60;
+const MIN_RATE = 60;
 /** Frames shorter than this may hold more parts, longer ones than that must hold fewer [ms]. */
 const QUICK = 21;
 const SLOW = 30;
@@ -38,7 +38,7 @@ export class Retained {
 
   /** How many parts fit into a frame follows the time that the last one took [ms]. */
   tune(took: number): void {
-    if (took > SLOW) this.#rate = Math.max(this.#rate * 0.7, LEAST_RATE);
+    if (took > SLOW) this.#rate = Math.max(this.#rate * 0.7, MIN_RATE);
     else if (took < QUICK) this.#rate *= 1.3;
   }
 

@@ -3,7 +3,7 @@
 import { computed } from "@preact/signals";
 import { fixedNames, pulledNames } from "../design.ts";
 import { shown } from "../motion.ts";
-import { answer, standalone, checked, coloured, dragged, names, pointed, ranking, space as pair, studies, tab } from "../state.ts";
+import { answer, standalone, checked, coloured, dragged, names, pointed, ranking, space as pair, studies, tab, tinted } from "../state.ts";
 
 export type Role = "neutral" | "pulled" | "fixed" | "leaves" | "lit";
 
@@ -16,12 +16,8 @@ export const blame = computed<Float32Array | null>(() => {
   return Float32Array.from(values, (v) => v / most);
 });
 
-/** Colours of the study that was made last. */
-function varied(): Record<string, number> | undefined {
-  const { tighten, sample } = studies.value;
-  const last = (sample?.reply.id ?? 0) > (tighten?.reply.id ?? 0) ? sample : tighten;
-  return last?.reply.tints.values;
-}
+/** Colours of the study that was made or chosen last. */
+const varied = (): Record<string, number> | undefined => studies.value[tinted.value]?.reply.tints.values;
 
 function blamed(): Record<string, number> | undefined {
   const parts = ranking.value?.reply.parts;
@@ -31,7 +27,7 @@ function blamed(): Record<string, number> | undefined {
 /** Parts that leave in the step that is shown. */
 function escaping(): string[] {
   const about = checked.value;
-  return about?.reply.escapes[about.ways.indexOf(shown.value.frames!)]?.parts ?? [];
+  return about?.reply.escapes[about.paths.indexOf(shown.value.frames!)]?.parts ?? [];
 }
 
 export const roles = computed<Role[]>(() => {

@@ -76,6 +76,8 @@ def grow_many(outlines, work, seeds, keeps, begin, walls):
         na, ra = copy_shape(outlines, seed.a, work.edges, 0, work.runs, 0)
         n, r = copy_shape(outlines, seed.b, work.edges, na, work.runs, ra)
         pair = Pair(work.edges, work.runs, na, n, ra, r)
+        for k in range(n):
+            work.corners[0, k], work.corners[1, k] = work.edges[k].x, work.edges[k].y
         work.number[LINES] = 0
         good, _ = separate_all_edges(pair, work, seed, keep, posed(seed.x, seed.y, seed.psi), seed.psi, seed.psi)
         seed.grown = good

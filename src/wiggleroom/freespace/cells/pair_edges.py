@@ -16,7 +16,6 @@ EDGE = np.dtype(
         ("nx", "f8"), ("ny", "f8"), ("off", "f8"),  # its line is where n . p = off, n the outward unit normal
         ("after", "i8"),  # the next edge of the ring
         ("seen_x", "f8"), ("seen_y", "f8"),  # where A sees it begin, from the pose looked from
-        ("least", "f8"),  # how far its corner stays in front of one line, while that is worked out
     ],
     align=True,
 )  # fmt: skip

@@ -54,6 +54,8 @@ class Workspace(NamedTuple):
         For the table of the pair.
     number : (2,) int64
         How many lines and open pairs there are.
+    corners : (3, n) float64 [mm]
+        x and y of the corners that the edges begin at, and how far each stays in front of one line, while that is worked out.
     lines : (MAX_LINES,) LINE
         Lines of the cell being grown.
     ahead : (MAX_LINES, n) float64 [mm]
@@ -71,6 +73,7 @@ class Workspace(NamedTuple):
     edges: np.ndarray
     runs: np.ndarray
     number: NDArray[np.int64]
+    corners: NDArray[np.float64]
     lines: np.ndarray
     ahead: NDArray[np.float64]
     run_ahead: NDArray[np.float64]
@@ -86,6 +89,7 @@ def workspace_for(outlines: EdgeTable) -> Workspace:
         edges=np.empty(2 * n, dtype=EDGE),
         runs=np.empty(2 * r, dtype=RUN),
         number=np.zeros(2, dtype=np.int64),
+        corners=np.empty((3, 2 * n)),
         lines=np.empty(MAX_LINES, dtype=LINE),
         ahead=np.empty((MAX_LINES, 2 * n)),
         run_ahead=np.empty((MAX_LINES, 2 * r)),
@@ -140,8 +144,9 @@ def add_wall(line, v):
 @njit(**COMPILED_CALLERS_ONLY)
 def least_in_front(px, py, qx, qy, dx, dy):
     """Least n(psi) . d while the unit normal n turns counter-clockwise from p to q (less than half a turn)."""
-    least = min(px * dx + py * dy, qx * dx + qy * dy)
-    if py * dx - px * dy >= 0.0 and dy * qx - dx * qy >= 0.0 and (px + qx) * dx + (py + qy) * dy < 0.0:
+    at_p, at_q = px * dx + py * dy, qx * dx + qy * dy
+    least = at_p if at_p < at_q else at_q  # min and max are slower
+    if (py * dx - px * dy >= 0.0) & (dy * qx - dx * qy >= 0.0) & ((px + qx) * dx + (py + qy) * dy < 0.0):
         least = -np.sqrt(dx * dx + dy * dy)
     return least
 
@@ -157,21 +162,19 @@ def set_ahead(pair, work, k, p, q):
         begin, end = 0, pair.ra
     px, py = normal_in_frame(pair, line.edge, p)
     qx, qy = normal_in_frame(pair, line.edge, q)
-    for w in range(pair.runs[begin].begin, pair.runs[end - 1].end):
-        corner = pair.edges[w]
-        most = -np.inf
-        for m in range(line.count):
-            v = line.walls[m]
-            d = 0.0
-            if v != w:
-                d = least_in_front(px, py, qx, qy, corner.x - pair.edges[v].x, corner.y - pair.edges[v].y)
-            most = max(most, d)
-        corner.least = most
+    first, last = pair.runs[begin].begin, pair.runs[end - 1].end
+    x, y, least = work.corners[0, first:last], work.corners[1, first:last], work.corners[2, first:last]
+    least[:] = -np.inf
+    for m in range(line.count):
+        vx, vy = pair.edges[line.walls[m]].x, pair.edges[line.walls[m]].y
+        for w in range(len(x)):
+            d = least_in_front(px, py, qx, qy, x[w] - vx, y[w] - vy)
+            if d > least[w]:
+                least[w] = d
     for r in range(begin, end):
         most = np.inf
         for j in range(pair.runs[r].begin, pair.runs[r].end):
-            e = pair.edges[j]
-            d = min(e.least, pair.edges[e.after].least)
+            d = min(least[j - first], least[pair.edges[j].after - first])
             work.ahead[k, j] = d
             most = min(most, d)
         work.run_ahead[k, r] = most

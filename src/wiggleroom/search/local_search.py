@@ -1,4 +1,4 @@
-"""The loop `improve(start) -> incumbent`: solve, keep what is better, ask the moves where to begin next, until none proposes anything."""
+"""Local search, `improve(start) -> incumbent`: solve, keep what is better, ask the moves where to begin next, until none proposes one."""
 
 from __future__ import annotations
 

@@ -1,0 +1,65 @@
+"""Beyond the nearest local optimum in space, and rounds that go on where the last one ended."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from benchmarks.spatial_figures import plate_of_tetrahedra
+
+import wiggleroom as wr
+from tests.test_spatial import sound, spatial
+from wiggleroom.spatial import spatial_search
+from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_model import SpatialPull
+
+WALLS = [
+    [-2, -2, 22, 0],
+    [-2, 0, 0, 16],
+    [20, 0, 22, 16],
+    [0, 5, 2, 16],
+    [2, 8, 6, 16],
+    [6, 5, 12, 16],
+    [12, 14, 16, 16],
+    [16, 5, 20, 16],
+]
+"""A room with a slot of 3 above the block, and one of 9 elsewhere."""
+CASE = {"name": "case", "boxes": [[x, y, 0, u, v, 4] for x, y, u, v in WALLS], "fixed": True}
+BLOCK = {"name": "block", "boxes": [[3, 1, 1, 5, 3, 3]], "lock": ["z", "rx", "ry"]}
+UP = {"part": "block", "direction": [0, 1, 0]}
+
+
+@pytest.mark.searches
+def test_a_search_finds_the_deeper_of_two_slots() -> None:
+    assembly = spatial(CASE, BLOCK)
+    near = sound(wr.flex(assembly, wr.Pull("block", (0, 1, 0)), search=0))
+    assert near.objective == pytest.approx(5, abs=1e-6)
+    assert near.search is None
+    far = sound(wr.flex(assembly, wr.Pull("block", (0, 1, 0)), search=12))
+    assert far.objective == pytest.approx(11, abs=1e-6)
+    assert far.search is not None
+    assert far.search.next_best == pytest.approx(5, rel=1e-3)
+    assert (far.waypoints[0] == 0).all()
+
+
+def test_the_command_takes_the_number_of_starts(tmp_path: Path, command_output) -> None:
+    file = tmp_path / "slots.json"
+    file.write_text(json.dumps({"format": "wiggleroom/2", "parts": [CASE, BLOCK], "pull": [UP]}))
+    code, out, _ = command_output("flex", file, "--search", 2, "--json", "-")
+    found = json.loads(out)
+    assert code == 0
+    assert found["objective"] > 4.999
+    assert 1 < found["search"]["starts"] <= 3
+    code, _, err = command_output("flex", file, "--search", -1)
+    assert code == 2
+    assert len(err) == 1
+
+
+@pytest.mark.parametrize("count", [10, 14])
+def test_large_plates_settle_although_tips_meet_on_the_way(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
+    monkeypatch.setattr(spatial_search, "MAX_PAIRS_UNDAMPED", 100)
+    middle = f"t{count // 2}-{count // 2}"
+    found = sound(flex_spatial(plate_of_tetrahedra(count, 0.0005), SpatialPull(middle, (0, 0, 1))))
+    assert found.verdict == "optimal"
+    assert found.rounds > 1

@@ -1,0 +1,94 @@
+"""Studies are about the largest motion that a direct question finds, also where a climb from rest ends far below it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+import wiggleroom as wr
+from tests.flexing import part_at
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.build import assemble
+from wiggleroom.deadline import Deadline
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.sensitivity.motion_border import MotionBorder, PlanarGapModel
+
+ROOM = shapely.union_all([shapely.box(0, 0, 1, 1.1), shapely.box(0, 0, 3.1, 1), shapely.box(2.1, 0, 3.1, 3)])
+SLIDER = shapely.box(0.05, 0.05, 0.95, 0.95)
+"""Straight up it meets the roof of its pocket after 0.15 mm; along the corridor and up the shaft it gets 2.05 mm high."""
+
+pytestmark = pytest.mark.searches
+
+
+def corridor(gap: float = 0.0) -> Assembly:
+    """A slider in a pocket beside a corridor to a shaft; its clearance is drawn."""
+    frame = shapely.box(-1, -1, 4, 4) - ROOM
+    parts = (part_at("frame", frame, (0.0, 0.0, 0.0), True), part_at("slider", SLIDER, (0.5, 0.5, 0.0), False))
+    return assemble(Drawing(parts, gap=gap, goals=(wr.Pull("slider", (0, 1)),)))
+
+
+def test_ranking_is_about_the_answer_of_flex() -> None:
+    ranking = wr.rank(corridor())
+    assert ranking.answer.objective == pytest.approx(2.05)
+    assert ranking.importance == pytest.approx([0.5, 0.5], abs=1e-4)
+
+
+def test_draws_vary_about_the_answer_of_flex() -> None:
+    found = wr.sample(corridor(), 0.002, draws=6, seed=1, limit=1.0)
+    assert found.value == pytest.approx(2.05 + found.extra.sum(axis=1) / 2, abs=1e-4)
+    assert found.good == 0
+    assert found.largest_difference < 1e-6
+
+
+def test_tightening_says_what_is_left_of_the_answer_of_flex() -> None:
+    found = wr.tighten(corridor(gap=0.01), parts=1, gap=0.002, draws=2)
+    assert found.before.objective == pytest.approx(2.06)
+    assert found.after.objective == pytest.approx(2.056)
+    assert not wr.tighten(corridor(gap=0.01), limit=1.0, gap=0.002, draws=0).reached
+
+
+def test_a_sweep_goes_through_the_answer_of_flex() -> None:
+    gaps = np.array([0.0, 0.01, 0.02])
+    assert [s.objective for s in wr.sweep(corridor(), gaps).steps] == pytest.approx(2.05 + gaps)
+
+
+@pytest.mark.slow
+def test_the_gap_for_a_motion_is_about_the_answer_of_flex() -> None:
+    found = wr.allowable_gap(corridor(gap=0.01), at_most=2.055)  # climbs from rest end at 0.16
+    assert found.gap == pytest.approx(0.005, rel=0.01)
+
+
+def test_a_gap_whose_motion_was_not_searched_in_time_is_said_to_be_stopped() -> None:
+    border = MotionBorder(PlanarGapModel(corridor(gap=0.01), corridor().goals), 1.0, Deadline(60.0, None), None)
+    low = border._bracket()[0]
+    border.deadline = Deadline(1e-9, None)
+    assert border._confirmed(low)
+    assert border._answer(low, "").stopped
+
+
+def test_draws_do_not_go_through_parts(tmp_path: Path) -> None:
+    """A bolt holds three plates: the moved walls of one draw lead past a plate, to 3.5 mm in place of 0.31."""
+    heights = {"first": (0.0, 0.518, 3.569), "second": (1.1, 0.688, 3.18), "third": (2.199, 0.611, 3.362)}
+    parts = [
+        {
+            "name": name, "at": [0, 0, 0], "fixed": name == "first",
+            "outlines": [
+                {"outline": [[x, -3], [x + 1, -3], [x + 1, -slot], [x, -slot]]},
+                {"outline": [[x, slot], [x + 1, slot], [x + 1, top], [x, top]]},
+            ],
+        }
+        for name, (x, slot, top) in heights.items()
+    ]  # fmt: skip
+    bolt = shapely.union_all(
+        [shapely.box(-0.6, -1, -0.1, 1), shapely.box(-0.1, -0.481, 3.673, 0.481), shapely.box(3.673, -1, 4.173, 1)]
+    )
+    parts.append({"name": "bolt", "at": [0, 0, 0], "outline": shapely.get_coordinates(bolt)[:-1].tolist()})
+    pull = {"part": "third", "direction": [-0.612, -0.791]}
+    file = tmp_path / "plates.json"
+    file.write_text(json.dumps({"format": "wiggleroom/1", "unit": "mm", "parts": parts, "pull": [pull]}))
+    found = wr.sample(wr.read(str(file)), 0.002, draws=3, seed=1, workers=1)
+    assert found.value == pytest.approx(found.answer.objective, rel=0.03)
