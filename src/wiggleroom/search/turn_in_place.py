@@ -27,6 +27,8 @@ ANGLES = 720
 """Turns that are compared."""
 TURN_STEP = 0.1
 """Waypoints of the turn are at most so far apart [rad]."""
+EQUAL = 1e-6
+"""Values that differ by less than this share are the same: parts do not turn for nothing."""
 
 
 def turned_in_place(ready: Prepared, objective: Objective) -> Start | None:
@@ -38,10 +40,11 @@ def turned_in_place(ready: Prepared, objective: Objective) -> Start | None:
         return None
     angle = np.linspace(-np.pi, np.pi, ANGLES + 1)
     for middle in _middles(ready, body):
-        values = [objective.value(motion) for motion in _turned(ready, body, middle, angle)]
-        best = float(angle[int(np.argmax(values))])
-        if max(values) <= 0:
+        values = np.array([objective.value(motion) for motion in _turned(ready, body, middle, angle)])
+        if values.max() <= 0:
             continue
+        equal = angle[values >= (1 - EQUAL) * values.max()]
+        best = float(equal[np.abs(equal).argmin()])
         for whole in (best, best - np.copysign(2 * np.pi, best)):
             steps = int(np.ceil(abs(whole) / TURN_STEP)) + 1
             motions = _turned(ready, body, middle, np.linspace(0.0, whole, steps))
@@ -59,7 +62,7 @@ def better_climb(first: LocalSearch, start: Start) -> tuple[LocalSearch, tuple[f
     climb.iterations += first.iterations
     climb.seconds = {stage: spent + first.seconds[stage] for stage, spent in climb.seconds.items()}
     one, other = first.certain_value(), climb.certain_value()
-    if climb.ended and (other[1] or other[0] > one[0]):
+    if climb.ended and (other[1] or other[0] > one[0] + EQUAL * abs(one[0])):
         return climb, (one[0],)
     first.rounds, first.iterations, first.seconds = climb.rounds, climb.iterations, climb.seconds
     return first, (other[0],)

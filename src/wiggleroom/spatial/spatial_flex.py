@@ -72,15 +72,16 @@ def flex_spatial(
     climb = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
     first = climb.run()
     best = best_of_starts(climb, first, search or 0)
-    if first.good and _verdict(ready, climb.objective, best.end)[0] is Verdict.STOPPED:
-        best = BestOfStarts(first, None, climb.iterations, climb.rounds)  # what seemed to leave may not
+    verdict, leaves, turns = _verdict(ready, climb.objective, best.end)
+    if first.good and best.end is not first and verdict is Verdict.STOPPED:  # what seemed to leave may not
+        best = BestOfStarts(first, None, climb.iterations, climb.rounds)
+        verdict, leaves, turns = _verdict(ready, climb.objective, first)
     done = best.end
     solved = time.perf_counter()
     found, path, whole = done.found, done.path, done.whole
     motion = path[-1]
     deepest = deepest_overlap(its, motion)
     at_end = _at_end(ready, done)
-    verdict, leaves, turns = _verdict(ready, climb.objective, done)
     held = at_end and found.status is SolverStatus.CONVERGED
     contacts = spatial_contacts(its, ready.grouping, done.program, found) if held else ()
     ended = time.perf_counter()

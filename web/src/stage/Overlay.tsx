@@ -18,7 +18,8 @@ const TOUCHING = 1e-6;
 const LONG = 74;
 const SHORT = 34;
 const EDGE = 6;
-const MOST = 60;
+/** Arrows of more goals than these would cover the drawing. */
+const MAX_ARROWS = 60;
 
 export function Overlay() {
   void frame.value;
@@ -31,7 +32,7 @@ export function Overlay() {
       <Reach />
       <Measure />
       {lassoed.value.length > 2 && <polygon class="lasso" points={lassoed.value.map((p) => p.join()).join(" ")} />}
-      {goals.value.slice(0, MOST).map((goal, i) => {
+      {goals.value.slice(0, MAX_ARROWS).map((goal, i) => {
         const at = anchor(goal);
         if (!at) return null;
         if (isPull(goal)) return <PullArrow key={i} goal={goal} index={i} at={at} />;
