@@ -75,6 +75,13 @@ def test_a_limit_that_holds_already_needs_nothing() -> None:
     assert found.reached
 
 
+def test_parts_that_have_no_room_are_not_chosen() -> None:
+    made = wr.patterns.chain(6, joint="tee", gap=0.02)
+    tight = replace(made.drawing, gaps=(JointGap(("b1", "b2"), 0.002),))
+    found = wr.tighten(assemble(tight, gap=0.02, goals=[wr.Pull("b4", (0, 1))]), parts=6, draws=3, workers=1)
+    assert found.chosen == ("b3", "b4", "b5", "b6"), "the joint b1-b2 is as tight as the others shall be"
+
+
 def test_a_smaller_joint_of_its_own_is_not_closed_beyond() -> None:
     drawing = replace(wr.patterns.chain(3, joint="tee", gap=0.02).drawing, gaps=(JointGap(("b1", "b2"), 0.004),))
     found = wr.tighten(assemble(drawing), parts=3, draws=2, workers=1)

@@ -195,24 +195,24 @@ def _choose(
     model: StudyModel, before: Any, room: Floats, parts: int | None, limit: float | None, stop: Stop | None
 ) -> tuple[list[int], Any]:
     """Parts chosen a few at a time, each time by the rank that is left, and the answer with all of them tightened."""
-    able = int((room > 0).sum())
-    most = min(parts if parts is not None else able, able)
+    able = room > 0
+    most = min(able.sum() if parts is None else parts, able.sum())
     chosen: list[int] = []
     worth, answer = np.zeros(len(room)), before
-    while len(chosen) < most and answer.objective is not None:
+    while len(chosen) < most and answer.objective is not None and not (stop is not None and stop.is_set()):
         if limit is not None and answer.objective <= limit:
             break
         if model.can_be_ranked(answer):  # mm of motion that each would take
             worth = 2 * np.maximum(ranking_of(answer, model.derivatives(answer)).by_duals, 0.0) * room
-        worth[chosen] = -1.0
-        order = np.argsort(-worth, kind="stable")
-        left = most - len(chosen)
-        batch = max(1, -(-most // SETTINGS.max_rankings))
+        left = np.flatnonzero(able)
+        order = left[np.argsort(-worth[left], kind="stable")]
+        batch = min(max(1, -(-most // SETTINGS.max_rankings)), most - len(chosen))
         if limit is not None:
             # what half of the missing motion needs by first order: the rest is ranked anew
-            needed = int(np.searchsorted(np.cumsum(np.maximum(worth[order], 0.0)), (answer.objective - limit) / 2)) + 1
+            needed = int(np.searchsorted(np.cumsum(worth[order]), (answer.objective - limit) / 2)) + 1
             batch = min(batch, needed)
-        chosen += [int(k) for k in order[: min(batch, left)] if room[k] > 0]
+        chosen += order[:batch].tolist()
+        able[order[:batch]] = False
         answer = model.moved(before, _inward(chosen, room), stop)
     if limit is not None and answer.objective is not None and answer.objective <= limit:
         for k in chosen[: -SETTINGS.max_removal_tests : -1]:  # a batch may have held more than it took
