@@ -17,7 +17,7 @@ from tests.test_answer_page import tags
 from tests.test_plots import all_of, axis
 from wiggleroom.report import pages, palette
 from wiggleroom.report.importance_picture import picture_of_ranking, picture_of_tightening, shade
-from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.separability import Checked
 from wiggleroom.report.study_plots import picture_of_sample, picture_of_sweep
 
 PAGES = {

@@ -19,8 +19,7 @@ from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.json_results import flex_result, to_json
 from wiggleroom.report.pages import page_of_answer
-from wiggleroom.report.separability import check_result
-from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.separability import Checked, check_result
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest

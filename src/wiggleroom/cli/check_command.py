@@ -61,8 +61,7 @@ def check(
 
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None
-    from wiggleroom.report.separability import check_result, check_table
-    from wiggleroom.report.separability_picture import Checked
+    from wiggleroom.report.separability import Checked, check_result, check_table
 
     shown = Checked(found, border)
     tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)

@@ -10,10 +10,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly, place
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.arrows import MIN_ARROW_LENGTH, PULL_LENGTH, Mark, arrow, carry, disc_radius, numbered
 from wiggleroom.report.picture import PartColours, drawn_parts
+from wiggleroom.report.separability import Checked, check_facts, check_title
 
 Floats = NDArray[np.float64]
 
@@ -68,7 +70,7 @@ def leaving_picture(
     gone: set[str] = set()
     for k, leaving in enumerate(order):
         for name in leaving.parts:
-            row, point = assembly.names.index(name), np.array(inside(assembly, name))
+            row, point = assembly.names.index(name), np.array(inner_point(assembly, name))
             track = np.array([carry(point, rest[row], rest[row] + motion) for motion in leaving.path[:, row]])
             marks.append(numbered(way_out(view, point, track, room), k + 1, room))
             gone.add(name)
@@ -128,12 +130,11 @@ def _kind(name: str, fixed: bool, gone: set[str], aside: set[str]) -> str:
     return "leaves" if name in gone else "aside" if name in aside else "stays"
 
 
-def inside(assembly: Assembly, name: str) -> tuple[float, float]:
-    """A point inside a part at rest [mm], as far from its outline as any: its reference point may lie anywhere."""
-    part = assembly.parts[assembly.names.index(name)]
-    largest = max(part.regions, key=lambda region: np.ptp(region.outer, axis=0).sum())
-    outer, *holes = (place(ring, part.at) for ring in (largest.outer, *largest.holes))
-    shape = shapely.Polygon(outer, holes)
-    middle = shapely.maximum_inscribed_circle(shape, tolerance=0.02 * float(np.ptp(outer, axis=0).max()))
-    at = shapely.get_coordinates(middle)[0]
-    return float(at[0]), float(at[1])
+def picture_of_check(checked: Checked, *, command: str = "") -> str:
+    """All parts at rest, with a number in the order of leaving and an arrow on each that leaves, as an SVG picture."""
+    found = checked.found
+    order = [Leaving(e.parts, e.path) for e in found.escapes]
+    moved = {n for e in found.escapes for k, n in enumerate(found.assembly.names) if e.path[:, k].any()}
+    aside = moved - {n for e in found.escapes for n in e.parts}
+    said = check_facts(found, checked.border)
+    return leaving_picture(found.assembly, order, aside, title=check_title(found), said=said, command=command)

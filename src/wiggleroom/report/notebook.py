@@ -19,8 +19,8 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import Step
 from wiggleroom.report import importance_picture, study_plots
+from wiggleroom.report.allowable_gap_results import gap_facts, gap_sentence
 from wiggleroom.report.answer_words import assembly_lines, facts, few, headline, number, towards, verdict_sentence
-from wiggleroom.report.gap_limit import gap_facts, gap_sentence
 from wiggleroom.report.pages import page_of_answer, page_of_assembly
 from wiggleroom.report.plan_pictures import page_of_plan
 from wiggleroom.report.plan_results import (
@@ -30,8 +30,7 @@ from wiggleroom.report.plan_results import (
     step_sentence,
     tolerance_sentences,
 )
-from wiggleroom.report.separability import border_sentence, check_facts, check_title
-from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.separability import Checked, border_sentence, check_facts, check_title
 from wiggleroom.report.solid_page import page_of_spatial_assembly
 from wiggleroom.report.space_report import space_facts, space_headline
 from wiggleroom.report.spatial_table import check_sentence, spatial_headline, spatial_sentence

@@ -13,11 +13,10 @@ from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
+from wiggleroom.report.allowable_gap_results import gap_facts, gap_sentence, gap_sure
 from wiggleroom.report.answer_words import assembly_lines, headline, unit
-from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.importance_picture import ranking_facts
-from wiggleroom.report.separability import check_facts, check_title
-from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.separability import Checked, check_facts, check_title
 from wiggleroom.report.space_report import space_facts, space_picture, space_result
 from wiggleroom.report.space_report import space_headline as space_headline
 from wiggleroom.report.space_solid import space_message
@@ -144,7 +143,7 @@ def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
     ]
     what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
     sections = [
-        section("Against the gap", svg=picture_of_gap(found, framed=False)),
+        section("Against the gap", svg=study_plots.picture_of_gap(found, framed=False)),
         section("How sure is it", terms=gap_sure(found)),
         section("Everything that was tried", columns=["gap mm", what, "at most", "verdict"], rows=rows),
     ]

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.disassembly.remaining import displaced, only
 from wiggleroom.drawing.model import Pull
 from wiggleroom.files import write_whole
 from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.film import film
-from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
+from wiggleroom.report.leaving_picture import Leaving, leaving_picture
 from wiggleroom.report.picture import LegendWords, picture
 from wiggleroom.report.plan_messages import plan_steps, plan_sure
 from wiggleroom.report.plan_results import (
@@ -125,4 +126,4 @@ def _arrow(begin: Assembly, step: Step, name: str, found: Plan) -> Pull:
     row = found.assembly.names.index(name)
     change = step.path[-1, row] - step.path[0, row]
     direction = change[:2] if np.hypot(*change[:2]) > STILL else np.array([1.0, 0.0])
-    return Pull(name, (float(direction[0]), float(direction[1])), inside(begin, name))
+    return Pull(name, (float(direction[0]), float(direction[1])), inner_point(begin, name))

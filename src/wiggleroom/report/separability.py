@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
 from msgspec import UNSET
 
+from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.disassembly.interlock import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
-from wiggleroom.report.leaving_picture import inside
 from wiggleroom.report.search_extent import extent_text, search_entry
 from wiggleroom.report.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
@@ -28,6 +29,14 @@ MAX_ESCAPES = 12
 """Escapes that the table lists."""
 MIN_MOTION = 1e-12
 """Parts that never move further are left out of paths [mm, rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """What `check` found, with the largest gap where that was asked for."""
+
+    found: Interlock
+    border: LargestGap | None = None
 
 
 def check_result(found: Interlock, border: LargestGap | None = None, command: str = "") -> CheckResult:
@@ -204,7 +213,7 @@ def as_answer(found: Interlock) -> Answer:
     waypoints = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
     gone = tuple(name for e in found.escapes for name in e.parts)
     goals = tuple(
-        Pull(e.parts[0], last_directions(found, e)[0], inside(found.assembly, e.parts[0])) for e in found.escapes
+        Pull(e.parts[0], last_directions(found, e)[0], inner_point(found.assembly, e.parts[0])) for e in found.escapes
     )
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
     return witnessed(found.assembly, goals, verdict, objective, waypoints, "checked", leaves=gone, turns=found.spins)

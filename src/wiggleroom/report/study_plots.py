@@ -1,15 +1,23 @@
-"""Plots of what `sweep` and `sample` found."""
+"""Plots of what `sweep`, `sample`, `gap` and `tolerances` found."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from wiggleroom.errors import InputError
+from wiggleroom.report.allowable_gap_results import GAP_DIGITS, gap_facts, gap_sentence
 from wiggleroom.report.answer_words import goals_text, number, unit
-from wiggleroom.report.plots import curve, histogram
+from wiggleroom.report.leaving_picture import picture_of_check
+from wiggleroom.report.plots import bars, curve, histogram
+from wiggleroom.report.separability import Checked
 from wiggleroom.report.study_results import band_sentence, has_band, lost_sentence, spread_words, yield_sentence
+from wiggleroom.report.tolerance_results import tolerance_name, tolerances_facts, tolerances_sentence
+from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.verdict import Verdict
 
 SHOWN_QUANTILES = (0.05, 0.5, 0.95)
@@ -97,4 +105,42 @@ def picture_of_sample(found: Sample, *, command: str = "", framed: bool = True) 
         limit=None if found.limit is None else (found.limit, f"limit {number(found.limit)}"),
         command=command,
         framed=framed,
+    )
+
+
+def picture_of_gap(found: AllowableGap, *, command: str = "", framed: bool = True) -> str:
+    """Curve of motion, or of overlap, against the gap with the crossing marked; of `holds` the parts as they come apart."""
+    held, apart = found.sides
+    if found.question == "holds" and (apart or held) is not None:
+        state = apart or held
+        assert state is not None
+        return picture_of_check(Checked(state), command=command)
+    gaps = np.array([t.gap for t in found.trials])
+    values = np.array([np.nan if t.value is None or math.isinf(t.value) else t.value for t in found.trials])
+    marks = [] if found.gap is None else [(found.gap, f"{found.certainty}: {number(found.gap, GAP_DIGITS)} mm")]
+    if found.beyond is not None:
+        marks.append((found.beyond, f"fails: {number(found.beyond, GAP_DIGITS)} mm"))
+    level = (found.limit, f"limit {number(found.limit)}") if found.question == "at most" and found.limit else None
+    what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
+    return curve(
+        gaps,
+        values,
+        labels=("gap mm", what),
+        title=gap_sentence(found) if framed else "",
+        facts=gap_facts(found) if framed else (),
+        marks=marks,
+        level=level,
+        command=command,
+    )
+
+
+def picture_of_tolerances(found: WorstCase, *, command: str = "") -> str:
+    """What every tolerance adds to the worst case, as SVG bars."""
+    return bars(
+        [tolerance_name(c.tolerance) for c in found.contributions],
+        np.array([c.looser for c in found.contributions]),
+        label="adds to the worst case mm",
+        title=tolerances_sentence(found),
+        facts=tolerances_facts(found),
+        command=command,
     )

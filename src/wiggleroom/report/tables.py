@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.planning.plan import Plan
-from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.separability import Checked
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking

@@ -1,14 +1,11 @@
-"""Worst case within tolerances, as JSON, as a table and as a picture."""
+"""Worst case within tolerances, as JSON and as a table."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from wiggleroom.drawing.model import Tolerance
 from wiggleroom.report.answer_words import goals_text, number, short, unit
-from wiggleroom.report.plots import bars
 from wiggleroom.report.table import columns
 from wiggleroom.schema.gap_schema import ContributionEntry, CornerEntry, TolerancesResult
 from wiggleroom.search.answer import Answer
@@ -132,16 +129,4 @@ def tolerances_table(found: WorstCase) -> Group:
         Text(),
         rows,
         *([Text(f"and {more} smaller ones; --csv has all")] if more > 0 else []),
-    )
-
-
-def picture_of_tolerances(found: WorstCase, *, command: str = "") -> str:
-    """What every tolerance adds to the worst case, as SVG bars."""
-    return bars(
-        [tolerance_name(c.tolerance) for c in found.contributions],
-        np.array([c.looser for c in found.contributions]),
-        label="adds to the worst case mm",
-        title=tolerances_sentence(found),
-        facts=tolerances_facts(found),
-        command=command,
     )

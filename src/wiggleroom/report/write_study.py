@@ -16,12 +16,12 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture as blame
 from wiggleroom.report import pages, study_plots
 from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_ending, ending
-from wiggleroom.report.gap_limit import picture_of_gap
+from wiggleroom.report.leaving_picture import picture_of_check
 from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
-from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
+from wiggleroom.report.separability import Checked
+from wiggleroom.report.separability_film import film_of_check
 from wiggleroom.report.space_report import space_picture
 from wiggleroom.report.stills import write_still
-from wiggleroom.report.tolerance_results import picture_of_tolerances
 from wiggleroom.report.write_spatial import SpatialFound, spatial_page, write_spatial
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
@@ -114,9 +114,9 @@ def _picture(found: Study | FreeSpace, command: str) -> str:
         case Sample():
             return study_plots.picture_of_sample(found, command=command)
         case AllowableGap():
-            return picture_of_gap(found, command=command)
+            return study_plots.picture_of_gap(found, command=command)
         case WorstCase():
-            return picture_of_tolerances(found, command=command)
+            return study_plots.picture_of_tolerances(found, command=command)
         case FreeSpace():
             return space_picture(found, command=command)
 

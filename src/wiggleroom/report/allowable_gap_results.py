@@ -1,16 +1,13 @@
-"""The gap that answers a maker's question, as JSON, as a table and as a picture."""
+"""The gap that answers a maker's question, as JSON and as a table."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
 from msgspec import UNSET
 
 from wiggleroom.report.answer_words import goals_text, number, unit
-from wiggleroom.report.plots import curve
-from wiggleroom.report.separability_picture import Checked, picture_of_check
 from wiggleroom.report.table import columns
 from wiggleroom.schema.gap_schema import GapResult, GapTrial
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
@@ -161,29 +158,3 @@ def _nearest(found: AllowableGap) -> list[Trial]:
 def gap_facts(found: AllowableGap) -> list[str]:
     """Facts under the title."""
     return [f"{term}: {said}" for term, said in gap_sure(found)]
-
-
-def picture_of_gap(found: AllowableGap, *, command: str = "", framed: bool = True) -> str:
-    """Curve of motion, or of overlap, against the gap with the crossing marked; of `holds` the parts as they come apart."""
-    held, apart = found.sides
-    if found.question == "holds" and (apart or held) is not None:
-        state = apart or held
-        assert state is not None
-        return picture_of_check(Checked(state), command=command)
-    gaps = np.array([t.gap for t in found.trials])
-    values = np.array([np.nan if t.value is None or math.isinf(t.value) else t.value for t in found.trials])
-    marks = [] if found.gap is None else [(found.gap, f"{found.certainty}: {number(found.gap, GAP_DIGITS)} mm")]
-    if found.beyond is not None:
-        marks.append((found.beyond, f"fails: {number(found.beyond, GAP_DIGITS)} mm"))
-    level = (found.limit, f"limit {number(found.limit)}") if found.question == "at most" and found.limit else None
-    what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
-    return curve(
-        gaps,
-        values,
-        labels=("gap mm", what),
-        title=gap_sentence(found) if framed else "",
-        facts=gap_facts(found) if framed else (),
-        marks=marks,
-        level=level,
-        command=command,
-    )
