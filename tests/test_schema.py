@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
 
 from wiggleroom.drawing.assembly_schema import AssemblyFile
-from wiggleroom.schema.generate import generated, typescript
+from wiggleroom.report.json_results import to_json
+from wiggleroom.schema.generate import generated, json_schemas, typescript
 from wiggleroom.schema.results import RESULTS
 
 TOP = Path(__file__).parents[1]
@@ -23,6 +25,28 @@ COMMANDS = {
     "sweep": ["sweep", FRAME, "--gaps", "0.1,0.2"],
     "sample": ["sample", FRAME, "--spread", "0.02", "--draws", "5"],
 }
+
+JOINT = str(TOP / "examples" / "43_mortise_and_tenon" / "joint.json")
+LIFT = ["--pull", "rail:+z@120,0,0"]
+IN_SPACE = {
+    "flex": ["flex", JOINT, *LIFT],
+    "a flex that nothing stops": ["flex", JOINT, "--pull", "rail:+x"],
+    "check": ["check", JOINT, "--largest-gap"],
+    "parts": ["parts", JOINT],
+    "rank": ["rank", JOINT, *LIFT],
+    "tighten": ["tighten", JOINT, *LIFT, "--parts", "1", "--draws", "0"],
+    "sweep": ["sweep", JOINT, *LIFT, "--gaps", "0.2,0.3"],
+    "sample": ["sample", JOINT, *LIFT, "--spread", "0.01", "--draws", "2"],
+    "gap": ["gap", JOINT, *LIFT, "--at-most", "1"],
+}
+"""Every command that answers in space."""
+
+
+def structure_of(content: dict[str, Any]) -> type[msgspec.Struct]:
+    """The published structure of a result: that of its format and, where there are two, of its dimension."""
+    kinds = [kind for kind in RESULTS if kind.__struct_config__.tag == content["format"]]
+    own = [kind for kind in kinds if ("dimension" in kind.__struct_fields__) == ("dimension" in content)]
+    return own[0] if len(kinds) > 1 else kinds[0]
 
 
 @pytest.mark.parametrize("path", generated(TOP), ids=lambda path: path.name)
@@ -38,8 +62,7 @@ def test_what_assemble_writes_keeps_to_its_structure(
     sheet = TOP / "tests" / "sheets" / "stool_small.svg"
     command("assemble", str(sheet), *more, "-o", str(tmp_path / "out.json"), "--json", str(place))
     content = json.loads(place.read_text(encoding="utf-8"))
-    structure = next(k for k in RESULTS if k.__struct_config__.tag == content["format"])
-    assert json.loads(msgspec.json.encode(msgspec.convert(content, structure))) == content
+    assert json.loads(msgspec.json.encode(msgspec.convert(content, structure_of(content)))) == content
 
 
 @pytest.mark.parametrize("kind", COMMANDS)
@@ -47,9 +70,29 @@ def test_what_a_command_writes_keeps_to_its_structure(kind: str, command: Callab
     place = tmp_path / "answer.json"
     command(*COMMANDS[kind], "--json", str(place))
     content = json.loads(place.read_text(encoding="utf-8"))
-    structure = next(k for k in RESULTS if k.__struct_config__.tag == content["format"])
-    back = json.loads(msgspec.json.encode(msgspec.convert(content, structure)))
+    back = json.loads(msgspec.json.encode(msgspec.convert(content, structure_of(content))))
     assert back == content  # nothing that the structure does not know, nothing lost
+
+
+@pytest.mark.parametrize("kind", IN_SPACE)
+def test_what_a_command_writes_in_space_keeps_to_its_structure(
+    kind: str, command: Callable[..., int], tmp_path: Path
+) -> None:
+    place = tmp_path / "answer.json"
+    command(*IN_SPACE[kind], "--json", str(place))
+    text = place.read_text(encoding="utf-8")
+    content = json.loads(text)
+    assert list(content)[:2] == ["format", "dimension"]
+    assert content["dimension"] == 3
+    assert to_json(msgspec.convert(content, structure_of(content), strict=True)) == text  # to the letter
+
+
+@pytest.mark.parametrize("name", ["flex", "check", "parts"])
+def test_a_published_schema_holds_for_both_dimensions(name: str) -> None:
+    schema = json.loads(json_schemas()[f"wiggleroom.{name}-1.json"])
+    kinds = [kind["$ref"].removeprefix("#/$defs/") for kind in schema["anyOf"]]
+    assert kinds == [f"{name.title()}Result", f"Spatial{name.title()}Result"]
+    assert all(schema["$defs"][kind]["properties"]["format"]["enum"] == [f"wiggleroom.{name}/1"] for kind in kinds)
 
 
 def test_examples_keep_to_the_schema_of_assembly_files() -> None:

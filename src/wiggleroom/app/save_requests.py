@@ -25,6 +25,8 @@ from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest
 
 if TYPE_CHECKING:
+    from msgspec import Struct
+
     from wiggleroom.app.document import Document
     from wiggleroom.planning.plan import Plan
 
@@ -98,7 +100,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
 
 def _write_in_space(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     from wiggleroom.app.spatial_designs import designed_file
-    from wiggleroom.report.spatial_records import spatial_check_record, spatial_flex_record
+    from wiggleroom.report.spatial_results import spatial_check_result, spatial_flex_result
 
     design = request.design
     if request.what == "assembly":
@@ -110,14 +112,15 @@ def _write_in_space(document: Document, request: SaveRequest, path: Path, out: R
         message = f"{request.what}: is of drawings; {document.file.name} is an assembly in space"
         raise InputError(message)
     said = command(request.of, document.file, design, pulled=request.of == "flex")
+    result: Struct
     if request.of == "check":
         found = document.checked(design, out)
-        record = spatial_check_record(found, command=said)
+        result = spatial_check_result(found, command=said)
     else:
         found = replace(document.answer(design, out), command=said)
-        record = spatial_flex_record(found)
+        result = spatial_flex_result(found)
     if request.what == "json":
-        path.write_text(to_json(record), encoding="utf-8")
+        path.write_text(to_json(result), encoding="utf-8")
     else:
         write_picture(found, path, command=said, progress=out.counted)
 

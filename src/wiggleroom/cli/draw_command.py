@@ -79,11 +79,11 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
 
     check_outputs(file, {"--json": (json, ())}, force)
     if is_spatial_file(file):
-        from wiggleroom.report.spatial_listing import spatial_parts_record, spatial_parts_table
+        from wiggleroom.report.spatial_listing import spatial_parts_result, spatial_parts_table
 
         assembly = read_in_space(file, asked)
         if json is not None:
-            write_result(spatial_parts_record(assembly, command_line()), json)
+            write_result(spatial_parts_result(assembly, command_line()), json)
         if json != "-":
             show(spatial_parts_table(assembly))
         return 0

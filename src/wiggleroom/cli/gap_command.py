@@ -52,7 +52,7 @@ def gap(
     """
     import math
 
-    from wiggleroom.cli.in_space import read_in_space, refuse_page, with_dimension
+    from wiggleroom.cli.in_space import read_in_space, refuse_page
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
@@ -79,7 +79,7 @@ def gap(
     shown = outputs if found.trials else replace(outputs, picture=None)  # nothing was found that could be drawn
     tell(
         shown,
-        lambda: with_dimension(gap_result(found, command, kerf), assembly),
+        lambda: gap_result(found, command, kerf),
         lambda: gap_table(found, kerf),
         found,
         command,

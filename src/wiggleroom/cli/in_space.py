@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import Outputs, Places, command_line
@@ -182,19 +182,6 @@ def refuse_page(file: str, *places: Path | None, spatial: bool = False) -> None:
             raise InputError(message)
 
 
-def with_dimension(result: Any, assembly: Any) -> Any:
-    """A result of a study; of an assembly in space as JSON that says its dimension."""
-    import msgspec
-
-    from wiggleroom.assembly.assembly import Assembly
-
-    if isinstance(assembly, Assembly):
-        return result
-
-    record = msgspec.to_builtins(result)
-    return {"format": record.pop("format"), "dimension": 3} | record
-
-
 def spatial_places(outputs: Outputs) -> Places:
     """Where everything goes, by the name of its option, and which endings are right in space.
 
@@ -244,15 +231,15 @@ def flex_in_space(
         answer = flex(assembly, solver=solver, search=search, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
     answer = replace(answer, seconds=seconds, command=command_line())
-    from wiggleroom.report.spatial_records import spatial_flex_record
+    from wiggleroom.report.spatial_results import spatial_flex_result
     from wiggleroom.report.spatial_table import spatial_table
 
     if outputs.json is not None:
-        write_result(spatial_flex_record(answer), outputs.json)
+        write_result(spatial_flex_result(answer), outputs.json)
     if outputs.json != "-":
         show(spatial_table(answer))
     if outputs.csv is not None:
-        from wiggleroom.report.spatial_records import spatial_steps
+        from wiggleroom.report.spatial_results import spatial_steps
 
         write_table(spatial_steps(answer.assembly.names, [answer.waypoints]), outputs.csv)
     if outputs.picture is not None:
@@ -279,15 +266,15 @@ def check_in_space(
         assembly = read_in_space(file, asked, sheet, stop)
         found = check_spatial(assembly, stop=stop)
         border = spatial_largest_gap(assembly, stop=stop) if largest_gap else None
-    from wiggleroom.report.spatial_records import spatial_check_record
+    from wiggleroom.report.spatial_results import spatial_check_result
     from wiggleroom.report.spatial_table import spatial_check_table
 
     if outputs.json is not None:
-        write_result(spatial_check_record(found, border, command_line()), outputs.json)
+        write_result(spatial_check_result(found, border, command_line()), outputs.json)
     if outputs.json != "-":
         show(spatial_check_table(found, border))
     if outputs.csv is not None:
-        from wiggleroom.report.spatial_records import spatial_steps
+        from wiggleroom.report.spatial_results import spatial_steps
 
         write_table(spatial_steps(found.assembly.names, [e.path for e in found.escapes]), outputs.csv)
     if outputs.picture is not None:

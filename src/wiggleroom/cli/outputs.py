@@ -176,7 +176,7 @@ def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> 
 
 def tell(
     outputs: StudyOutputs,
-    result: Callable[[], Struct | dict[str, Any]],
+    result: Callable[[], Struct],
     page: Callable[[], RenderableType],
     found: Answer | Study,
     command: str,

@@ -39,7 +39,7 @@ def rank(
     exact
         Solve again for the parts whose importance the forces leave open.
     """
-    from wiggleroom.cli.in_space import read_question, with_dimension
+    from wiggleroom.cli.in_space import read_question
     from wiggleroom.cli.watch import bar, interruptible
 
     outputs.check(file)
@@ -55,7 +55,7 @@ def rank(
 
     tell(
         outputs,
-        lambda: with_dimension(rank_result(ranking, command), assembly),
+        lambda: rank_result(ranking, command),
         lambda: rank_table(ranking),
         ranking,
         command,

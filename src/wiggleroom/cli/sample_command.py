@@ -53,7 +53,7 @@ def sample(
     limit
         Largest motion that is wanted [mm, turns in rad].
     """
-    from wiggleroom.cli.in_space import read_question, refuse_page, with_dimension
+    from wiggleroom.cli.in_space import read_question, refuse_page
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
@@ -79,7 +79,7 @@ def sample(
 
     tell(
         outputs,
-        lambda: with_dimension(sample_result(found, command), assembly),
+        lambda: sample_result(found, command),
         lambda: sample_table(found),
         found,
         command,

@@ -43,7 +43,7 @@ def sweep(
     """
     from dataclasses import replace
 
-    from wiggleroom.cli.in_space import read_question, refuse_page, with_dimension
+    from wiggleroom.cli.in_space import read_question, refuse_page
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
@@ -73,8 +73,7 @@ def sweep(
     from wiggleroom.report.study_results import sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
-    record = sweep_result(found, command)
-    tell(shown, lambda: with_dimension(record, assembly), lambda: sweep_table(found), found, command)
+    tell(shown, lambda: sweep_result(found, command), lambda: sweep_table(found), found, command)
     if html is not None and any(step.answer is not None for step in found.steps):
         from wiggleroom.report.write_picture import write_picture
 

@@ -47,7 +47,7 @@ def tighten(
     seed
         Same seed, same choices at random.
     """
-    from wiggleroom.cli.in_space import read_question, with_dimension
+    from wiggleroom.cli.in_space import read_question
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
@@ -70,7 +70,7 @@ def tighten(
 
     tell(
         outputs,
-        lambda: with_dimension(tighten_result(found, command), assembly),
+        lambda: tighten_result(found, command),
         lambda: tighten_table(found),
         found,
         command,

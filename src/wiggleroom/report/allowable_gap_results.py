@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from msgspec import UNSET
 
 from wiggleroom.report.answer_words import goals_text, number, unit
+from wiggleroom.report.json_results import dimension
 from wiggleroom.report.table import columns
 from wiggleroom.schema.gap_schema import GapResult, GapTrial
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
@@ -26,6 +27,7 @@ def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None
     """Everything `gap --json` says."""
     fits = found.question == "fits"
     return GapResult(
+        dimension=dimension(found.assembly),
         question=found.question,
         limit=found.limit,
         gap=found.gap,

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 import numpy as np
 from msgspec import UNSET, Struct, json
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.plain_json import plain
 from wiggleroom.schema.fields import ContactEntry, PartMotion
 from wiggleroom.schema.flex_schema import BoundEntry, FlexResult, PeriodEntry, SearchEntry
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 
 def flex_result(answer: Answer) -> FlexResult:
@@ -42,6 +46,11 @@ def flex_result(answer: Answer) -> FlexResult:
         notes=list(answer.assembly.drawing.notes),
         command=answer.command,
     )
+
+
+def dimension(assembly: Assembly | SpatialAssembly) -> Literal[3] | msgspec.UnsetType:
+    """What the result of a study says of an assembly in space; nothing in the plane."""
+    return UNSET if isinstance(assembly, Assembly) else 3
 
 
 def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:

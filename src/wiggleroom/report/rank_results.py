@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wiggleroom.report.answer_words import headline, number, per_gap, short
+from wiggleroom.report.json_results import dimension
 from wiggleroom.report.table import columns
 from wiggleroom.schema.study_schema import JointImportance, PartImportance, RankResult
 from wiggleroom.sensitivity.rank import Ranking
@@ -44,6 +45,7 @@ def rank_result(ranking: Ranking, command: str = "") -> RankResult:
         for k in ranking.joint_order.tolist()
     ]
     return RankResult(
+        dimension=dimension(answer.assembly),
         objective=answer.objective,
         verdict=answer.verdict,
         by=ranking.by,

@@ -9,6 +9,7 @@ import numpy as np
 from msgspec import UNSET
 
 from wiggleroom.report.answer_words import goals_text, headline, number, rounded_up, short, unit
+from wiggleroom.report.json_results import dimension
 from wiggleroom.report.table import columns
 from wiggleroom.schema.study_schema import (
     CheckedDraws,
@@ -38,6 +39,7 @@ def tighten_result(found: Tightening, command: str = "") -> TightenResult:
     """Everything `tighten --json` says."""
     fits = found.random[np.isfinite(found.random)]
     return TightenResult(
+        dimension=dimension(found.before.assembly),
         objective=found.before.objective,
         tightened=found.after.objective,
         verdict=found.after.verdict,
@@ -109,6 +111,7 @@ def sweep_result(found: Sweep, command: str = "") -> SweepResult:
     """Everything `sweep --json` says."""
     proven = has_band(found)
     return SweepResult(
+        dimension=dimension(found.assembly),
         gaps=[
             SweepEntry(
                 s.gap,
@@ -173,6 +176,7 @@ def sample_result(found: Sample, command: str = "") -> SampleResult:
     spread, worst, bounded = found.spread, found.worst, found.bounded
     order = np.argsort(-share, kind="stable").tolist()
     return SampleResult(
+        dimension=dimension(found.answer.assembly),
         objective=found.answer.objective,
         spread=SpreadEntry(spread.width, spread.kind, spread.sheet, spread.bias),
         draws=len(found.value),

@@ -7,7 +7,7 @@ from typing import Annotated
 import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import Command, Mm, Names, Notes, PartMotion, Seconds
+from wiggleroom.schema.fields import Command, Mm, Names, Notes, PartMotion, Remains, Seconds
 from wiggleroom.verdict import Certainty, Separability
 
 
@@ -41,7 +41,7 @@ class SeparabilityEntry(Struct, kw_only=True):
     ]
     escapes: Annotated[list[EscapeEntry], Meta(description="in the order in which they leave")]
     spins: Annotated[list[str], Meta(description="parts that turn in place without limit")]
-    remains: Annotated[list[str], Meta(description="parts of which nothing more was found to leave")]
+    remains: Remains
     search: StateSearchEntry
 
 

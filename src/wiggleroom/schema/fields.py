@@ -29,6 +29,14 @@ PathState = Annotated[
     Literal["checked", "not checked"], Meta(description="whether no two parts overlap anywhere on the path from rest")
 ]
 Seconds = Annotated[float, Meta(description="[s]")]
+StageSeconds = Annotated[dict[str, float], Meta(description="time by stage, and in total [s]")]
+LeavingParts = Annotated[list[str], Meta(description="parts that move away without limit; of unbounded answers")]
+TurningParts = Annotated[list[str], Meta(description="parts that turn without limit; of unbounded answers")]
+CollisionFree = Annotated[bool, Meta(description="no two parts overlap at the end, by exact geometry")]
+Rounds = Annotated[int, Meta(description="programs that were solved")]
+Remains = Annotated[list[str], Meta(description="parts of which nothing more was found to leave")]
+Findings = Annotated[list[str], Meta(description="what is wrong with the file, one line each")]
+InSpace = Annotated[Literal[3], Meta(description="of an assembly in space; in the plane this key is left out")]
 
 
 class PartMotion(Struct):

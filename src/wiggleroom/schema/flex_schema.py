@@ -7,7 +7,22 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import AtMost, Command, ContactEntry, Mm, Notes, Objective, PartMotion, PathState, Seconds
+from wiggleroom.schema.fields import (
+    AtMost,
+    CollisionFree,
+    Command,
+    ContactEntry,
+    LeavingParts,
+    Mm,
+    Notes,
+    Objective,
+    PartMotion,
+    PathState,
+    Rounds,
+    Seconds,
+    StageSeconds,
+    TurningParts,
+)
 from wiggleroom.verdict import Verdict
 
 
@@ -51,21 +66,17 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     at_most: AtMost
     bound: BoundEntry | UnsetType = UNSET
     search: SearchEntry | UnsetType = UNSET
-    leaves: Annotated[
-        list[str] | UnsetType, Meta(description="parts that move away without limit; of unbounded answers")
-    ] = UNSET
-    turns: Annotated[list[str] | UnsetType, Meta(description="parts that turn without limit; of unbounded answers")] = (
-        UNSET
-    )
+    leaves: LeavingParts | UnsetType = UNSET
+    turns: TurningParts | UnsetType = UNSET
     period: PeriodEntry | UnsetType = UNSET
     parts: Annotated[dict[str, PartMotion], Meta(description="motion of every part by its name")]
-    collision_free: Annotated[bool, Meta(description="no two parts overlap at the end, by exact geometry")]
+    collision_free: CollisionFree
     deepest_overlap: Mm
     path: PathState
     contacts: list[ContactEntry]
     model: Annotated[str, Meta(description="what stands for the free space of a pair: walls, hull or halfplane")]
     solver: str
-    rounds: Annotated[int, Meta(description="programs that were solved")]
-    seconds: Annotated[dict[str, float], Meta(description="time by stage, and in total [s]")]
+    rounds: Rounds
+    seconds: StageSeconds
     notes: Notes = msgspec.field(default_factory=list)
     command: Command

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import AtMost, Command, Mm, Objective, PathState, Percent
+from wiggleroom.schema.fields import AtMost, Command, InSpace, Mm, Objective, PathState, Percent
 from wiggleroom.verdict import Certainty, Verdict
 
 
@@ -27,6 +27,7 @@ class GapTrial(Struct, kw_only=True):
 class GapResult(Struct, tag_field="format", tag="wiggleroom.gap/1", kw_only=True):
     """The gap that answers a maker's question: `wiggleroom gap --json`."""
 
+    dimension: InSpace | UnsetType = UNSET
     question: Literal["at most", "holds", "fits"]
     limit: Annotated[float | None, Meta(description="largest motion [mm, rad], or how much larger outlines are [mm]")]
     gap: Annotated[float | None, Meta(description="the answer [mm]; null where there is none")]

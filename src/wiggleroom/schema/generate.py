@@ -24,9 +24,20 @@ BEGIN, END = "<!-- generated from {} -->", "<!-- end -->"
 
 def json_schemas() -> dict[str, str]:
     """JSON schema of every format, by the name of its file."""
-    found = {f"{kind.__struct_config__.tag}": msgspec.json.schema(kind) for kind in RESULTS}
+    kinds: dict[str, list[type[Struct]]] = {}
+    for kind in RESULTS:
+        kinds.setdefault(f"{kind.__struct_config__.tag}", []).append(kind)
+    found = {name: _json_schema(some) for name, some in kinds.items()}
     found[FORMAT] = msgspec.json.schema(AssemblyFile)
     return {f"{name.replace('/', '-')}.json": json.dumps(schema, indent=1) + "\n" for name, schema in found.items()}
+
+
+def _json_schema(kinds: list[type[Struct]]) -> dict[str, Any]:
+    """Schema of one structure, or of the plane's and that of space."""
+    if len(kinds) == 1:
+        return msgspec.json.schema(kinds[0])
+    references, components = msgspec.json.schema_components(kinds)
+    return {"anyOf": list(references), "$defs": components}
 
 
 def typescript() -> str:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import Command, Mm, Names, Notes, Pair, Point
+from wiggleroom.schema.fields import Command, Findings, Mm, Names, Notes, Pair, Point
 
 
 class PartListing(Struct):
@@ -29,7 +29,7 @@ class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=
 
     parts: list[PartListing]
     notes: Notes
-    findings: Annotated[list[str], Meta(description="what is wrong with the file, one line each")]
+    findings: Findings
     command: Command
 
 

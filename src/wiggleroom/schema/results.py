@@ -1,4 +1,4 @@
-"""What commands write with `--json`: one structure for each format."""
+"""What commands write with `--json`: one structure for each format, two where parts in space are told otherwise."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from wiggleroom.schema.free_space_schema import SpaceResult
 from wiggleroom.schema.gap_schema import GapResult, TolerancesResult
 from wiggleroom.schema.listing_schema import AssembleResult, PartsResult
 from wiggleroom.schema.plan_schema import PlanResult
+from wiggleroom.schema.spatial_result_schema import SpatialCheckResult, SpatialFlexResult, SpatialPartsResult
 from wiggleroom.schema.study_schema import RankResult, SampleResult, SweepResult, TightenResult
 
 RESULTS = (
     FlexResult, CheckResult, PlanResult, GapResult, RankResult, TightenResult, SweepResult, SampleResult, TolerancesResult, SpaceResult,
-    PartsResult, AssembleResult,
+    PartsResult, AssembleResult, SpatialFlexResult, SpatialCheckResult, SpatialPartsResult,
 )  # fmt: skip
-"""All formats."""
+"""All results; one in space has the format of the plane's and `"dimension": 3` besides."""

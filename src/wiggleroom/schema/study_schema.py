@@ -7,7 +7,7 @@ from typing import Annotated
 import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import Command, Mm, Notes, Objective, Pair, PathState, Percent
+from wiggleroom.schema.fields import Command, InSpace, Mm, Notes, Objective, Pair, PathState, Percent
 from wiggleroom.verdict import Verdict
 
 
@@ -40,6 +40,7 @@ class JointImportance(Struct):
 class RankResult(Struct, tag_field="format", tag="wiggleroom.rank/1", kw_only=True):
     """Whose gap matters: `wiggleroom rank --json`."""
 
+    dimension: InSpace | UnsetType = UNSET
     objective: Objective
     verdict: Verdict
     by: Annotated[str, Meta(description="duals or differences")]
@@ -63,6 +64,7 @@ class RandomChoices(Struct):
 class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_only=True):
     """Which parts to make tighter: `wiggleroom tighten --json`."""
 
+    dimension: InSpace | UnsetType = UNSET
     objective: Objective
     tightened: Annotated[float | None, Meta(description="objective with the chosen parts tight")]
     verdict: Verdict
@@ -92,6 +94,7 @@ class SweepEntry(Struct):
 class SweepResult(Struct, tag_field="format", tag="wiggleroom.sweep/1", kw_only=True):
     """Motion against gap: `wiggleroom sweep --json`."""
 
+    dimension: InSpace | UnsetType = UNSET
     gaps: list[SweepEntry]
     lost_between: Annotated[
         tuple[float, float] | None, Meta(description="gaps [mm] between which the motion loses its end")
@@ -134,6 +137,7 @@ class CheckedDraws(Struct):
 class SampleResult(Struct, tag_field="format", tag="wiggleroom.sample/1", kw_only=True, rename={"yields": "yield"}):
     """Motion with random gaps: `wiggleroom sample --json`."""
 
+    dimension: InSpace | UnsetType = UNSET
     objective: Objective
     spread: SpreadEntry
     draws: int
