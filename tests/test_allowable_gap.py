@@ -206,6 +206,12 @@ def test_it_answers_wherever_the_time_is_over(seconds: float) -> None:
     assert found.certainty is not Certainty.PROVEN or found.proven_gap == found.gap
 
 
+@pytest.mark.parametrize(("asked", "right"), [({"fits": -1.0}, "0 or more"), ({"at_most": 0.0}, "more than 0")])
+def test_a_refused_number_is_told_what_is_allowed(asked: dict[str, float], right: str) -> None:
+    with pytest.raises(wr.InputError, match=right):
+        wr.allowable_gap(row("tee", 2, 0.02), **asked)
+
+
 @pytest.mark.parametrize("wrong", [{}, {"at_most": 1.0, "holds": True}, {"at_most": -1.0}, {"fits": math.nan}])
 def test_questions_that_make_no_sense(wrong: dict[str, float]) -> None:
     with pytest.raises(wr.InputError, match="gap: "):

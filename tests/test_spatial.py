@@ -344,6 +344,11 @@ def test_a_sweep_in_space_says_what_is_missing() -> None:
         wr.sweep(spatial(PLATE, PEG), [0.1])
 
 
+def test_a_question_in_space_needs_a_part_that_is_free() -> None:
+    with pytest.raises(wr.InputError, match="everything is fixed"):
+        wr.flex(spatial(PLATE | {"fixed": True}, PEG | {"fixed": True}), wr.Pull("peg", (0, 0, 1)))
+
+
 @pytest.mark.parametrize("seed", [11, 12])
 def test_pulls_of_random_burrs_end_with_a_verdict(seed: int) -> None:
     rng = np.random.default_rng(seed)

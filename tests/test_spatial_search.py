@@ -10,6 +10,7 @@ from benchmarks.spatial_figures import plate_of_tetrahedra
 
 import wiggleroom as wr
 from tests.test_spatial import sound, spatial
+from wiggleroom.report.answer_words import sure_rows
 from wiggleroom.spatial import spatial_search
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_model import SpatialPull
@@ -40,6 +41,8 @@ def test_a_search_finds_the_deeper_of_two_slots() -> None:
     assert far.objective == pytest.approx(11, abs=1e-6)
     assert far.search is not None
     assert far.search.next_best == pytest.approx(5, rel=1e-3)
+    said = dict(sure_rows(far, "", ""))["search"]
+    assert said.startswith(f"{far.search.starts} starts, {far.search.at_value} ended at this value")
     assert (far.waypoints[0] == 0).all()
 
 

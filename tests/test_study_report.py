@@ -17,8 +17,10 @@ from tests.test_answer_page import tags
 from tests.test_plots import all_of, axis
 from wiggleroom.report import pages, palette
 from wiggleroom.report.importance_picture import picture_of_ranking, picture_of_tightening, shade
+from wiggleroom.report.rank_results import rank_result
 from wiggleroom.report.separability import Checked
 from wiggleroom.report.study_plots import picture_of_sample, picture_of_sweep
+from wiggleroom.report.tables import csv_of
 
 PAGES = {
     wr.Ranking: pages.page_of_ranking,
@@ -273,3 +275,11 @@ def test_a_ranking_keeps_its_order_where_parts_are_called_by_numbers(opened: Any
     at = opened(pages.page_of_ranking(found))
     shown = at.locator("table.sorts").first.locator("tbody tr td:first-child").all_inner_texts()
     assert shown == [found.answer.assembly.names[k] for k in found.order]
+
+
+def test_the_table_of_a_ranking_has_the_order_of_its_json() -> None:
+    found = wr.rank(wr.patterns.chain(4, joint="tee", gap=0.01))
+    tighter = 10 * np.argsort(np.argsort(-found.joint_looser)).astype(float)  # the more where it was the less
+    found = replace(found, joint_tighter=tighter, joint_unique=np.zeros(len(tighter), dtype=bool))
+    table = [line.split(",")[1:3] for line in csv_of(found).splitlines() if line.startswith("joint")]
+    assert table == [list(joint.parts) for joint in rank_result(found).joints]

@@ -10,7 +10,7 @@ import numpy as np
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
-from wiggleroom.assembly.statements import statement_findings
+from wiggleroom.assembly.statements import missing_roles, statement_findings
 from wiggleroom.drawing.flatten import flattened_for
 from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, Goal, Part
@@ -72,14 +72,7 @@ def role_findings(drawing: Drawing) -> tuple[str, ...]:
     >>> print(*role_findings(Drawing(())), sep="; ")
     nothing is fixed: name the parts that stand with --fix NAME; nothing is pulled: say what moves with --pull NAME:+y
     """
-    found = []
-    if not any(p.fixed for p in drawing.parts):
-        found.append("nothing is fixed: name the parts that stand with --fix NAME")
-    elif all(p.fixed for p in drawing.parts):
-        found.append("everything is fixed: leave at least one part free to move")
-    if not drawing.goals:
-        found.append("nothing is pulled: say what moves with --pull NAME:+y")
-    return _located(drawing, found)
+    return _located(drawing, missing_roles([p.fixed for p in drawing.parts], drawing.goals, "+y"))
 
 
 def question_findings(drawing: Drawing) -> tuple[str, ...]:

@@ -20,6 +20,24 @@ def statement_findings(drawing: Drawing) -> list[str]:
     return [*_names(drawing), *_references(drawing), *_numbers(drawing), *_roles(drawing)]
 
 
+def missing_roles(fixed: Sequence[bool], goals: Sequence[object], direction: str) -> list[str]:
+    """List what a question about motion lacks, in the plane or in space: a part that is `fixed`, one that is not, a pull.
+
+    Examples
+    --------
+    >>> missing_roles([], (), "+z")[1]
+    'nothing is pulled: say what moves with --pull NAME:+z'
+    """
+    found = []
+    if not any(fixed):
+        found.append("nothing is fixed: name the parts that stand with --fix NAME")
+    elif all(fixed):
+        found.append("everything is fixed: leave at least one part free to move")
+    if not goals:
+        found.append(f"nothing is pulled: say what moves with --pull NAME:{direction}")
+    return found
+
+
 class PartNames:
     """Names of parts as people give them: a name, an id beside it, or a point of the part as "@12,30" [mm].
 

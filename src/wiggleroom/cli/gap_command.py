@@ -62,8 +62,6 @@ def gap(
     if kerf is not None and not (math.isfinite(kerf) and kerf >= 0):
         wrong = f"--kerf {kerf:g}: it must be 0 or more"
         raise InputError(wrong)
-    if sum((at_most is not None, holds, fits is not None)) != 1:
-        raise InputError("gap: ask one question: --at-most 0.5, --holds or --fits 0.1")
     command = command_line()
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         from wiggleroom.drawing.dimension import is_spatial_file

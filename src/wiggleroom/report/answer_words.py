@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.search.answer import Answer, Contact
     from wiggleroom.search.global_search import SearchEffort
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
     from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 MAX_NAME_LENGTH = 40
@@ -232,7 +233,7 @@ def bound_sentence(answer: Answer) -> str:
 def searched(effort: SearchEffort | None) -> str:
     """Say how many starts were made, how many ended at the value reported, and the best value but one."""
     if effort is None:
-        return "from rest only"
+        return "from rest only; a better local optimum may remain unfound"
     if effort.starts == 1:
         return "1 start"
     ends = f"{effort.starts} starts, {effort.at_value} ended at this value"
@@ -241,14 +242,19 @@ def searched(effort: SearchEffort | None) -> str:
 
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
+    return sure_rows(answer, verdict_sentence(answer), bound_sentence(answer))
+
+
+def sure_rows(answer: Answer | SpatialAnswer, verdict: str, bound: str) -> list[tuple[str, str]]:
+    """The same of the plane and of space, with what the verdict and the bound mean there."""
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
     if answer.objective is not None and unit(answer.goals) == "rad":
         found += f", {number(math.degrees(answer.objective))}°"
     return [
         ("found", found.strip()),
-        ("verdict", f"{answer.verdict.value}: {verdict_sentence(answer)}"),
+        ("verdict", f"{answer.verdict.value}: {verdict}"),
         ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
-        ("at most", bound_sentence(answer)),
+        ("at most", bound),
         ("search", searched(answer.search)),
         ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
@@ -260,7 +266,7 @@ def force_bearing_contacts(contacts: Iterable[Contact]) -> list[Contact]:
     return sorted((c for c in contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
 
 
-def certainty(answer: Answer) -> str:
+def certainty(answer: Answer | SpatialAnswer) -> str:
     """Say what was checked about the motion, in a few words."""
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
@@ -273,15 +279,18 @@ def facts(answer: Answer) -> list[str]:
     """Facts under the headline: verdict, size of the question, and how sure it is."""
     if not answer.goals:
         return [f"gap {number(answer.assembly.gap)} mm"]
+    more = [repeats(answer), proven(answer)]
+    return fact_lines(answer, [line for line in more if line])
+
+
+def fact_lines(answer: Answer | SpatialAnswer, more: Sequence[str] = ()) -> list[str]:
+    """The same of the plane and of space, with what is known besides."""
     found = [f"{answer.verdict}", f"gap {number(answer.assembly.gap)} mm", f"{len(answer.assembly.parts)} parts"]
     if answer.verdict is Verdict.UNBOUNDED and answer.leaves:
         found.append(f"leaves: {few(answer.leaves)}")
     if answer.verdict is Verdict.UNBOUNDED and answer.turns:
         found.append(f"turns: {few(answer.turns)}")
-    if answer.period is not None:
-        found.append(repeats(answer))
-    between = proven(answer)
-    return [*found, *([between] if between else []), certainty(answer)]
+    return [*found, *more, certainty(answer)]
 
 
 def few(names: Sequence[str], most: int = 8) -> str:

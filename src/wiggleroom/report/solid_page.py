@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain_json import json_bytes
-from wiggleroom.report.answer_words import assembly_lines, few, number, short, spatial_towards
+from wiggleroom.report.answer_words import assembly_lines, certainty, few, number, short, spatial_towards
 from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.solid_colours import Colour, part_colours
 from wiggleroom.report.spatial_path import waypoint_times, with_quaternions
 from wiggleroom.report.spatial_table import (
     check_sentence,
     last_direction,
-    spatial_certainty,
     spatial_headline,
     spatial_sentence,
 )
@@ -67,7 +66,7 @@ def page_of_spatial_answer(
     sure = [
         *(f"<p>{escape(line)}</p>" for line in facts),
         f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(spatial_sentence(answer))}</p>',
-        f"<p>gap {number(answer.assembly.gap)} mm; {escape(spatial_certainty(answer))}; "
+        f"<p>gap {number(answer.assembly.gap)} mm; {escape(certainty(answer))}; "
         f"deepest overlap {number(answer.deepest_overlap, 2)} mm</p>",
     ]
     if answer.leaves:

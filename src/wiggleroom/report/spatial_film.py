@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.files import write_whole
+from wiggleroom.report.answer_words import certainty
 from wiggleroom.report.file_endings import FILM_SVG, FILMS, check_ending, ending
 from wiggleroom.report.film_frames import as_gif, as_mp4, need_film_library
 from wiggleroom.report.film_svg import PAUSES
@@ -19,7 +20,7 @@ from wiggleroom.report.png import png
 from wiggleroom.report.solid_colours import Colour, moved_surfaces
 from wiggleroom.report.spatial_path import along_path
 from wiggleroom.report.spatial_picture import HEIGHT, WIDTH, frame_of, spatial_svg
-from wiggleroom.report.spatial_table import last_direction, spatial_certainty, spatial_headline
+from wiggleroom.report.spatial_table import last_direction, spatial_headline
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
@@ -53,7 +54,7 @@ def film_of_spatial(found: SpatialAnswer | SpatialDisassembly, path: Path, *, pr
     """
     check_ending(path, FILMS)
     if isinstance(found, SpatialAnswer):
-        facts = f"{found.verdict}, gap {found.assembly.gap:g} mm, {spatial_certainty(found)}"
+        facts = f"{found.verdict}, gap {found.assembly.gap:g} mm, {certainty(found)}"
         lines = [[spatial_headline(found), facts]]
         paths, back = [found.waypoints], not found.leaves
     else:

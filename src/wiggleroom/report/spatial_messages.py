@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
-from wiggleroom.report.answer_words import few, number, unit
+from wiggleroom.report.answer_words import fact_lines, sure_rows
 from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.page_messages import flex_reply
 from wiggleroom.report.solid_page import packed
@@ -17,7 +17,6 @@ from wiggleroom.report.spatial_table import (
     check_sentence,
     departure_words,
     spatial_bound_sentence,
-    spatial_certainty,
     spatial_headline,
     spatial_sentence,
 )
@@ -28,7 +27,6 @@ from wiggleroom.schema.study_replies import CheckReply, LeavingEntry
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialDrawing, SpatialGoal, SpatialPull, SpatialTurn
-from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 
@@ -118,8 +116,8 @@ def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
         answer,
         command,
         spatial_headline(answer),
-        spatial_facts(answer),
-        spatial_sure(answer),
+        fact_lines(answer),
+        sure_rows(answer, spatial_sentence(answer), spatial_bound_sentence(answer)),
         spatial_contacts_message(answer.contacts),
     )
 
@@ -127,30 +125,6 @@ def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
 def spatial_contacts_message(contacts: Iterable[SpatialContact]) -> list[ContactEntry]:
     """Contacts with a force, the strongest first."""
     return [ContactEntry(c.parts, c.point, c.normal, c.force) for c in contacts if c.force > 0]
-
-
-def spatial_facts(answer: SpatialAnswer) -> list[str]:
-    """Facts under the headline: verdict, size of the question, and how sure it is."""
-    found = [f"{answer.verdict}", f"gap {number(answer.assembly.gap)} mm", f"{len(answer.assembly.parts)} parts"]
-    if answer.verdict is Verdict.UNBOUNDED and answer.leaves:
-        found.append(f"leaves: {few(answer.leaves)}")
-    if answer.verdict is Verdict.UNBOUNDED and answer.turns:
-        found.append(f"turns: {few(answer.turns)}")
-    return [*found, spatial_certainty(answer)]
-
-
-def spatial_sure(answer: SpatialAnswer) -> list[tuple[str, str]]:
-    """How sure an answer is, and what it cost: a word and a sentence each."""
-    found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
-    return [
-        ("found", found.strip()),
-        ("verdict", f"{answer.verdict.value}: {spatial_sentence(answer)}"),
-        ("checked", f"{spatial_certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
-        ("at most", spatial_bound_sentence(answer)),
-        ("search", "one climb from rest; a better local optimum may remain unfound"),
-        ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
-        ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
-    ]
 
 
 def spatial_check_message(found: SpatialDisassembly, command: str) -> CheckReply:

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
+from wiggleroom.report.answer_words import certainty
 from wiggleroom.report.file_endings import ending
 from wiggleroom.report.palette import FONT, INK, PAPER, SUBDUED
 from wiggleroom.report.solid_colours import Colour, moved_surfaces, part_colours
 from wiggleroom.report.spatial_model_file import glb
-from wiggleroom.report.spatial_table import spatial_certainty, spatial_headline
+from wiggleroom.report.spatial_table import spatial_headline
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly, Surface
@@ -53,7 +54,7 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
     InputError
         If the name has another ending.
     """
-    lines = [spatial_headline(answer), f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {spatial_certainty(answer)}"]
+    lines = [spatial_headline(answer), f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {certainty(answer)}"]
     write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts, waypoints=answer.waypoints)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.report.answer_words import (
+    certainty,
     few,
     number,
     rounded_up,
@@ -57,13 +58,6 @@ def spatial_headline(answer: SpatialAnswer) -> str:
 def spatial_sentence(answer: SpatialAnswer) -> str:
     """Say what the verdict means."""
     return _SENTENCES.get(answer.verdict, answer.verdict.sentence)
-
-
-def spatial_certainty(answer: SpatialAnswer) -> str:
-    """Say what was checked about the motion."""
-    if not answer.collision_free:
-        return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
-    return f"no overlap, path from rest {answer.path}"
 
 
 def spatial_bound_sentence(answer: SpatialAnswer) -> str:
@@ -116,7 +110,7 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     sure = [
         *most,
         *([f"search:   {searched(answer.search)}"] if answer.search is not None else []),
-        f"checked:  {spatial_certainty(answer)}; {overlap}",
+        f"checked:  {certainty(answer)}; {overlap}",
         f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
         f"seconds:  {spent}",
     ]

@@ -114,7 +114,7 @@ def _ranks(ranking: Ranking) -> list[tuple[Any, ...]]:
     joints = [
         ("joint", *(names[i] for i in ranking.joints[k].tolist()), float(ranking.joint_looser[k]), None,
          float(ranking.joint_percent[k]))
-        for k in (-ranking.joint_looser).argsort(kind="stable").tolist()
+        for k in ranking.joint_order.tolist()
     ]  # fmt: skip
     return parts + joints
 

@@ -86,10 +86,12 @@ def check_question(at_most: float | None, holds: bool, fits: float | None) -> No
     """
     if sum((at_most is not None, holds, fits is not None)) != 1:
         raise InputError("gap: ask one question: at most (--at-most 0.5), holds (--holds) or fits (--fits 0.1)")
-    for name, value in (("at most", at_most), ("fits", fits)):
-        if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and name == "fits"))):
-            wrong = f"gap: {name} {value:g}: it must be more than 0"
-            raise InputError(wrong)
+    if at_most is not None and not (math.isfinite(at_most) and at_most > 0):
+        wrong = f"gap: at most {at_most:g}: it must be more than 0"
+        raise InputError(wrong)
+    if fits is not None and not (math.isfinite(fits) and fits >= 0):
+        wrong = f"gap: fits {fits:g}: it must be 0 or more"
+        raise InputError(wrong)
 
 
 def held_gap(assembly: Any, border: LargestGap, deadline: Deadline) -> AllowableGap:

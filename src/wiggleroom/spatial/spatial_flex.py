@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.statements import missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.overlap_check import deepest_overlap
@@ -96,13 +97,8 @@ def flex_spatial(
 
 
 def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str]:
-    """List what a question about motion lacks: a fixed part, a pull."""
-    found = []
-    if not any(p.fixed for p in assembly.parts):
-        found.append("nothing is fixed: name the parts that stand with --fix NAME")
-    if not goals:
-        found.append("nothing is pulled: say what moves with --pull NAME:+z")
-    return found
+    """List what a question about motion lacks: a fixed part, a free one, a pull."""
+    return missing_roles([p.fixed for p in assembly.parts], goals, "+z")
 
 
 def _at_end(ready: SpatialPrepared, done: SearchEnd) -> bool:
