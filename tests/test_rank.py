@@ -73,6 +73,61 @@ def test_two_stops_at_once_differ_on_both_sides(by: str) -> None:
     }
 
 
+def seesaw(foot: float) -> Drawing:
+    """A bar pulled down onto two posts with feet of a width, which may slide to either side as far as two stops let its keel."""
+    keel = [(-2, 0.5), (-2, 0.02), (-0.1, 0.02), (-0.1, -0.8), (0.1, -0.8), (0.1, 0.02), (2, 0.02), (2, 0.5)]
+    posts = []
+    for name, x in (("left post", -1.0), ("right post", 1.0)):
+        top = [(x + foot / 2, 0.0), (x - foot / 2, 0.0)] if foot else [(x, 0.0)]
+        posts.append(polygon_part(name, [(x - 0.1, -1.0), (x + 0.1, -1.0), *top], fixed=True))
+    stops = box("left stop", -0.6, -1.0, -0.4, -0.3, fixed=True), box("right stop", 0.4, -1.0, 0.6, -0.3, fixed=True)
+    return Drawing((polygon_part("bar", keel), *posts, *stops), goals=(Pull("bar", (0.0, -1.0)),))
+
+
+def again_one_sided(drawing: Drawing, name: str, h: float) -> float:
+    """Difference on one side by the gap round one part, everything worked out from nothing."""
+    at, beside = (wr.flex(assemble(drawing, offset={name: -x / 2})).objective for x in (0.0, h))
+    assert at is not None
+    assert beside is not None
+    return (beside - at) / abs(h)
+
+
+@pytest.mark.parametrize("foot", [0.1, 0.0])
+def test_a_bar_that_may_slide_on_its_posts_lets_each_count_for_what_it_holds_at_either_end(foot: float) -> None:
+    """The bar lies anywhere between two stops: with a lower post it goes towards that one, with a higher one away from it."""
+    ranking = wr.rank(assemble(seesaw(foot)))
+    for post in ("left post", "right post"):
+        looser, tighter = of(ranking, post)
+        assert not ranking.unique[ranking.answer.assembly.names.index(post)]
+        assert looser == pytest.approx(again_one_sided(seesaw(foot), post, 1e-5), rel=1e-3)
+        assert tighter == pytest.approx(-again_one_sided(seesaw(foot), post, -1e-5), rel=1e-3)
+        assert looser > tighter > 0
+    quick = rank_at_once(ranking.answer)
+    for post in ("left post", "right post"):
+        assert not quick.unique[ranking.answer.assembly.names.index(post)]
+    assert not quick.joint_unique.any()
+
+
+def test_bolts_in_line_share_a_load_in_any_way() -> None:
+    """Two bolts in line along the pull, each between flat sides of holes: either alone could hold, so both ends are nothing and all."""
+
+    def disc(x: float, r: float) -> list[tuple[float, float]]:
+        return [(x + r * np.cos(a), r * np.sin(a)) for a in np.pi / 24 + 2 * np.pi * np.arange(24) / 24]
+
+    parts = []
+    for name, fixed in (("plate", True), ("slide", False)):
+        material = shapely.Polygon(
+            [(-0.8, -0.8), (2.3, -0.8), (2.3, 0.8), (-0.8, 0.8)], [disc(0, 0.34), disc(1.5, 0.34)]
+        )
+        parts.append(part_at(name, material, (0.75, 0.0, 0.0), fixed=fixed))
+    for k, x in enumerate((0.0, 1.5)):
+        parts.append(polygon_part(f"bolt{k}", disc(x, 0.3)))
+    drawing = Drawing(tuple(parts), ignore=(("plate", "slide"),), goals=(Pull("slide", (1.0, 0.0)),))
+    ranking = wr.rank(assemble(drawing))
+    for bolt in ("bolt0", "bolt1"):
+        assert of(ranking, bolt) == pytest.approx((0.0, 1.0), abs=1e-3)
+
+
 def test_exact_solves_what_is_not_unique_again() -> None:
     ranking = wr.rank(assemble(two_stops()), exact=True)
     assert of(ranking, "peg") == pytest.approx((0.0, 0.5), abs=1e-4)
@@ -191,8 +246,8 @@ def test_a_ranking_at_once_is_the_same_where_it_is_unique_and_never_surer() -> N
     whole, quick = wr.rank(answer), rank_at_once(answer)
     assert whole.ends == "whole"
     assert (~whole.unique).any()
-    assert (whole.unique == quick.unique).all()
-    slack = 1e-5 * whole.looser.max()  # of the linear programs that find the ends
+    assert (whole.unique | ~quick.unique).all()
+    slack = 1e-4 * whole.looser.max()  # of the linear programs that find the ends, and of solving again
     np.testing.assert_allclose(quick.by_duals, whole.by_duals, atol=slack)
     assert (whole.looser <= quick.looser + slack).all()
     assert (whole.tighter >= quick.tighter - slack).all()

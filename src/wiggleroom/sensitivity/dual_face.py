@@ -31,11 +31,14 @@ class DualFaceSettings:
         A random direction of which less than this is left within the face is rounding: the face is a point.
     uniqueness_tolerance : float in (0, 1)
         A derivative that varies by less than this share of itself, or of a thousandth of the largest, is unique.
+    smallest_entry : float in (0, 1)
+        Entries of the balance below this share of the largest are rounding.
     """
 
     random_directions: int = 12
     min_direction: float = 1e-4
     uniqueness_tolerance: float = 1e-3
+    smallest_entry: float = 1e-7
 
 
 SETTINGS = DualFaceSettings()
@@ -78,10 +81,12 @@ class DualFace:
 
         value = float(worth @ self.force)
         scale = self.force.max()
+        balance = self.balance.copy()  # without what rounding left: a linear program would scale it up
+        balance.data[np.abs(balance.data) < SETTINGS.smallest_entry * np.abs(balance.data).max(initial=0.0)] = 0.0
         ends = []
         for sign in (1.0, -1.0):
             found = linprog(
-                sign * worth, A_eq=self.balance, b_eq=self.balance @ (self.force / scale), bounds=(0, None), method="highs"
+                sign * worth, A_eq=balance, b_eq=balance @ (self.force / scale), bounds=(0, None), method="highs"
             )  # fmt: skip
             ends.append(sign * found.fun * scale if found.status == 0 else value)
         return min(ends[0], value), max(ends[1], value)
@@ -92,14 +97,7 @@ def face(jacobian: sp.csr_matrix, holds: Ints, force: Floats, length: float) -> 
 
     Rows count in units of `length` [mm].
     """
-    scaled = sp.diags_array(force) @ jacobian
-    matrix = (scaled.T @ scaled).tocsc()
-    shift = 1e-13 * matrix.diagonal().max(initial=1e-300)
-    normal = sp.linalg.splu(matrix + shift * sp.eye_array(matrix.shape[0], format="csc"))
-    z = np.random.default_rng(0).standard_normal((len(holds), SETTINGS.random_directions))
-    for _ in range(2):  # the second pass removes what rounding left of the first
-        z -= scaled @ normal.solve(scaled.T @ z)
-    z[:, np.hypot.reduce(z, axis=0) < SETTINGS.min_direction] = 0.0
+    z = null_space_sample((sp.diags_array(force) @ jacobian).tocsr())
     least, most = z.min(axis=0, initial=0.0), z.max(axis=0, initial=0.0)
     ahead = 1 / np.maximum(-least, 1e-300)
     behind = 1 / np.maximum(most, 1e-300)
@@ -107,6 +105,24 @@ def face(jacobian: sp.csr_matrix, holds: Ints, force: Floats, length: float) -> 
     turn = force[:, None] * z * np.where(some, ahead, 0.0)
     back = np.where(some, behind / ahead, 0.0)
     return DualFace(holds, force / length, jacobian.T.tocsr(), turn / length, back)
+
+
+def null_space_sample(matrix: sp.csr_matrix, z: Floats | None = None) -> Floats:
+    """Vectors (k, m), random ones unless given, projected onto the null space of the transpose of a matrix (k, V).
+
+    Random ones of which next to nothing is left are zero.
+    """
+    normal = (matrix.T @ matrix).tocsc()
+    shift = 1e-13 * normal.diagonal().max(initial=1e-300)
+    solver = sp.linalg.splu(normal + shift * sp.eye_array(normal.shape[0], format="csc"))
+    given = z is not None
+    if z is None:
+        z = np.random.default_rng(0).standard_normal((matrix.shape[0], SETTINGS.random_directions))
+    for _ in range(2):  # the second pass removes what rounding left of the first
+        z = z - matrix @ solver.solve(matrix.T @ z)
+    if not given:
+        z[:, np.hypot.reduce(z, axis=0) < SETTINGS.min_direction] = 0.0
+    return z
 
 
 def group_gains(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:

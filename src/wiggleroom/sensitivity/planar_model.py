@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
@@ -22,6 +23,7 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.sensitivity.dual_face import face, group_gains
+from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
@@ -41,6 +43,7 @@ from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivativ
 from wiggleroom.solve.solution import Solution
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 DIFFERENCE_STEP = 1e-3
 """Extra gap of forward differences, as a share of the typical clearance."""
@@ -147,19 +150,30 @@ class PlanarModel:
 def _derivatives(program: Program, solution: Solution, parts: int) -> GapDerivatives:
     """Derivatives from the multipliers of a program."""
     active = touching(program, solution.u, solution.lam)
-    some = gains(program, solution.u)
-    joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
-    joints, of = np.unique(joint, axis=0, return_inverse=True)
-    of = of.ravel()
+    joints, by_part, by_joint = _by_forces(program, solution.u, active.row, parts)
+    others = other_optima(program, solution.u, active.row, solution.lam[active.row])
+    moved = [(_by_forces(program, o.u, active.row, parts), o.force / program.length) for o in others]
     jacobian = program.linearise(solution.u).jacobian()[active.row]
     total = float(active.force.sum())
     return GapDerivatives(
-        group_gains(some, active.row, program.rows, (some.edge_part, some.corner_part), parts) / 2,
+        by_part,
         joints,
-        group_gains(some, active.row, program.rows, (of, of), len(joints)) / 2,
+        by_joint,
         face(jacobian, active.row, solution.lam[active.row], program.length),
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
+        np.array([worth @ force for (_, worth, _), force in moved]).reshape(-1, parts).T,
+        np.array([worth @ force for (_, _, worth), force in moved]).reshape(-1, len(joints)).T,
     )
+
+
+def _by_forces(program: Program, u: Floats, row: Ints, parts: int) -> tuple[Ints, sp.csr_matrix, sp.csr_matrix]:
+    """Joints (m, 2), and what the forces of rows (k,) are worth at u by part (n, k) and by joint (m, k)."""
+    some = gains(program, u)
+    joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
+    joints, of = np.unique(joint, axis=0, return_inverse=True)
+    of = of.ravel()
+    by_part = group_gains(some, row, program.rows, (some.edge_part, some.corner_part), parts) / 2
+    return joints, by_part, group_gains(some, row, program.rows, (of, of), len(joints)) / 2
 
 
 def slope(start: PerturbationBase, task: tuple[int, float]) -> float:

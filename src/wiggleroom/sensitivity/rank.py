@@ -26,6 +26,9 @@ Ints = NDArray[np.int64]
 MAX_LP_ROWS = 3000
 """With more active rows than this, ranges are estimated from random directions, not found by linear programs."""
 
+MAX_SOLVED_AGAIN = 40
+"""Where the motion may slide without loss, up to so many parts whose derivative is not unique are solved again without being asked for."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ranking(Drawable):
@@ -170,10 +173,13 @@ def rank(
         model = model_of(question, goals)
         answer = model.answer(stop)
     check_end(model, answer)
-    if by == "duals" and not exact:
-        return ranking_of(answer, model.derivatives(answer), stop=stop)
+    derivatives = model.derivatives(answer)
+    ranking = ranking_of(answer, derivatives, stop=stop)
+    slides = derivatives.part_elsewhere.shape[1] > 0 and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
+    if by == "duals" and not exact and not slides:
+        return ranking
     found = model.quotients(answer)
-    ranking = ranking_of(answer, found.derivatives)
+    ranking = ranking_of(answer, found.derivatives, stop=stop)
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
     return _by_differences(ranking, found, parts, by, ParallelRun(workers, cluster, stop, progress))
 
@@ -193,26 +199,31 @@ def rank_at_once(answer: Answer, model: StudyModel | None = None) -> Ranking:
 
 def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
     """Ranking from the forces that hold an answer."""
-    one, by_part, by_joint = found.face, found.part, found.joint
-    low, high = one.spread(by_part)
-    unique = is_unique(low, high)
+    one, joints = found.face, found.joints
     whole = len(one.row) <= most_rows
-    middle = by_part @ one.force
-    low, high = np.where(unique, middle, low), np.where(unique, middle, high)
-    joint_low, joint_high = one.spread(by_joint)
-    joint_unique = is_unique(joint_low, joint_high)
-    value = by_joint @ one.force
-    joint_low, joint_high = np.where(joint_unique, value, joint_low), np.where(joint_unique, value, joint_high)
-    for worth, least, most, same in ((by_part, low, high, unique), (by_joint, joint_low, joint_high, joint_unique)):
-        for k in np.flatnonzero(~same) if whole else ():
+    ranges = []
+    for worth, elsewhere in ((found.part, found.part_elsewhere), (found.joint, found.joint_elsewhere)):
+        middle = worth @ one.force
+        low, high = one.spread(worth)
+        ends = np.column_stack([low, high, elsewhere])
+        one_force, unique = is_unique(low, high), is_unique(ends.min(axis=1), ends.max(axis=1))
+        low, high = np.where(one_force, middle, low), np.where(one_force, middle, high)
+        for k in np.flatnonzero(~one_force) if whole else ():
             if stop is not None and stop.is_set():
                 whole = False
                 break
-            least[k], most[k] = one.range_of(worth[[k]].toarray()[0])
-    held = joint_high > 1e-9 * joint_high.max(initial=0.0)
+            low[k], high[k] = one.range_of(worth[[k]].toarray()[0])
+        least, most = np.column_stack([low, elsewhere]).min(axis=1), np.column_stack([high, elsewhere]).max(axis=1)
+        # with more gap the motion takes the best place for it: where forces are one at each place, that is where it is worth most
+        looser, tighter = np.where(one_force, most, least), np.where(one_force, least, most)
+        ranges.append((np.where(unique, middle, looser), np.where(unique, middle, tighter), unique, middle))
+    (looser, tighter, unique, middle), (joint_looser, joint_tighter, joint_unique, _) = ranges
+    most = np.maximum(joint_looser, joint_tighter)
+    held = most > 1e-9 * most.max(initial=0.0)
+    known = whole and not found.part_elsewhere.shape[1]
     return Ranking(
-        answer, "duals", low, high, unique, middle, found.joints[held], joint_low[held], joint_high[held],
-        joint_unique[held], "whole" if whole else "sampled", found.virtual,
+        answer, "duals", looser, tighter, unique, middle, joints[held], joint_looser[held], joint_tighter[held],
+        joint_unique[held], "whole" if known else "sampled", found.virtual,
     )  # fmt: skip
 
 
@@ -226,7 +237,8 @@ def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, b
     pair = np.array(slopes, dtype=float).reshape(-1, 2)
     solved = np.isfinite(pair).all(axis=1)  # the others keep what the multipliers say
     parts, pair = parts[solved], pair[solved]
-    ends = "whole" if solved.all() else ranking.ends
+    known = solved.all() and not found.derivatives.joint_elsewhere.shape[1]
+    ends = "whole" if known else ranking.ends
     looser, tighter = ranking.looser.copy(), ranking.tighter.copy()
     looser[parts], tighter[parts] = pair.T
     unique = ranking.unique.copy()

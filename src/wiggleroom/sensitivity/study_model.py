@@ -33,6 +33,8 @@ class GapDerivatives:
         Forces (k,), and how far they are unique.
     virtual : float
         Share of the force that is held where nothing touches.
+    part_elsewhere, joint_elsewhere : (n, e), (m, e) float64
+        Derivatives at other motions that are as large; none where there are none, or none are looked for.
     """
 
     part: sp.csr_matrix
@@ -40,6 +42,8 @@ class GapDerivatives:
     joint: sp.csr_matrix
     face: DualFace
     virtual: float
+    part_elsewhere: Floats
+    joint_elsewhere: Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -232,8 +232,9 @@ def _derivatives(assembly: SpatialAssembly, held: HeldMotion) -> GapDerivatives:
     by_part = sp.csr_matrix((gain / 2, (part, columns)), shape=(len(assembly.parts), len(row)))
     by_joint = sp.csr_matrix((gain / 2, (of.ravel(), columns)), shape=(len(joints), len(row)))
     return GapDerivatives(
-        by_part, joints, by_joint, face(_jacobian(at, row, plane, pair), row, lam[row], P.length), 0.0
-    )
+        by_part, joints, by_joint, face(_jacobian(at, row, plane, pair), row, lam[row], P.length), 0.0,
+        np.zeros((len(assembly.parts), 0)), np.zeros((len(joints), 0)),
+    )  # fmt: skip
 
 
 def _first_pieces(held: HeldMotion) -> dict[int, int]:
