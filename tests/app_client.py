@@ -76,7 +76,7 @@ class Visit:
         self.told: list[Json] = []
         self.rings: list[list[list[list[float]]]] = []
 
-    def next(self, seconds: float = 60.0) -> Json:
+    def next(self, seconds: float = 180.0) -> Json:
         """The next reply; its motions, (k, n, 3) each, in space (k, n, 7), under "motions"."""
         motions = []
         while isinstance(said := self.socket.recv(timeout=seconds), bytes):
@@ -97,7 +97,7 @@ class Visit:
         self.socket.send(json.dumps({"kind": kind, "id": self.number} | design | more))
         return self.number
 
-    def until(self, number: int, kind: str = "", seconds: float = 60.0) -> Json:
+    def until(self, number: int, kind: str = "", seconds: float = 180.0) -> Json:
         """The reply of this number that is no progress: of a kind, or that ends the request."""
         while True:
             reply = self.next(seconds)

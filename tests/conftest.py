@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.page_waits import PATIENCE
+
 LOCAL = "ends in a local optimum: some joints of a long chain take the other one of two nearly equal ends"
 KNOWN = {  # each by the end of its test's name; the list may only get shorter
     "test_chain_turned_and_far_away_is_the_same[arrow-0.03-10]": LOCAL,
@@ -107,6 +109,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
     def show(html: str, **how: Any) -> Any:
         (tmp_path / "report.html").write_text(html, encoding="utf-8")
         page_of = browser.new_page(**how)
+        page_of.set_default_timeout(1000 * PATIENCE)
         page_of.on("pageerror", lambda e: trouble.append(str(e)))
         page_of.on("console", lambda m: trouble.append(m.text))
         page_of.on("request", lambda r: trouble.append(r.url) if not r.url.endswith("report.html") else None)

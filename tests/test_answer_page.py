@@ -15,6 +15,7 @@ import pytest
 
 import wiggleroom as wr
 from tests.answers import answer, block, grid, row
+from tests.page_waits import plays, settled, until
 from tests.standalone import frames, told
 from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.model import Part, Pull
@@ -144,9 +145,8 @@ def parts_at(page: Any) -> list[list[str]]:
 
 def foot(page: Any) -> tuple[float, float]:
     """Where the arrow of the pull stands on the canvas [px]."""
-    page.wait_for_timeout(300)
     base = page.locator(".pull .base").first
-    return float(base.get_attribute("cx")), float(base.get_attribute("cy"))
+    return settled(page, lambda: (float(base.get_attribute("cx")), float(base.get_attribute("cy"))))
 
 
 @pytest.mark.slow
@@ -184,11 +184,7 @@ def test_it_plays_and_pauses(opened: Any) -> None:
     at = opened(page_of_answer(row(3)))
     place = at.get_by_label("place on the path from rest")
     at.get_by_role("button", name="Play").click()
-    seen = set()
-    for _ in range(20):
-        at.wait_for_timeout(50)
-        seen.add(place.input_value())
-    assert len(seen) > 5
+    plays(at)
     at.get_by_role("button", name="Pause").click()
     value = place.input_value()
     at.wait_for_timeout(200)
@@ -229,15 +225,13 @@ def test_it_fits_a_phone_is_dark_in_the_dark_and_prints_light_and_whole(opened: 
         g.drawImage(document.querySelector('canvas'), -3, -3);
         return [...g.getImageData(0, 0, 1, 1).data].slice(0, 3); }"""
     at = opened(page_of_answer(row(3)), color_scheme="dark", viewport={"width": 400, "height": 800})
-    at.wait_for_timeout(300)
-    assert at.evaluate(ground) == "rgb(18, 22, 27)"
-    assert at.evaluate(corner) == [18, 22, 27]
+    until(at, lambda: at.evaluate(ground) == "rgb(18, 22, 27)", "the page is not dark")
+    until(at, lambda: at.evaluate(corner) == [18, 22, 27], "the drawing is not dark")
     assert at.evaluate("() => document.documentElement.scrollWidth") <= 400
     assert not at.locator(".sure").is_visible()
     at.emulate_media(media="print", color_scheme="dark")
-    at.wait_for_timeout(300)
-    assert at.evaluate(ground) == "rgb(255, 255, 255)"
-    assert at.evaluate(corner) == [255, 255, 255]
+    until(at, lambda: at.evaluate(ground) == "rgb(255, 255, 255)", "the page is not light")
+    until(at, lambda: at.evaluate(corner) == [255, 255, 255], "the drawing is not light")
     assert at.locator(".sure").is_visible()  # no tabs on paper
     assert at.locator(".command").is_visible()
     assert not at.get_by_label("place on the path from rest").is_visible()
@@ -247,7 +241,7 @@ def test_it_fits_a_phone_is_dark_in_the_dark_and_prints_light_and_whole(opened: 
 def test_a_page_of_five_thousand_parts_opens_and_plays(opened: Any) -> None:
     case = grid(71)
     at = opened(page_of_answer(replace(case, waypoints=np.linspace(0, 1, 9)[:, None, None] * case.motion)))
-    at.locator(".sorts tbody tr").first.wait_for(timeout=10_000)
+    at.locator(".sorts tbody tr").first.wait_for(timeout=60_000)
     assert "5041 parts" in at.locator(".headline .facts").inner_text()
     at.get_by_role("button", name=re.compile("show more of 5041")).click()
     assert len(parts_at(at)) == 212

@@ -37,7 +37,7 @@ class Got:
 
 def get(served: Served, target: str, host: str | None = None) -> Got:
     """Raw request: the target goes out as it is."""
-    with contextlib.closing(http.client.HTTPConnection("127.0.0.1", served.port, timeout=10)) as asked:
+    with contextlib.closing(http.client.HTTPConnection("127.0.0.1", served.port, timeout=60)) as asked:
         asked.putrequest("GET", target, skip_host=True)
         asked.putheader("Host", host or f"127.0.0.1:{served.port}")
         asked.endheaders()
@@ -206,10 +206,10 @@ def test_an_upload_that_never_ends_is_cut_off(served: Served, monkeypatch: pytes
     else:
         raw.sendall(b"\x01\x81\0\0\0\0a")  # a text message, to be continued
     with pytest.raises(OSError, match=r"reset|pipe"):  # noqa: PT012
-        while time.perf_counter() - began < 10:
+        while time.perf_counter() - began < 30:
             raw.sendall(b"aaaa" if pieces == "one frame" else b"\x00\x81\0\0\0\0a")
             time.sleep(0.05)
-    assert 0.4 < time.perf_counter() - began < 5
+    assert 0.4 < time.perf_counter() - began < 20  # by itself it would be a minute
     raw.close()
 
 
@@ -235,8 +235,8 @@ def test_however_the_server_ends_its_processes_are_gone(tmp_path: Path, end: sig
     while not (workers := children(serving.pid)):
         time.sleep(0.02)
     serving.send_signal(end)
-    assert serving.wait(10) == (0 if end != signal.SIGKILL else -signal.SIGKILL)
-    for _ in range(200):
+    assert serving.wait(60) == (0 if end != signal.SIGKILL else -signal.SIGKILL)
+    for _ in range(1200):
         if not any(Path(f"/proc/{w}").exists() and "Z" not in status(w) for w in workers):
             break
         time.sleep(0.05)
@@ -266,7 +266,7 @@ def test_what_cannot_be_served_is_said_in_one_line(served: Served, tmp_path: Pat
     (tmp_path / "chain.json").write_bytes(CHAIN)
     known = {"chain": str(tmp_path / "chain.json"), "taken": str(served.port)}
     done = run(*(w.format(**known) for w in words), "--no-browser")
-    out, err = done.communicate(timeout=20)
+    out, err = done.communicate(timeout=120)
     assert (done.returncode, out) == (2, "")
     assert err.strip() == said.format(**known)
 

@@ -9,6 +9,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
@@ -53,14 +54,14 @@ def test_of_a_hundred_quick_requests_few_are_answered_and_the_last_one_rightly(p
 
 
 def test_what_is_cancelled_is_not_answered_and_holds_nothing_up(page: Visit) -> None:
-    page.open("grid.json", text(wr.patterns.grid(12, 12, joint="tee", gap=0.02)))
+    page.open("grid.json", text(wr.patterns.grid(24, 24, joint="tee", gap=0.02)))
     number = page.send("flex")
     while page.next().get("stage") != "solve":
         pass
     began = time.perf_counter()
     page.send("cancel", of="flex")
     page.ask("shape")
-    assert time.perf_counter() - began < 5.0  # half a second on an idle machine; the whole answer takes much longer
+    assert time.perf_counter() - began < 20.0  # half a second on an idle machine; the whole answer takes much longer
     page.told.clear()
     page.ask("shape")
     assert all(r["id"] != number or r["kind"] == "progress" for r in page.told)
@@ -73,7 +74,7 @@ def test_long_work_gives_way_to_the_hand_and_begins_again(page: Visit) -> None:
     page.next()
     quick = page.send("flex")
     page.told.clear()
-    reply = page.until(long, "check", seconds=100)
+    reply = page.until(long, "check")
     kinds = [r["kind"] for r in page.told if r["kind"] != "progress"]
     assert kinds.index("flex") < kinds.index("check")
     assert [r["id"] for r in page.told if r["kind"] == "flex"] == [quick] * kinds.count("flex")
@@ -89,7 +90,7 @@ def test_letting_go_of_a_part_holds_no_long_work_up(page: Visit) -> None:
     letting_go = page.send("release")
     ended: list[int] = []
     while len(ended) < 2:
-        reply = page.next(seconds=100)
+        reply = page.next()
         ended += [reply["id"]] if reply["kind"] in ("check", "release") else []
     assert ended == [long, letting_go]
 
@@ -163,16 +164,21 @@ def test_a_fifth_page_is_told_why_not_and_has_room_later(served: Served) -> None
             open_pages.enter_context(served.visit())
         with served.socket() as fifth:
             assert "4 pages are open" in Visit(fifth).next()["findings"][0]
-    time.sleep(0.3)
-    with served.visit() as one:
-        assert one.open("a.json", text(wr.patterns.chain(2, gap=0.02)))["kind"] == "opened"
+    for _ in range(200):  # until those that left are gone
+        with served.socket() as later:
+            one = Visit(later)
+            if one.next()["kind"] == "hello":
+                assert one.open("a.json", text(wr.patterns.chain(2, gap=0.02)))["kind"] == "opened"
+                return
+        time.sleep(0.1)
+    pytest.fail("there is no room later")
 
 
 def test_pages_that_leave_take_their_processes_along(served: Served) -> None:
     with served.visit() as one:
         one.open("a.json", text(wr.patterns.chain(2, gap=0.02)))
         (pid,) = served.workers()
-    for _ in range(100):
+    for _ in range(600):
         if not alive(pid):
             return
         time.sleep(0.05)
@@ -308,12 +314,15 @@ def test_what_was_answered_before_it_could_be_stopped_is_not_answered_again(
         else:
             await solver.words.put(Done(first.ticket, good=False))
         with suppress(TimeoutError):
-            while True:
-                order = await asyncio.wait_for(solver.orders.get(), 0.5)
+            while True:  # what is meant to come may take long; then a while for what is not
+                order = await asyncio.wait_for(solver.orders.get(), 30 if len(seen) < len(orders) else 0.5)
                 seen.append(order.request)
                 await answer(order)
+        while len(sent) < len(orders) - (not told):
+            await asyncio.sleep(0.01)
         work.cancel()
 
-    asyncio.run(play())
+    with ThreadPoolExecutor(1) as thread:  # a browser, where one is open, has this thread's loop
+        thread.submit(asyncio.run, asyncio.wait_for(play(), 120)).result()
     assert [json.loads(text)["kind"] for text in seen] == orders
     assert [json.loads(text)["kind"] for text in sent] == orders[not told :]

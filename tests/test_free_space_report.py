@@ -17,6 +17,7 @@ import wiggleroom as wr
 from tests.answers import block
 from tests.audit import audit as other_audit
 from tests.audit import polygon
+from tests.page_waits import settled
 from tests.standalone import rows, told
 from tests.test_answer_page import tags
 from wiggleroom.assembly.build import assemble
@@ -189,13 +190,11 @@ def test_the_solid_turns_in_the_browser(browser: Any, tmp_path: Path) -> None:
     at.goto((tmp_path / "space.html").as_uri())
     canvas = at.locator(".space3d canvas")
     canvas.wait_for()
-    at.wait_for_timeout(500)
-    first = canvas.screenshot()
+    first = settled(at, canvas.screenshot)
     canvas.focus()
     for _ in range(5):
         at.keyboard.press("ArrowRight")
-    at.wait_for_timeout(500)
-    assert canvas.screenshot() != first
+    assert settled(at, canvas.screenshot) != first
     slider = at.locator(".slicer input")
     slider.fill("0")
     assert at.locator(".slicer").inner_text().startswith("slice at -")

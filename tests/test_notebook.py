@@ -188,7 +188,7 @@ def test_the_frame_shows_the_page_in_a_browser(what: str, browser: Any, tmp_path
     page.on("request", lambda r: asked.append(r.url))
     page.goto((tmp_path / "cell.html").as_uri())
     frame = page.frame_locator("iframe")
-    frame.locator("canvas").first.wait_for(timeout=60_000)
+    frame.locator("canvas").first.wait_for(timeout=180_000)
     said = frame.locator("body").inner_text()
     assert re.search(r"3 parts|0\.\d+ mm|against the gap|b2 turns", said)
     assert not wrong

@@ -8,7 +8,6 @@ import json
 import os
 import re
 import signal
-import time
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,6 +21,7 @@ from PIL import Image
 
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served
+from tests.page_waits import LATER, PATIENCE, faded, plays, settled, until
 from wiggleroom.app.open_requests import first_open
 from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
@@ -68,6 +68,7 @@ def peg(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 def visiting(browser: Any, served: Served, **how: Any) -> Iterator[Any]:
     """A page of its own; whatever it complains about fails the test, and so does any word to another address."""
     context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True, **how)
+    context.set_default_timeout(1000 * PATIENCE)
     page = context.new_page()
     wrong: list[str] = []
     home = f"127.0.0.1:{served.port}"
@@ -93,9 +94,9 @@ def visiting(browser: Any, served: Served, **how: Any) -> Iterator[Any]:
         context.close()
 
 
-def answered(page: Any, words: str, seconds: float = 60) -> None:
+def answered(page: Any, words: str) -> None:
     """Wait until the headline says this, as the full answer."""
-    page.locator("#answer[data-settled=true]", has_text=words).wait_for(timeout=1000 * seconds)
+    page.locator("#answer[data-settled=true]", has_text=words).wait_for()
 
 
 def foot(page: Any) -> tuple[float, float]:
@@ -106,14 +107,7 @@ def foot(page: Any) -> tuple[float, float]:
 
 def still(page: Any) -> tuple[float, float]:
     """The same when it has come to rest."""
-    before = foot(page)
-    for _ in range(100):
-        page.wait_for_timeout(60)
-        now = foot(page)
-        if max(abs(a - b) for a, b in zip(now, before, strict=True)) < 0.01:
-            return now
-        before = now
-    raise AssertionError("it goes on moving")
+    return settled(page, lambda: foot(page))
 
 
 def at_rest(page: Any) -> tuple[float, float]:
@@ -164,8 +158,9 @@ def test_a_dragged_part_stops_where_it_must_and_what_holds_it_lights_up(browser:
         page.mouse.down()
         page.mouse.move(box["x"] + x - 200, box["y"] + y - 150, steps=12)
         page.locator("#answer", has_text="peg moved").wait_for()
-        page.locator(".headline .facts", has_text="held by frame").wait_for()
         page.mouse.up()
+        still(page)
+        assert "held by frame" in page.locator(".headline .facts").inner_text()
         now = still(page)
         factor = (now[0] - rest[0]) / -scale
         assert factor > 0.99
@@ -286,8 +281,7 @@ def test_the_ranking_colours_the_parts_and_sorts_the_table(browser: Any) -> None
             page.get_by_role("button", name="Rank")
         ).first.click()
         page.locator(".blamebar").wait_for()
-        page.wait_for_timeout(300)
-        assert colour(page, x - 16, y - 6) != before
+        until(page, lambda: colour(page, x - 16, y - 6) != before, "the parts have no colours")
         rows = page.locator(".parts tbody tr")
         shown = [
             (r.locator("button").inner_text().strip(), float(r.locator(".bar span").inner_text())) for r in rows.all()
@@ -301,15 +295,10 @@ def test_the_way_out_is_a_film(browser: Any) -> None:
     with serving(EXAMPLES / "17_does_it_come_apart" / "sequential.json") as served, visiting(browser, served) as page:
         page.get_by_role("tab", name="Come apart").click()
         page.get_by_role("button", name="Check").click()
-        page.locator(".verdict", has_text="comes apart").wait_for(timeout=60_000)
+        page.locator(".verdict", has_text="comes apart").wait_for()
         assert page.locator(".result .row").count() == 2
         page.locator("#answer", has_text="latch leaves").wait_for()
-        place = page.get_by_label("place on the path from rest")
-        seen = set()
-        for _ in range(20):
-            seen.add(place.input_value())
-            page.wait_for_timeout(50)
-        assert len(seen) > 5  # it plays
+        plays(page)
 
 
 def test_a_plan_is_played_step_by_step(browser: Any, tmp_path: Path) -> None:
@@ -317,19 +306,14 @@ def test_a_plan_is_played_step_by_step(browser: Any, tmp_path: Path) -> None:
         page.get_by_role("tab", name="Come apart").click()
         page.get_by_label("direction in which loose parts fall").select_option("in -y")
         page.get_by_role("button", name="Plan", exact=True).click()
-        page.locator(".verdict", has_text="taken apart").wait_for(timeout=120_000)
+        page.locator(".verdict", has_text="taken apart").wait_for()
         steps = page.locator("ol.rows .row")
         assert steps.count() > 3
         assert "1. slide1 moves in +x by 10 mm" in steps.nth(0).text_content()
         assert any("hold tumbler1" in text for text in steps.all_text_contents())
         steps.nth(3).get_by_role("button").click()
         page.locator("#answer", has_text="tumbler1 moves in +y").wait_for()
-        place = page.get_by_label("place on the path from rest")
-        seen = set()
-        for _ in range(20):
-            seen.add(place.input_value())
-            page.wait_for_timeout(50)
-        assert len(seen) > 5  # it plays
+        plays(page)
         page.get_by_role("button", name="Save").click()
         with page.expect_download() as coming:
             page.get_by_role("menuitem", name="A picture of every step").click()
@@ -384,7 +368,7 @@ def test_a_killed_worker_is_told_and_the_session_goes_on(browser: Any, peg: Serv
         page.mouse.down()
         os.kill(peg.workers()[-1], signal.SIGKILL)
         page.mouse.move(x - 20, y + 40, steps=4)
-        page.locator("#answer", has_text=re.compile(r"peg moved [\d.]+ mm")).wait_for(timeout=60_000)
+        page.locator("#answer", has_text=re.compile(r"peg moved [\d.]+ mm")).wait_for()
         page.mouse.up()
 
 
@@ -392,6 +376,7 @@ def test_without_its_server_a_page_keeps_its_answer_and_says_what_to_do(browser:
     path = tmp_path / "peg.json"
     path.write_text(json.dumps(PEG))
     context = browser.new_context(viewport={"width": 1440, "height": 900})
+    context.set_default_timeout(1000 * PATIENCE)
     page = context.new_page()
     with serving(path) as served:
         page.goto(f"http://127.0.0.1:{served.port}/?token={TOKEN}")
@@ -442,7 +427,7 @@ def test_hostile_files_are_refused_in_a_line(browser: Any, peg: Served) -> None:
         answered(page, "peg moves 1 mm")
         for name, content in files:
             page.locator("#file").set_input_files({"name": name, "mimeType": "text/plain", "buffer": content})
-            page.get_by_role("alert").wait_for(timeout=30_000)
+            page.get_by_role("alert").wait_for()
             assert page.locator("[role=alert] li").count() >= 1
             assert page.locator("[role=alert] img").count() == 0
             page.get_by_role("alert").get_by_role("button", name="Close").click()
@@ -513,7 +498,7 @@ def test_a_phone_needs_no_scrolling_sideways(browser: Any, peg: Served, scheme: 
             assert box["x"] + box["width"] <= 390
 
 
-def test_5000_parts_pan_and_play_in_time(browser: Any, tmp_path: Path) -> None:
+def test_5000_parts_are_painted_once_a_frame(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "plates.json"
     tab = [[10, 4], [11, 4], [11, 3], [12, 3], [12, 7], [11, 7], [11, 6], [10, 6]]
     ring = [[0, 0], [10, 0], *tab, [10, 10], [0, 10], [0, 6], [1, 6], [1, 4], [0, 4]]
@@ -522,23 +507,31 @@ def test_5000_parts_pan_and_play_in_time(browser: Any, tmp_path: Path) -> None:
     path.write_text(
         json.dumps({"format": "wiggleroom/1", "gap": 0.1, "shapes": {"plate": {"outline": ring}}, "parts": parts})
     )
-    count = """() => new Promise(done => { const times = []; let last = performance.now();
-        const step = () => { const now = performance.now(); times.push(now - last); last = now;
-            times.length < 60 ? requestAnimationFrame(step) : done(times.sort((a, b) => a - b)[30]); };
-        requestAnimationFrame(step); })"""
+    count = """() => { const most = { fill: 0, stroke: 0 }, now = { fill: 0, stroke: 0 };
+        window.most = most;
+        for (const kind of ["fill", "stroke"]) {
+            const call = CanvasRenderingContext2D.prototype[kind];
+            CanvasRenderingContext2D.prototype[kind] = function (...given) { now[kind]++; return call.apply(this, given); };
+        }
+        const step = () => {
+            for (const kind in now) { most[kind] = Math.max(most[kind], now[kind]); now[kind] = 0; }
+            requestAnimationFrame(step);
+        };
+        requestAnimationFrame(step); }"""
     with serving(path) as served, visiting(browser, served) as page:
-        page.locator("#answer").wait_for(timeout=60_000)
-        box = canvas(page)
+        page.locator("#answer").wait_for()
+        page.evaluate(LATER)
+        before, box = pixels(page), canvas(page)
+        page.evaluate(count)
         page.mouse.move(box["x"] + 20, box["y"] + 300)
         page.mouse.down()
-        page.evaluate(f"window.counted = ({count})()")
-        began = time.monotonic()
-        k = 0
-        while time.monotonic() - began < 4:
-            k += 1
-            page.mouse.move(box["x"] + 20 + 3 * (k % 60), box["y"] + 300 + 2 * (k % 40))
+        page.mouse.move(box["x"] + 120, box["y"] + 260, steps=30)
         page.mouse.up()
-        assert page.evaluate("window.counted") < 60
+        until(page, lambda: pixels(page) != before, "it does not follow the hand")
+        page.evaluate(LATER)
+        most = page.evaluate("most")
+    assert 0 < most["fill"] <= 2 * 5000 + 100, "each part once a frame, of both bitmaps that a still picture needs"
+    assert most["stroke"] <= 2 * 5000 + 100
 
 
 def test_a_standalone_page_needs_no_server(browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -575,17 +568,22 @@ def test_the_hand_leads_and_nothing_is_claimed_before_it_is_known(browser: Any, 
         page.mouse.move(x, y)
         page.mouse.down()
         page.mouse.move(x - 0.5 * scale, y, steps=3)
-        page.wait_for_timeout(100)
-        assert (foot(page)[0] - rest[0]) / scale == pytest.approx(0.5, abs=0.05)  # from where the answer ended
+
+        def goes_to(right: float, up: float, near: float) -> None:
+            there = pytest.approx((right, up), abs=near)
+            until(
+                page,
+                lambda: ((foot(page)[0] - rest[0]) / scale, (rest[1] - foot(page)[1]) / scale) == there,
+                "elsewhere",
+            )
+
+        goes_to(0.5, 0, 0.05)  # from where the answer ended
         page.mouse.move(x - 6 * scale, y - 0.3 * scale, steps=3)
-        page.wait_for_timeout(100)
-        now = foot(page)
-        assert (now[0] - rest[0]) / scale == pytest.approx(-1, abs=0.02)  # the frame stops it
-        assert (rest[1] - now[1]) / scale == pytest.approx(0.3, abs=0.03)  # along the wall it goes on
+        goes_to(-1, 0.3, 0.03)  # the frame stops it, along the wall it goes on
         said = page.locator(".headline").inner_text()
         assert "follows the hand" in said
         assert not re.search(r"\d", said)
-        page.locator(".busy").wait_for(timeout=150)
+        page.locator(".busy").wait_for()
         page.mouse.up()
 
 
@@ -593,32 +591,36 @@ def test_what_was_repaired_piece_by_piece_looks_like_a_whole_repaint(browser: An
     path = tmp_path / "grid.json"
     path.write_text(write_assembly(wr.patterns.grid(6, 5, joint="tee", gap=0.03).drawing))
     with serving(path) as served, visiting(browser, served) as page:
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
-        page.wait_for_timeout(600)  # the picture has come to rest
+        page.locator("#answer[data-settled=true]").wait_for()
+        settled(page, lambda: pixels(page))
         box = canvas(page)
         for k in range(3):
             x, y = box["x"] + (0.42 + 0.05 * k) * box["width"], box["y"] + (0.55 - 0.04 * k) * box["height"]
             page.mouse.move(x, y)
             page.mouse.down()
             page.mouse.move(x + 40, y - 25, steps=6)
-            page.locator("#answer", has_text="moved").wait_for(timeout=90_000)
+            page.locator("#answer", has_text="moved").wait_for()
             page.mouse.up()
             page.mouse.move(box["x"] + 3, box["y"] + 3)
-        page.locator(".busy").wait_for(state="detached", timeout=30_000)
-        page.wait_for_timeout(500)
-        repaired = painted(page)
+        repaired = settled(page, lambda: pixels(page))
         for scheme in ("dark", "light"):  # other colours: all is painted anew
+            before = pixels(page)
             page.emulate_media(color_scheme=scheme)
-            page.wait_for_timeout(500)
-        whole = painted(page)
+            until(page, lambda before=before: pixels(page) != before, "the colours stay")  # type: ignore[misc]
+        whole, repaired = painted(settled(page, lambda: pixels(page))), painted(repaired)
         assert (np.abs(whole - 255).max(axis=2) > 60).mean() > 0.01, "there is something to see"
         assert np.abs(repaired - whole).max() < 64, "no more than the edge of a line"
 
 
-def painted(page: Any) -> np.ndarray:
-    """Pixels of the canvas."""
-    data = page.evaluate("document.querySelector('.stage canvas').toDataURL()").partition(",")[2]
-    return np.asarray(Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")).astype(int)
+def pixels(page: Any) -> str:
+    """The canvas as the address of a picture."""
+    return str(page.evaluate("document.querySelector('.stage canvas').toDataURL()"))
+
+
+def painted(address: str) -> np.ndarray:
+    """Colours of its pixels."""
+    data = base64.b64decode(address.partition(",")[2])
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
 
 
 def test_no_number_before_it_is_known(browser: Any, peg: Served) -> None:
@@ -632,7 +634,7 @@ def test_no_number_before_it_is_known(browser: Any, peg: Served) -> None:
         box = page.locator(".gapbox").get_by_role("textbox")
         box.fill("1000000000")
         box.press("Enter")
-        page.locator(".findings").wait_for(timeout=30_000)
+        page.locator(".findings").wait_for()
         assert page.evaluate("said.filter((one) => /[0-9] mm/.test(one))") == []
         mend = page.locator(".findings .button.main").first
         assert "Use a gap of" in mend.inner_text()
@@ -657,7 +659,7 @@ def test_all_that_is_wrong_is_one_list_and_each_line_can_be_mended(browser: Any)
         for words in ("Fix ", "Use a gap of"):
             page.locator(".findings .button.main", has_text=words).click()
             assert page.locator(".findings .button.main", has_text=words).count() == 0  # whatever the answer will be
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator("#answer[data-settled=true]").wait_for()
         assert page.locator(".findings").count() == 0
         assert page.locator(".step.done").count() == 3
 
@@ -693,7 +695,7 @@ def test_the_gap_plays_from_answer_to_answer(browser: Any, peg: Served) -> None:
     with visiting(browser, peg) as page:
         answered(page, "peg moves 1 mm")
         page.get_by_role("button", name="Play the gap").click()
-        page.locator(".curve .dot").nth(4).wait_for(timeout=30_000)
+        page.locator(".curve .dot").nth(4).wait_for()
         page.get_by_role("button", name="Stop the gap").click()
         page.locator("#answer[data-settled=true]").wait_for()
         gap = float(page.locator(".gapbox").get_by_role("textbox").input_value())
@@ -707,7 +709,7 @@ AXE = Path(__file__).parents[1] / "web" / "node_modules" / "axe-core" / "axe.min
 
 def accessible(page: Any) -> None:
     """Axe finds nothing, on all that is seen now."""
-    page.wait_for_timeout(250)  # what fades is there
+    faded(page)
     page.evaluate(AXE.read_text())
     found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
     assert [(one["id"], [node["html"][:160] for node in one["nodes"]]) for one in found] == []
@@ -724,7 +726,7 @@ def test_axe_finds_nothing(browser: Any, scheme: str) -> None:
         accessible(page)
         for words in ("Fix ", "Use a gap of"):
             page.locator(".findings .button.main", has_text=words).click()
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator("#answer[data-settled=true]").wait_for()
         page.locator(".stage canvas").focus()
         page.keyboard.press(".")
         page.locator(".headline .explain button").click()
@@ -780,7 +782,7 @@ def test_nothing_overlaps_whatever_the_names(browser: Any, tmp_path: Path, size:
     path.write_text(text, encoding="utf-8")
     with serving(path) as served, visiting(browser, served) as page:
         page.set_viewport_size({"width": size[0], "height": size[1]})
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator("#answer[data-settled=true]").wait_for()
         page.locator(".stage canvas").focus()
         for _ in range(3):
             page.keyboard.press(".")
@@ -839,11 +841,11 @@ def test_a_link_carries_the_design(browser: Any) -> None:
             "Object.defineProperty(navigator, 'clipboard', {value: {writeText: async (t) => { window.copied = t; }}})"
         )
         page.get_by_role("button", name=re.compile("chain", re.IGNORECASE)).click()
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator("#answer[data-settled=true]").wait_for()
         box = page.locator(".gapbox").get_by_role("textbox")
         box.fill("0.3")
         box.press("Enter")
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator("#answer[data-settled=true]").wait_for()
         page.locator(".savebutton").click()
         page.get_by_role("menuitem", name="Copy a link").click()
         link = page.evaluate("copied")
@@ -853,7 +855,7 @@ def test_a_link_carries_the_design(browser: Any) -> None:
         other = page.context.new_page()  # of the same browser
         for tab, lead in ((page, lambda: page.goto(link)), (other, lambda: other.goto(link)), (other, other.reload)):
             lead()
-            tab.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+            tab.locator("#answer[data-settled=true]").wait_for()
             assert tab.locator(".gapbox").get_by_role("textbox").input_value() == "0.3"
 
 
@@ -863,7 +865,7 @@ def test_the_reach_of_a_part_is_shaded_before_it_is_dragged(browser: Any, peg: S
         scale = pixels_per_mm(page)
         rest, box = at_rest(page), canvas(page)
         page.mouse.click(box["x"] + rest[0], box["y"] + rest[1] + 2 * scale)
-        page.locator(".reach path").wait_for(state="attached", timeout=30_000)
+        page.locator(".reach path").wait_for(state="attached")
         shaded = page.locator(".reach path").bounding_box()
         assert shaded["width"] / scale == pytest.approx(2, abs=0.1)  # 1 mm to either side
         assert "free at" in page.locator(".selection").inner_text()
@@ -872,15 +874,15 @@ def test_the_reach_of_a_part_is_shaded_before_it_is_dragged(browser: Any, peg: S
 def test_what_should_be_tighter_and_gaps_at_random(browser: Any) -> None:
     path = EXAMPLES / "02_chain_of_tees" / "chain.json"
     with serving(path) as served, visiting(browser, served) as page:
-        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator("#answer[data-settled=true]").wait_for()
         page.get_by_role("tab", name="Vary").click()
         page.get_by_role("button", name="Find them").click()
-        page.locator(".result", has_text="Make these tighter").wait_for(timeout=90_000)
+        page.locator(".result", has_text="Make these tighter").wait_for()
         draws = page.get_by_role("textbox", name="number of draws")
         draws.fill("12")
         draws.press("Enter")
         page.get_by_role("button", name="Draw", exact=True).click()
-        page.locator(".result", has_text="12 draws").wait_for(timeout=90_000)
+        page.locator(".result", has_text="12 draws").wait_for()
         assert page.locator(".plot svg").count() >= 1
 
 

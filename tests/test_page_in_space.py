@@ -15,6 +15,7 @@ import pytest
 
 import wiggleroom as wr
 from tests.app_client import Served
+from tests.page_waits import faded, plays, settled
 from tests.test_page import answered, visiting
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.serve_command import first_request
@@ -57,19 +58,18 @@ def middle(page: Any) -> tuple[float, float]:
 
 
 def picture(page: Any) -> bytes:
-    page.wait_for_timeout(300)
-    return page.locator(".stage").screenshot()
+    return settled(page, lambda: page.locator(".stage").screenshot())
 
 
 def reached(page: Any) -> str:
     """What the headline says when a drag has come to its end."""
-    page.locator("#answer", has_text=re.compile("moved")).wait_for(timeout=60_000)
-    return page.locator("#answer").inner_text()
+    page.locator("#answer", has_text=re.compile("moved")).wait_for()
+    return settled(page, lambda: str(page.locator("#answer").inner_text()))
 
 
 def saved(page: Any, words: str) -> bytes:
     page.get_by_role("button", name="Save", exact=True).click()
-    with page.expect_download(timeout=60_000) as download:
+    with page.expect_download() as download:
         page.get_by_role("menuitem", name=words).first.click()
     return Path(download.value.path()).read_bytes()
 
@@ -145,15 +145,12 @@ def test_check_plays_the_way_out_and_the_largest_gap_is_said(browser: Any, lid: 
         answered(page, "block moves 0.4 mm in +x")
         page.get_by_role("tab", name="Come apart").click()
         page.get_by_role("button", name="Check", exact=True).click()
-        page.locator(".verdict").wait_for(timeout=60_000)
+        page.locator(".verdict").wait_for()
         assert page.locator(".verdict").inner_text().lower() == "comes apart"
         assert page.locator("#answer").inner_text().startswith("block leaves straight in")
-        way = page.get_by_label("place on the path from rest")
-        first = way.input_value()
-        page.wait_for_timeout(200)
-        assert way.input_value() != first  # it plays
+        plays(page)
         page.get_by_role("button", name="Find it").click()
-        page.locator(".strong", has_text="largest gap").wait_for(timeout=60_000)
+        page.locator(".strong", has_text="largest gap").wait_for()
         assert "no gap holds it together" in page.locator(".strong", has_text="largest gap").inner_text()
 
 
@@ -206,7 +203,7 @@ def test_an_upload_opens_no_other_file_and_says_so_in_one_line(browser: Any, lid
     with visiting(browser, lid) as page:
         answered(page, "block moves 0.4 mm in +x")
         page.locator("#file").set_input_files(tmp_path / "named.json")
-        page.locator(".findings li").nth(1).wait_for(timeout=60_000)
+        page.locator(".findings li").nth(1).wait_for()
         lines = page.locator(".findings li").all_inner_texts()
         assert len(lines) == 2
         assert all("names another file, which is not opened" in line for line in lines)
@@ -221,7 +218,7 @@ def test_a_file_that_names_meshes_opens_from_the_command_line(browser: Any) -> N
     served = Served(first_request(str(path), QuestionOptions(pull=("t3-3:+z",))))
     try:
         with visiting(browser, served) as page:
-            answered(page, "t3-3 moves 0.3519 mm in +z", 120)
+            answered(page, "t3-3 moves 0.3519 mm in +z")
     finally:
         served.close()
 
@@ -287,6 +284,7 @@ def test_axe_finds_nothing_in_light_dark_and_on_a_phone(browser: Any, lid: Serve
             answered(page, "block moves 0.4 mm in +x")
             page.locator(".stage canvas").focus()
             page.keyboard.press(".")
+            faded(page)
             page.evaluate(axe.read_text())
             assert page.evaluate("axe.run().then(r => r.violations.map(v => v.id))") == []
             assert page.evaluate("document.documentElement.scrollWidth") <= width
@@ -302,7 +300,7 @@ def test_the_samples_in_space_open(browser: Any) -> None:
             for _ in range(3):
                 page.keyboard.press(".")
             page.keyboard.press("Shift+ArrowRight")
-            page.locator(".who .note", has_text="centre").wait_for(timeout=30_000)
+            page.locator(".who .note", has_text="centre").wait_for()
             who, fix = (page.locator(one).bounding_box() for one in (".who", ".selection .button >> nth=0"))
             assert who["x"] + who["width"] <= fix["x"]
             page.reload()

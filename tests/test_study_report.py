@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
+from tests.page_waits import plays, settled
 from tests.standalone import frames, rows, told
 from tests.test_answer_page import tags
 from tests.test_plots import all_of, axis
@@ -214,11 +215,9 @@ def test_a_ranking_is_read_as_colours_and_sorted_tables(studies: dict[type, Any]
     assert float(value) == pytest.approx(ranking.looser[first], rel=1e-3)
     assert float(share) == pytest.approx(ranking.percent[first], rel=1e-2)
     assert joints.count() == len(ranking.joints)
-    at.wait_for_timeout(300)
-    coloured = at.locator("canvas").evaluate("c => c.toDataURL()")
+    coloured = settled(at, lambda: at.locator("canvas").evaluate("c => c.toDataURL()"))
     at.get_by_role("checkbox", name="colour the parts").uncheck()
-    at.wait_for_timeout(300)
-    assert at.locator("canvas").evaluate("c => c.toDataURL()") != coloured
+    assert settled(at, lambda: at.locator("canvas").evaluate("c => c.toDataURL()")) != coloured
 
 
 @pytest.mark.slow
@@ -231,11 +230,7 @@ def test_a_sweep_is_read_along_its_slider(studies: dict[type, Any], opened: Any)
         assert f"moves {step.objective:.4g} mm" in at.locator("#answer").inner_text()
     at.locator("#gap").fill("0.07")
     assert "nothing stops" in at.locator("#answer").inner_text()
-    place, seen = at.get_by_label("place on the path from rest"), set()
-    for _ in range(10):
-        at.wait_for_timeout(60)
-        seen.add(place.input_value())
-    assert len(seen) > 3  # it leaves, as a film
+    plays(at)  # it leaves, as a film
     at.get_by_role("tab", name="Gaps").click()
     assert at.locator(".sorts tbody tr").nth(3).inner_text().split()[-2:] == ["unbounded", "checked"]
     assert "loses its end between" in at.locator(".sure").inner_text()
@@ -254,12 +249,8 @@ def test_ways_out_are_films(opened: Any) -> None:
     ):
         at.locator(".headline .facts", has_text=said).wait_for()  # one after the other, and again
     at.get_by_role("button", name="Play the path out of drawer").click()
-    assert "drawer leaves straight in +x" in facts.inner_text()
-    place, seen = at.get_by_label("place on the path from rest"), set()
-    for _ in range(10):
-        at.wait_for_timeout(60)
-        seen.add(place.input_value())
-    assert len(seen) > 3
+    at.locator(".headline .facts", has_text="drawer leaves straight in +x").wait_for()
+    plays(at)
     assert "interlocked at 0.1 mm, comes apart at 0.2 mm" in at.locator(".border").inner_text()
     assert at.locator(".command").inner_text() == "wiggleroom check it"
     at.get_by_role("button", name="Rest").click()
