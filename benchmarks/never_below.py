@@ -335,6 +335,7 @@ def main(words: list[str]) -> None:
         rows[kind][0] += 1
         try:
             assembly, goals, truth = KINDS[kind](seed)
+            survey(assembly)
         except (ValueError, wr.InputError) as why:
             print(f"{kind} {seed}: no assembly ({why})", flush=True)
             rows[kind][1] += 1
