@@ -36,6 +36,7 @@ BAD = {
     "gap of nobody": (text(BOX, gaps=[{"parts": ["a", "b"], "gap": 1}]), 'there is no part "b"'),
     "gap below zero": (text(BOX, BOX | {"name": "b"}, gaps=[{"parts": ["a", "b"], "gap": -1}]), "gap is -1; it must"),
     "gap of no joint": (text(BOX, gaps=[{"parts": ["a"], "gap": 1}]), "must be a list of 2, not of 1"),
+    "angle too large": (text(BOX | {"rotate": [0, 1e300, 0]}), 'part "a": rotate must be three angles in degrees'),
     "no material": (text({"name": "a"}), 'must have one of "outline", "mesh" or "boxes"'),
     "two materials": (text(BOX | {"mesh": "a.stl"}), 'has "mesh" and "boxes"'),
     "unknown field": (text(BOX | {"colour": "red"}), 'field "colour" is not known'),

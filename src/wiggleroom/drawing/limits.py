@@ -10,6 +10,8 @@ LARGEST = 1e9
 """Coordinates beyond this [mm] are refused."""
 SMALLEST = 1e-6
 """Drawings smaller than this [mm] are refused."""
+MOST_DEGREES = 1e6
+"""Angles beyond this [deg] are refused: their last digits are no longer small."""
 FINEST = 1e-9
 """Chord errors below this share of the drawing's size are refused."""
 

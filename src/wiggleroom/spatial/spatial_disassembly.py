@@ -21,6 +21,7 @@ from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.spatial.spatial_search import SpatialSearch
 from wiggleroom.spatial.straight_departure import StraightDeparture
+from wiggleroom.spatial.turned_departure import critical_turns
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
@@ -152,6 +153,9 @@ class _Stage:
                 out = self._straight(path, axes)
                 if out is not None:
                     return out
+                out = self._turn(path, places)
+                if out is not None:
+                    return out
                 self._slide(path, axes, places)
                 asked += 1
                 if self.cut_short():
@@ -209,6 +213,29 @@ class _Stage:
                     end = path[-1].copy()
                     end[mine, :3] += (far - ready.clearance) * direction
                     self._add_place(np.concatenate([path, end[None]]), places)
+
+    def _turn(self, path: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
+        """A path out along the axis of a turn in place of a body alone; places to which it leads otherwise are added."""
+        ready, body_of = self.ready, self.ready.grouping.body_of
+        for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
+            mine = np.flatnonzero(body_of == b)
+            room: dict[tuple[float, ...], float] = {}
+            for turned, axis in critical_turns(ready, path[-1], b):
+                whole = np.concatenate([path, turned[1:]])
+                for direction in (axis, -axis):
+                    if self.cut_short():
+                        return None
+                    departure = StraightDeparture(ready, turned[-1], direction)
+                    group = departure.parts_with([b])
+                    if group:
+                        return group, np.concatenate([whole, departure.end(group)[None]])
+                    before = room.setdefault(tuple(direction), self._room(path[-1], mine, direction))
+                    far = self._room(turned[-1], mine, direction)
+                    if before + NEW_PLACE * ready.clearance < far < ready.size:
+                        end = turned[-1].copy()
+                        end[mine, :3] += (far - ready.clearance) * direction
+                        self._add_place(np.concatenate([whole, end[None]]), places)
+        return None
 
     def _room(self, motion: Floats, mine: Ints, direction: Floats) -> float:
         """How far some parts can go straight [mm], to a tenth of the clearance; the size where that is further."""

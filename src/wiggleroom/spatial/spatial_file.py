@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.assembly_schema import GapEntry, convert
 from wiggleroom.drawing.dimension import SPATIAL_FORMAT
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
-from wiggleroom.drawing.limits import LARGEST
+from wiggleroom.drawing.limits import LARGEST, MOST_DEGREES
 from wiggleroom.drawing.model import JointGap, Region
 from wiggleroom.drawing.naming import is_printable
 from wiggleroom.drawing.rings import clean_ring
@@ -114,8 +114,8 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         if not is_printable(entry.name):
             self._say(f"parts[{i}]", "name must be printable text that is not empty")
         at = self._numbers(entry.at, where, "at")
-        if not all(math.isfinite(angle) for angle in entry.rotate):
-            self._say(where, "rotate must be three finite angles in degrees")
+        if not all(abs(angle) <= MOST_DEGREES for angle in entry.rotate):
+            self._say(where, f"rotate must be three angles in degrees, none beyond {MOST_DEGREES:g}")
             return None
         lock = frozenset(entry.lock)
         odd = sorted(lock - set(AXES))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Callable, Sequence
 
@@ -13,25 +12,20 @@ from wiggleroom.assembly.statements import missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.overlap_check import deepest_overlap
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import goal_findings
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
-from wiggleroom.spatial.spatial_path_check import MAX_STRAIN
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts
+from wiggleroom.spatial.turning_in_place import turn_in_place
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TURNING = 1e-6
-"""A body whose free axis of turns has a smaller share along a direction does not turn about it."""
 OVERLAP = 1e-9
 """Overlaps shallower than this share of the size are rounding."""
 
@@ -112,10 +106,10 @@ def _verdict(
 ) -> tuple[Verdict, tuple[str, ...], tuple[str, ...]]:
     """How the question ended, and the parts that leave or turn without limit."""
     names, found, at_end = ready.assembly.names, done.found, _at_end(ready, done)
-    if done.leaving:
-        return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), ()
+    if done.leaving or done.turning:
+        return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), tuple(names[k] for k in done.turning)
     if found.status is SolverStatus.ESCAPING and done.whole and at_end:
-        turning = _spinning(ready, objective, found)
+        turning = _spinning(ready, objective, done.path[-1])
         leaving = leaving_parts(ready, done.path[-1], objective)
         if turning:
             return Verdict.UNBOUNDED, (), turning
@@ -161,28 +155,12 @@ def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms)
     return np.flatnonzero(gone).tolist()
 
 
-def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: SeparatingPlaneSolution) -> tuple[str, ...]:
-    """Parts that are twisted without limit: a whole turn in place, from the end of the path, as far as locks let it, is free."""
-    twists = [t for t in objective.terms if isinstance(t, Twist)]
-    if len(twists) != 1 or len(objective.terms) != 1:
+def _spinning(ready: SpatialPrepared, objective: SumOfTerms, motion: Floats) -> tuple[str, ...]:
+    """Parts that are twisted without limit: a whole turn in place, from the end of the path, is free."""
+    twist = objective.terms[0]
+    if len(objective.terms) > 1 or not isinstance(twist, Twist):
         return ()
-    twist, pose, bodies = twists[0], found.point.pose, ready.grouping.bodies
-    b = twist.body
-    axes = bodies.turn_axes(pose)[b]
-    about = axes @ (bodies.free[b, 3:] * (axes.T @ pose.R[b].T @ twist.direction))
-    if np.linalg.norm(about) < TURNING:
+    turn = turn_in_place(ready, motion, twist.body, np.sign(twist.weight) * twist.direction)
+    if turn is None or not turn.endless:
         return ()
-    about *= np.sign(twist.weight) / np.linalg.norm(about)
-
-    def turned(angle: float) -> Floats:
-        R = pose.R.copy()
-        R[b] = R[b] @ exponential(angle * about)
-        return ready.grouping.part_motion(SpatialPose(pose.T, R))
-
-    count = 32
-    while ready.grouping.strain(turned(0.0), turned(2 * np.pi / count)) > MAX_STRAIN * ready.size:
-        count *= 2
-    steps = [turned(angle) for angle in np.linspace(0, 2 * np.pi, count + 1)]
-    if any(ready.checker.overlaps(a, b) for a, b in itertools.pairwise(steps)):
-        return ()
-    return tuple(n for n, k in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if k == b)
+    return tuple(n for n, k in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if k == twist.body)

@@ -24,6 +24,7 @@ from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twis
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.spatial.straight_departure import StraightDeparture
+from wiggleroom.spatial.turning_in_place import TurnInPlace, common_edges, turn_in_place
 from wiggleroom.spatial.working_set import facing_pairs
 from wiggleroom.verdict import SolverStatus
 
@@ -46,6 +47,10 @@ MAX_PAIRS_UNDAMPED = 3000
 """Programs of more pairs of pieces begin with damped rows, without the pairs that do not face each other."""
 MISSED = 1.0
 """Where pairs of pieces outside the program meet, all that come nearer than this multiple of the clearance join it."""
+LONG_TURN = 0.3
+"""A part that can turn in place further than this, as it is twisted, is turned there first [rad]."""
+LEAST_SHARE = 1e-4
+"""Axes of the part count too where a turn about them has more than this share about the direction asked for, and they are not the same."""
 DEPARTED = 0.25
 """An unfinished motion further than this share of the size may be one that never ends: then straight departures are looked for."""
 
@@ -64,6 +69,8 @@ class SearchEnd:
         True where the path is free as far as the solution.
     leaving : tuple of int
         Parts that go on straight for ever at the end of the path, which then ends beyond the solution.
+    turning : tuple of int
+        Parts that go on turning in place for ever.
     """
 
     program: SeparatingPlaneProgram
@@ -71,11 +78,12 @@ class SearchEnd:
     path: Floats
     whole: bool
     leaving: tuple[int, ...] = ()
+    turning: tuple[int, ...] = ()
 
     @property
     def good(self) -> bool:
         """True where the end is an answer and the path there is free."""
-        return bool(self.leaving) or (
+        return bool(self.leaving or self.turning) or (
             self.whole and self.found.status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
         )
 
@@ -120,6 +128,45 @@ class SpatialSearch:
     met: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
 
     def run(self) -> SearchEnd:
+        """Search until an end is good: where what is twisted can turn far in place, from there first."""
+        turn = self._turn()
+        if turn is None:
+            return self._climbed()
+        if turn.endless:
+            return self._spinning(turn)
+        begin, self.begin = self.begin, self.ready.grouping.pose_of(turn.path[-1])
+        done = self._climbed()
+        done = replace(done, path=np.concatenate([turn.path, done.path[1:]]))
+        self.begin = begin
+        if done.good or self.once:
+            return done
+        other = self._climbed()
+        return other if other.good or self.value(other) > self.value(done) else done
+
+    def _turn(self) -> TurnInPlace | None:
+        """A long turn in place that a single twist asks for."""
+        twist, ready = self.objective.terms[0], self.ready
+        if len(self.objective.terms) > 1 or not isinstance(twist, Twist) or self._asked_to_stop():
+            return None
+        begin = self.begin or ready.grouping.bodies.rest
+        motion, towards = ready.grouping.part_motion(begin), np.sign(twist.weight) * twist.direction
+        edges = [begin.R[twist.body] @ e for e in common_edges(ready, twist.body)]
+        axes = [towards, *(np.sign(e @ towards) * e for e in edges if LEAST_SHARE < abs(e @ towards) < 1 - LEAST_SHARE)]
+        turns = [turn for axis in axes if (turn := turn_in_place(ready, motion, twist.body, axis))]
+        longest = max(turns, key=lambda turn: turn.angle, default=None)
+        return longest if longest is not None and longest.angle > LONG_TURN else None
+
+    def _spinning(self, turn: TurnInPlace) -> SearchEnd:
+        """The end where what is twisted turns in place for ever."""
+        ready = self.ready
+        program = build_planes(ready.grouping.bodies, self.objective, ready.pieces[:0], length=ready.clearance)
+        found = SeparatingPlaneSolution(
+            program.start, np.zeros(0), 0.0, SolverStatus.ESCAPING, 0, (program.start,), 0.0, False
+        )
+        who = np.flatnonzero(ready.grouping.body_of == turn.body).tolist()
+        return SearchEnd(program, found, turn.path, True, turning=tuple(who))
+
+    def _climbed(self) -> SearchEnd:
         """Search in one way after the other until an end is good.
 
         First slacks run ahead, then rows are damped too, then iterates are centred besides, at last they stay inside all rows, from several

@@ -76,7 +76,7 @@ def best_of_starts(first: SpatialSearch, end: SearchEnd, starts: int) -> BestOfS
 
 def _held(end: SearchEnd) -> bool:
     """True where the motion has an end."""
-    return end.found.status is not SolverStatus.ESCAPING and not end.leaving
+    return end.found.status is not SolverStatus.ESCAPING and not end.leaving and not end.turning
 
 
 def _climbed(first: SpatialSearch, seed: int) -> BestOfStarts | None:

@@ -1,0 +1,96 @@
+"""Parts that turn far in place: hinges, wheels, and bayonets that must turn before they leave."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from benchmarks.spatial_overlaps import Judge, prisms, worst_on
+from shapely import affinity
+
+import wiggleroom as wr
+from tests.test_spatial import ring, sound, spatial
+
+PLAY = 0.05
+
+
+def plate(name: str, shape: shapely.Polygon, low: float, high: float, **more: object) -> dict:
+    """A plate between two heights."""
+    outline, *holes = [np.array(r.coords)[:-1].tolist() for r in (shape.exterior, *shape.interiors)]
+    return {"name": name, "outline": outline, "holes": holes, "thickness": high - low, "at": [0, 0, low], **more}
+
+
+def disc(count: int, radius: float) -> shapely.Polygon:
+    return shapely.Polygon(ring(count, radius))
+
+
+def flag() -> list[dict]:
+    """An arm that swings about a pin of 16 sides, as far as a block with the same sides, 2.5 rad further on."""
+    arm = shapely.box(8, -1, 30, 1)
+    swinging = disc(16, 9).union(arm).difference(disc(16, (4 + PLAY) / np.cos(np.pi / 16)))
+    block = affinity.rotate(arm.intersection(shapely.box(9.2, -2, 30, 2)), 2.5, origin=(0, 0), use_radians=True)
+    return [
+        plate("arm", swinging, 0, 3),
+        plate("pin", disc(16, 4), -5, 8, fixed=True),
+        plate("block", block, -5, 8, fixed=True),
+        plate("below", shapely.box(-40, -40, 40, 40).difference(disc(16, 4)), -6, -0.1, fixed=True),
+        plate("above", shapely.box(-40, -40, 40, 40).difference(disc(16, 4)), 3.1, 9, fixed=True),
+    ]
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.4], ids=["along its axis", "leaning"])
+def test_an_arm_swings_as_far_as_its_stop(lean: float) -> None:
+    parts, glue = flag(), [["pin", "block", "below", "above"]]
+    found = sound(wr.flex(spatial(*parts, glue=glue), wr.Turn("arm", (lean, 0, 1))))
+    assert found.verdict == "optimal"
+    assert found.iterations < 150
+    if not lean:  # both sides meet at their inner corners, mirrored on the line between arm and block
+        assert found.objective == pytest.approx(2.5 - 2 * np.arctan(1 / 9.2), abs=4 * PLAY / 9.2)
+    assert np.degrees(found.turn[0]) == pytest.approx(np.degrees(2.5 - 2 * np.arctan(1 / 9.2)), abs=2)
+
+
+def bayonet(slotted: bool, turned: float) -> tuple[list[dict], list[list]]:
+    """A key with one lug in a round chamber below a lid, and the shapes that the judge sees."""
+    stem, lug = disc(24, 5), shapely.box(0, -1.2, 6.5, 1.2).intersection(disc(24, 6.5))
+    outer, around = shapely.box(-10, -10, 10, 10), 1 / np.cos(np.pi / 24)
+    hole = disc(24, 5.2 * around).union(shapely.box(0, -1.4, 6.7, 1.4)) if slotted else disc(24, 5.2 * around)
+    foot = stem.union(affinity.rotate(lug, turned, origin=(0, 0)))
+    solids = {
+        "floor": [(outer, -2.0, 0.0)],
+        "wall": [(outer.difference(disc(24, 6.9 * around)), 0.0, 4.0)],
+        "lid": [(outer.difference(hole), 4.0, 6.0)],
+        "foot": [(foot, 0.3, 3.0)],
+        "stem": [(stem, 3.0, 12.0)],
+    }
+    parts = [
+        plate(name, *slabs[0], **({} if name in ("foot", "stem") else {"fixed": True}))
+        for name, slabs in solids.items()
+    ]
+    shapes = [prisms(shape, low, high, 0.0, np.eye(3), 0.0) for ((shape, low, high),) in solids.values()]
+    return parts, shapes
+
+
+GLUE = [["floor", "wall", "lid"], ["foot", "stem"]]
+
+
+def test_a_wheel_whose_centroid_lies_off_its_axis_turns_without_limit() -> None:
+    parts, _ = bayonet(True, 77.0)
+    found = sound(wr.flex(spatial(*parts, glue=GLUE), wr.Turn("stem", (0, 0, -1))))
+    assert found.verdict == "unbounded"
+    assert found.turns == ("foot", "stem")
+    assert not found.leaves
+
+
+def test_a_bayonet_comes_apart_by_a_turn() -> None:
+    parts, shapes = bayonet(True, 77.0)
+    assembly = spatial(*parts, glue=GLUE)
+    found = wr.check(assembly)
+    assert found.verdict == "comes apart"
+    (escape,) = found.escapes
+    glued = [(0, 1), (0, 2), (1, 2), (3, 4)]
+    judge = Judge(shapes, assembly.reference, [p.fixed for p in assembly.parts], glued)
+    assert worst_on(judge, escape.path) < 1e-6
+
+
+def test_a_bayonet_without_a_slot_is_held() -> None:
+    assert wr.check(spatial(*bayonet(False, 77.0)[0], glue=GLUE)).verdict == "interlocked"
