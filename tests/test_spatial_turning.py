@@ -59,8 +59,8 @@ def bayonet(slotted: bool, turned: float) -> tuple[list[dict], list[list]]:
         "floor": [(outer, -2.0, 0.0)],
         "wall": [(outer.difference(disc(24, 6.9 * around)), 0.0, 4.0)],
         "lid": [(outer.difference(hole), 4.0, 6.0)],
-        "foot": [(foot, 0.3, 3.0)],
-        "stem": [(stem, 3.0, 12.0)],
+        "foot": [(foot, 0.3, 3.7)],
+        "stem": [(stem, 3.7, 12.0)],
     }
     parts = [
         plate(name, *slabs[0], **({} if name in ("foot", "stem") else {"fixed": True}))
