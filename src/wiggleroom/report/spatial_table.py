@@ -109,7 +109,7 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     most = [] if answer.at_most is None else [f"at most:  {spatial_bound_sentence(answer)}"]
     sure = [
         *most,
-        *([f"search:   {searched(answer.search)}"] if answer.search is not None else []),
+        *([f"search:   {searched(answer.search)}"] if answer.objective is not None else []),
         f"checked:  {certainty(answer)}; {overlap}",
         f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
         f"seconds:  {spent}",
