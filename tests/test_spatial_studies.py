@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from wiggleroom.spatial.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialPull
 
+JOINT = "examples/43_mortise_and_tenon/joint.json"
 LOCKED = PEG | {"lock": ["rx", "ry", "rz"]}
 ALONG_X = wr.Pull("peg", (1, 0, 0))
 BAR = {
@@ -27,7 +30,7 @@ SLOT = {"name": "wall", "boxes": [[-3, 5, -5, 3, 9, 5], [-3, -9, -5, 3, -5, 5]],
 
 
 def joint() -> SpatialAssembly:
-    assembly = wr.read("examples/43_mortise_and_tenon/joint.json")
+    assembly = wr.read(JOINT)
     assert isinstance(assembly, SpatialAssembly)
     return assembly
 
@@ -183,3 +186,37 @@ def test_a_tower_of_pegs_is_ranked_where_rows_belong_to_glued_bodies() -> None:
 def test_what_is_for_the_plane_alone_says_so(ask) -> None:
     with pytest.raises(wr.InputError, match=r"parts in the plane; this is a SpatialAssembly"):
         ask(wr.read("examples/40_box_with_a_lid/box.json"))
+
+
+@pytest.mark.parametrize(
+    ("question", "options"),
+    [
+        (wr.flex, {"prove": 0.01}),
+        (wr.flex, {"model": "hull"}),
+        (wr.flex, {"seconds": 5.0}),
+        (wr.check, {"boxes": 100}),
+        (wr.check, {"questions": 3}),
+        (wr.sweep, {"prove": 0.01}),
+        (wr.sweep, {"seconds": 5.0}),
+    ],
+)
+def test_an_option_of_drawings_is_refused_in_space(question: Callable[..., Any], options: dict[str, Any]) -> None:
+    with pytest.raises(wr.InputError, match=f"{next(iter(options))}: for drawings only") as raised:
+        question(wr.read(JOINT), **options)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("options", [{"unit": "in"}, {"flatten": 0.1}, {"only": ["rail"]}, {"join": 0.1}])
+def test_an_option_of_reading_drawings_is_refused_in_space(options: dict[str, Any]) -> None:
+    with pytest.raises(wr.InputError, match=f"{next(iter(options))}: for drawings only"):
+        wr.read(JOINT, **options)
+
+
+@pytest.mark.parametrize("question", [wr.flex, wr.check, wr.sweep, wr.largest_gap, wr.allowable_gap, wr.rank])
+def test_a_misspelt_option_is_refused_in_space(question: Callable[..., Any]) -> None:
+    with pytest.raises(TypeError, match="secnds"):
+        question(wr.read(JOINT), secnds=1.0)
+
+
+def test_a_check_in_space_ends_when_its_time_is_over() -> None:
+    assert wr.check(wr.read("examples/44_six_piece_burr/burr.json"), seconds=1e-6).verdict == "unknown"

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_goals import AnyGoal, spatial_goals
@@ -17,11 +18,12 @@ from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.largest_gap import LargestGap
+    from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.sensitivity.gap_distribution import Spread
     from wiggleroom.sensitivity.gap_trials import AllowableGap
     from wiggleroom.sensitivity.rank import Ranking
     from wiggleroom.sensitivity.sample import Sample
-    from wiggleroom.sensitivity.sweep import Sweep
+    from wiggleroom.sensitivity.sweep import Sweep, SweepStep
     from wiggleroom.sensitivity.tighten import Tightening
 
 
@@ -32,7 +34,11 @@ def read(
     flatten: float | None = None,
     fix: Sequence[str] = (),
     goals: Sequence[Any] = (),
-    **options: Any,
+    only: Sequence[str] = (),
+    skip: Sequence[str] = (),
+    join: float | None = None,
+    solid: Sequence[str] = (),
+    stop: Stop | None = None,
 ) -> Assembly | SpatialAssembly:
     """Assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
 
@@ -43,15 +49,17 @@ def read(
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional
-        In place of the drawing's: mm, cm, m, in or px.
+        In place of the drawing's: mm, cm, m, in or px; drawings only.
     flatten : float, optional [mm]
         Largest distance between a curve and the straight edges that replace it; drawings only.
     fix : sequence of names
         Parts that stand, besides those the file fixes.
     goals : sequence of Pull or Turn
         In place of the file's, where there are any.
-    **options
-        Of drawings alone, `stop` among them: see `wiggleroom.assembly.build.read`.
+    only, skip, join, solid
+        Of drawings only: see `wiggleroom.assembly.build.read`.
+    stop : optional
+        Anything with `is_set()`; files in space are read in one go.
 
     Raises
     ------
@@ -63,19 +71,50 @@ def read(
     if is_spatial_file(path):
         from wiggleroom.spatial.spatial_assembly import read_spatial_assembly
 
+        _check_spatial("read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid)
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())
     from wiggleroom.assembly.build import read as read_planar
 
-    return read_planar(path, gap, unit, flatten, fix, goals, **options)
+    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop)
 
 
 @overload
 def flex(
-    assembly: SpatialAssembly, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any
+    assembly: SpatialAssembly,
+    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    *,
+    solver: str = ...,
+    search: int | None = ...,
+    stop: Stop | None = ...,
+    progress: Callable[..., None] | None = ...,
 ) -> SpatialAnswer: ...
 @overload
-def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> Answer: ...
-def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> Answer | SpatialAnswer:
+def flex(
+    assembly: Any,
+    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    *,
+    model: str | PairModel | None = ...,
+    solver: str = ...,
+    start: Answer | None = ...,
+    search: int | None = ...,
+    prove: float | None = ...,
+    seconds: float | None = ...,
+    stop: Stop | None = ...,
+    progress: Callable[..., None] | None = ...,
+) -> Answer: ...
+def flex(
+    assembly: Any,
+    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    *,
+    model: str | PairModel | None = None,
+    solver: str = "interior-point",
+    start: Answer | None = None,
+    search: int | None = None,
+    prove: float | None = None,
+    seconds: float | None = None,
+    stop: Stop | None = None,
+    progress: Callable[..., None] | None = None,
+) -> Answer | SpatialAnswer:
     """How far the assembly can move: the largest motion that was found and checked, and how sure it is.
 
     Parameters
@@ -84,8 +123,10 @@ def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **opti
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for. In space `Pull("lid", (0, 0, 1))` and `Turn("lid", (0, 0, 1))`: a twist about a
         direction of the world.
-    **options
-        In the plane those of `wiggleroom.maximise.flex`; in space `solver`, `search`, `stop` and `progress`.
+    solver, search, stop, progress : optional
+        As of `wiggleroom.maximise.flex`; in space `progress` is called with the number of iterations and the value.
+    model, start, prove, seconds : optional
+        Of drawings only: see `wiggleroom.maximise.flex`.
 
     Returns
     -------
@@ -109,41 +150,73 @@ def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **opti
         from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
         from wiggleroom.spatial.spatial_flex import flex_spatial
 
-        return with_cross_section_bound(flex_spatial(assembly, spatial_goals(goals), **options), options.get("stop"))
+        _check_spatial("flex", model=model, start=start, prove=prove, seconds=seconds)
+        answer = flex_spatial(
+            assembly, spatial_goals(goals), solver=solver, search=search, stop=stop, progress=progress
+        )
+        return with_cross_section_bound(answer, stop)
     from wiggleroom.maximise import flex as flex_planar
 
-    return flex_planar(assembly, goals, **options)  # type: ignore[arg-type]
+    options = _given(seconds=seconds) | {"stop": stop, "progress": progress}
+    return flex_planar(assembly, goals, model=model, solver=solver, start=start, search=search, prove=prove, **options)  # type: ignore[arg-type]
 
 
-def check(assembly: Any, *, stop: Any = None, progress: Callable[[Any], None] | None = None, **options: Any) -> Any:
+def check(
+    assembly: Any,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Any], None] | None = None,
+    boxes: int | None = None,
+    questions: int | None = None,
+    every: bool = True,
+    seconds: float | None = None,
+) -> Any:
     """Whether some parts can be moved without limit away from the others.
 
     Parameters
     ----------
     assembly : Assembly or SpatialAssembly
-    stop, progress : optional
-        In space only `stop` is asked.
-    **options
-        In the plane those of `wiggleroom.disassembly.interlock.check`.
+    stop : optional
+        Anything with `is_set()`.
+    progress : optional
+        Called as it goes on; not in space.
+    boxes, questions : int, optional
+        Of drawings only: see `wiggleroom.disassembly.interlock.check`.
+    every : bool
+        False: the first path out is enough.
+    seconds : float, optional
+        Time that it may take.
 
     Returns
     -------
     Interlock or SpatialDisassembly
+
+    Raises
+    ------
+    InputError
+        If there is only one part, or all are fixed.
     """
     if isinstance(assembly, SpatialAssembly):
         from wiggleroom.spatial.spatial_disassembly import check_spatial
 
-        return check_spatial(assembly, stop=stop)
+        _check_spatial("check", boxes=boxes, questions=questions)
+        return check_spatial(assembly, stop=stop if seconds is None else Deadline(seconds, stop), every=every)
     from wiggleroom.disassembly.interlock import check as check_planar
 
-    return check_planar(assembly, stop=stop, progress=progress, **options)
+    options = _given(boxes=boxes, questions=questions)
+    return check_planar(assembly, stop=stop, progress=progress, every=every, seconds=seconds, **options)
 
 
 def sweep(
     assembly: Any,
     gaps: Sequence[float] | None = None,
     goals: AnyGoal | Sequence[AnyGoal] | None = None,
-    **options: Any,
+    *,
+    prove: float | None = None,
+    seconds: float | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    each: Callable[[SweepStep, Any], None] | None = None,
 ) -> Sweep:
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
@@ -154,8 +227,10 @@ def sweep(
         In place of the file's gap, in any order; by default nine from a quarter of it to twice it.
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for.
-    **options
-        `prove` and `seconds` (drawings only), `stop`, `progress` and `each`, see `wiggleroom.sensitivity.sweep.sweep`.
+    stop, progress, each : optional
+        See `wiggleroom.sensitivity.sweep.sweep`.
+    prove, seconds : float, optional
+        Of drawings only: see `wiggleroom.sensitivity.sweep.sweep`.
 
     Returns
     -------
@@ -176,13 +251,12 @@ def sweep(
     if isinstance(assembly, SpatialAssembly):
         from wiggleroom.spatial.spatial_sweep import sweep_spatial
 
-        if options.pop("prove", None) is not None:
-            raise InputError("sweep: a bound is proven for drawings only, not for assemblies in space: leave out prove")
-        options.pop("seconds", None)
-        return sweep_spatial(assembly, gaps, spatial_goals(goals), **options)
+        _check_spatial("sweep", prove=prove, seconds=seconds)
+        return sweep_spatial(assembly, gaps, spatial_goals(goals), stop=stop, progress=progress, each=each)
     from wiggleroom.sensitivity.sweep import sweep as sweep_planar
 
-    return sweep_planar(assembly, gaps, goals, **options)  # type: ignore[arg-type]
+    options = _given(seconds=seconds)
+    return sweep_planar(assembly, gaps, goals, prove=prove, stop=stop, progress=progress, each=each, **options)  # type: ignore[arg-type]
 
 
 def rank(question: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> Ranking:
@@ -325,7 +399,13 @@ def allowable_gap(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = Non
     return work_out(assembly, goals, **options)  # type: ignore[arg-type]
 
 
-def largest_gap(assembly: Any, *, stop: Any = None, seconds: float | None = None, **options: Any) -> LargestGap:
+def largest_gap(
+    assembly: Any,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Any], None] | None = None,
+    seconds: float | None = None,
+) -> LargestGap:
     """The gap of the whole assembly at which it comes apart, to 0.1 %.
 
     Parameters
@@ -336,8 +416,8 @@ def largest_gap(assembly: Any, *, stop: Any = None, seconds: float | None = None
         Anything with `is_set()`.
     seconds : float, optional
         Time that it may take; then both sides are those that are known so far.
-    **options
-        In the plane `progress`, see `wiggleroom.disassembly.largest_gap.largest_gap`.
+    progress : optional
+        Called as it goes on; not in space.
 
     Returns
     -------
@@ -355,13 +435,31 @@ def largest_gap(assembly: Any, *, stop: Any = None, seconds: float | None = None
     True
     """
     if _in_space(assembly):
-        from wiggleroom.deadline import Deadline
         from wiggleroom.spatial.spatial_study import spatial_largest_gap
 
         return spatial_largest_gap(assembly, stop=stop if seconds is None else Deadline(seconds, stop))
     from wiggleroom.disassembly.largest_gap import largest_gap as work_out
 
-    return work_out(assembly, stop=stop, seconds=seconds, **options)
+    return work_out(assembly, stop=stop, progress=progress, seconds=seconds)
+
+
+def _check_spatial(question: str, **given: Any) -> None:
+    """Check that no option of drawings was given for an assembly in space.
+
+    Raises
+    ------
+    InputError
+        If one was.
+    """
+    named = ", ".join(name for name, value in given.items() if value is not None and value != ())
+    if named:
+        wrong = f"{question}: {named}: for drawings only, not for assemblies in space: leave it out"
+        raise InputError(wrong)
+
+
+def _given(**options: Any) -> dict[str, Any]:
+    """Options that were given, so that those left out keep their defaults."""
+    return {name: value for name, value in options.items() if value is not None}
 
 
 def _in_space(question: Any) -> bool:
