@@ -13,6 +13,7 @@ import pytest
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, ring, spatial
 from wiggleroom.cli import main
+from wiggleroom.cli.outputs import EXIT_CODES
 from wiggleroom.spatial.corner_displacement import corner_displacements
 from wiggleroom.spatial.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
@@ -220,3 +221,19 @@ def test_a_misspelt_option_is_refused_in_space(question: Callable[..., Any]) -> 
 
 def test_a_check_in_space_ends_when_its_time_is_over() -> None:
     assert wr.check(wr.read("examples/44_six_piece_burr/burr.json"), seconds=1e-6).verdict == "unknown"
+
+
+def test_the_table_of_an_answer_has_every_waypoint_of_what_moves(command: Callable[..., int], tmp_path: Path) -> None:
+    place = tmp_path / "path.csv"
+    assert command("flex", JOINT, "--pull", "rail:+z@120,0,0", "--csv", place) == 0
+    rows = [line.split(",") for line in place.read_text().splitlines()]
+    assert rows[0] == ["path", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg"]
+    path = wr.flex(joint(), wr.Pull("rail", (0, 0, 1), (120, 0, 0))).waypoints
+    assert [row[:3] for row in rows[1:]] == [["1", str(k), "rail"] for k in range(len(path))]
+    rail = joint().names.index("rail")
+    told = np.array([[float(x) for x in row[3:]] for row in rows[1:]])
+    assert told == pytest.approx(np.hstack([path[:, rail, :3], np.degrees(path[:, rail, 3:])]), abs=1e-9)
+
+
+def test_the_exit_code_of_a_check_in_space_is_its_verdict(command: Callable[..., int]) -> None:
+    assert command("check", JOINT) == EXIT_CODES[wr.check(joint()).verdict]

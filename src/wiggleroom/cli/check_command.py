@@ -7,13 +7,11 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import QuestionOptions, read
-from wiggleroom.cli.outputs import Outputs, command_line, tell, write_moved
+from wiggleroom.cli.outputs import EXIT_CODES, Outputs, command_line, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
 from wiggleroom.cli.sheet_options import SheetOptions
-from wiggleroom.verdict import Separability
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), Outputs(), TimeLimit(), SheetOptions()
-CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
 
 
 def check(
@@ -69,4 +67,4 @@ def check(
         from wiggleroom.report.separability import as_answer
 
         write_moved(assembly, as_answer(found).motion, outputs.moved)
-    return CODES[found.verdict]
+    return EXIT_CODES[found.verdict]

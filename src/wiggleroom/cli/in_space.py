@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.outputs import Outputs, Places, command_line
+from wiggleroom.cli.outputs import EXIT_CODES, Outputs, Places, command_line, tell
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
@@ -218,8 +219,7 @@ def flex_in_space(
     """`wiggleroom flex` of an assembly in space."""
     import time
 
-    from wiggleroom.cli.outputs import check_outputs, write_result, write_table
-    from wiggleroom.cli.say import note, show
+    from wiggleroom.cli.outputs import check_outputs
     from wiggleroom.cli.watch import interruptible
     from wiggleroom.questions import flex
 
@@ -234,52 +234,34 @@ def flex_in_space(
     from wiggleroom.report.spatial_results import spatial_flex_result
     from wiggleroom.report.spatial_table import spatial_table
 
-    if outputs.json is not None:
-        write_result(spatial_flex_result(answer), outputs.json)
-    if outputs.json != "-":
-        show(spatial_table(answer))
-    if outputs.csv is not None:
-        from wiggleroom.report.spatial_results import spatial_steps
-
-        write_table(spatial_steps(answer.assembly.names, [answer.waypoints]), outputs.csv)
-    if outputs.picture is not None:
-        from wiggleroom.report.write_spatial import write_spatial
-
-        write_spatial(answer, outputs.picture)
-        note(f"picture: {outputs.picture}")
-    return 3 if answer.verdict == "stopped" else 0
+    tell(outputs, lambda: spatial_flex_result(answer), lambda: spatial_table(answer), answer, answer.command)
+    return 3 if answer.verdict is Verdict.STOPPED else 0
 
 
 def check_in_space(
     file: str, asked: QuestionOptions, outputs: Outputs, largest_gap: bool, seconds: float | None, sheet: SheetOptions
 ) -> int:
     """`wiggleroom check` of an assembly in space."""
-    from wiggleroom.cli.outputs import check_outputs, write_result, write_table
+    from wiggleroom.cli.outputs import check_outputs
     from wiggleroom.cli.running import unless_stopped
-    from wiggleroom.cli.say import note, show
     from wiggleroom.cli.watch import interruptible
-    from wiggleroom.spatial.spatial_disassembly import check_spatial
-    from wiggleroom.spatial.spatial_study import spatial_largest_gap
+    from wiggleroom.questions import check
+    from wiggleroom.questions import largest_gap as find_largest_gap
 
     check_outputs(file, spatial_places(outputs), outputs.force)
+    command = command_line()
     with interruptible(seconds) as stop, unless_stopped(stop):
         assembly = read_in_space(file, asked, sheet, stop)
-        found = check_spatial(assembly, stop=stop)
-        border = spatial_largest_gap(assembly, stop=stop) if largest_gap else None
+        found = check(assembly, stop=stop)
+        border = find_largest_gap(assembly, stop=stop) if largest_gap else None
     from wiggleroom.report.spatial_results import spatial_check_result
     from wiggleroom.report.spatial_table import spatial_check_table
 
-    if outputs.json is not None:
-        write_result(spatial_check_result(found, border, command_line()), outputs.json)
-    if outputs.json != "-":
-        show(spatial_check_table(found, border))
-    if outputs.csv is not None:
-        from wiggleroom.report.spatial_results import spatial_steps
-
-        write_table(spatial_steps(found.assembly.names, [e.path for e in found.escapes]), outputs.csv)
-    if outputs.picture is not None:
-        from wiggleroom.report.write_spatial import write_spatial
-
-        write_spatial(found, outputs.picture, command_line())
-        note(f"picture: {outputs.picture}")
-    return {"interlocked": 0, "comes apart": 1, "unknown": 3}[found.verdict]
+    tell(
+        outputs,
+        lambda: spatial_check_result(found, border, command),
+        lambda: spatial_check_table(found, border),
+        found,
+        command,
+    )
+    return EXIT_CODES[found.verdict]

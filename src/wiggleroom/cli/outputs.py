@@ -15,6 +15,7 @@ from cyclopts import Parameter
 from wiggleroom.cli.options import RESULTS
 from wiggleroom.provenance import is_own
 from wiggleroom.report.file_endings import ANSWERS, PAGE, STUDIES, ending, wrong_ending
+from wiggleroom.verdict import Separability
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.report.write_study import Study
     from wiggleroom.search.answer import Answer
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
+    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 Places = dict[str, tuple[str | Path | None, tuple[str, ...]]]
 Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
@@ -32,6 +35,8 @@ Force = Annotated[bool, Parameter(negative="", group=RESULTS)]
 MOVED = (".dxf", ".svg", ".json")
 TABLE = (".csv",)
 PIXELS = (".png", ".gif", ".mp4")
+EXIT_CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
+"""Of `check`."""
 
 
 def command_line() -> str:
@@ -178,7 +183,7 @@ def tell(
     outputs: StudyOutputs,
     result: Callable[[], Struct],
     page: Callable[[], RenderableType],
-    found: Answer | Study,
+    found: Answer | SpatialAnswer | SpatialDisassembly | Study,
     command: str,
 ) -> None:
     """What was found as JSON, as a page on stdout (unless the JSON goes there), as a table, and as a picture."""

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from msgspec import UNSET, structs
 from numpy.typing import NDArray
 
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.separability import MIN_MOTION
-from wiggleroom.report.tables import text_of
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.flex_schema import SearchEntry
 from wiggleroom.schema.spatial_result_schema import (
@@ -93,15 +90,3 @@ def _motion(motion: NDArray[np.float64]) -> SpatialMotion:
     """Motion (6,) [mm, rad] of a part: displacement of its reference point, and rotation vector."""
     (x, y, z), (u, v, w) = motion[:3].tolist(), np.degrees(motion[3:]).tolist()
     return SpatialMotion((x, y, z), (u, v, w))
-
-
-def spatial_steps(names: Sequence[str], paths: Sequence[np.ndarray]) -> str:
-    """Motions along paths (k, n, 6), one after the other, as comma-separated values: a row for each path, step and part that moves."""
-    heads = ("path", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg")
-    rows = [
-        (k + 1, step, names[p], *motion[p, :3].tolist(), *np.degrees(motion[p, 3:]).tolist())
-        for k, path in enumerate(paths)
-        for step, motion in enumerate(path)
-        for p in np.flatnonzero((np.abs(path) > MIN_MOTION).any(axis=(0, 2))).tolist()
-    ]
-    return text_of(heads, rows)

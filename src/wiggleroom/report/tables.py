@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.planning.plan import Plan
-from wiggleroom.report.separability import Checked
+from wiggleroom.report.separability import MIN_MOTION, Checked
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
@@ -20,9 +20,14 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 
-def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan) -> str:
+def csv_of(
+    found: Answer | SpatialAnswer | SpatialDisassembly | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap
+    | WorstCase | Plan
+) -> str:  # fmt: skip
     """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
 
     Examples
@@ -36,6 +41,10 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
     match found:
         case Answer():
             heads, rows = ("step", *MOTION_COLUMNS), _steps(found.assembly.names, found.waypoints)
+        case SpatialAnswer():
+            heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.assembly.names, [found.waypoints])
+        case SpatialDisassembly():
+            heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.assembly.names, [e.path for e in found.escapes])
         case Checked():
             heads, rows = ("escape", "step", *MOTION_COLUMNS), _escapes(found)
         case Plan():
@@ -59,6 +68,7 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
 
 TOLERANCE_COLUMNS = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
 MOTION_COLUMNS = ("part", "dx_mm", "dy_mm", "turn_deg")
+SPATIAL_COLUMNS = ("path", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg")
 
 
 def text_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -82,6 +92,16 @@ def _steps(names: Sequence[str], path: NDArray[np.float64]) -> list[tuple[Any, .
         (step, name, x, y, math.degrees(turn))
         for step, motion in enumerate(path.tolist())
         for name, (x, y, turn) in zip(names, motion, strict=True)
+    ]
+
+
+def _spatial_steps(names: Sequence[str], paths: Sequence[NDArray[np.float64]]) -> list[tuple[Any, ...]]:
+    """Motions along paths (k, n, 6), one after the other: a row for each path, step and part that moves."""
+    return [
+        (k + 1, step, names[p], *motion[p, :3].tolist(), *np.degrees(motion[p, 3:]).tolist())
+        for k, path in enumerate(paths)
+        for step, motion in enumerate(path)
+        for p in np.flatnonzero((np.abs(path) > MIN_MOTION).any(axis=(0, 2))).tolist()
     ]
 
 

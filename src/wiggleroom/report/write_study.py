@@ -150,7 +150,7 @@ def page_of_study(found: StudyResult, command: str = "") -> str:
             return pages.page_of_space(found, command=command)
 
 
-def assembly_of(found: Answer | StudyResult) -> Assembly:
+def assembly_of(found: Answer | SpatialFound | StudyResult) -> Assembly | SpatialAssembly:
     """The assembly that was asked about."""
     match found:
         case Ranking() | Sample():
