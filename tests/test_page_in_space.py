@@ -17,8 +17,11 @@ import wiggleroom as wr
 from tests.app_client import Served
 from tests.page_waits import faded, plays, settled
 from tests.test_page import answered, visiting
+from wiggleroom.app.open_requests import opened
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.serve_command import first_request
+from wiggleroom.schema.requests import OpenRequest
+from wiggleroom.spatial.spatial_model import SpatialDrawing
 
 pytestmark = pytest.mark.slow
 
@@ -307,3 +310,9 @@ def test_the_samples_in_space_open(browser: Any) -> None:
             answered(page, "stick3")
     finally:
         served.close()
+
+
+def test_a_file_in_space_is_known_in_any_encoding() -> None:
+    for encoding in ("utf-8", "utf-16"):
+        file = opened(OpenRequest(id=1, name="lid.json", data=json.dumps(LID).encode(encoding)))
+        assert isinstance(file.drawing, SpatialDrawing)

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Protocol
+
+
+def where_raised(problem: BaseException) -> str:
+    """File and line in which an error was raised, " (name.py:12)"; empty where that is not known."""
+    place, trace = "", problem.__traceback__
+    while trace is not None:
+        place = f" ({Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno})"
+        trace = trace.tb_next
+    return place
 
 
 class WiggleroomError(Exception):

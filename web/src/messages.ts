@@ -231,7 +231,7 @@ export interface CancelRequest {
 }
 
 /** What the server takes. */
-export interface ExtraLimits {
+export interface UploadLimits {
   upload_mb: number;
 }
 
@@ -249,7 +249,7 @@ export interface Hello {
   id: number;
   version: string;
   can: string[]; // extras that are installed
-  limits: ExtraLimits;
+  limits: UploadLimits;
   samples: SampleEntry[];
 }
 

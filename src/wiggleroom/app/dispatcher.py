@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Callable
 from importlib import import_module
@@ -12,7 +11,7 @@ from wiggleroom.app.messages import decode, kind_of
 from wiggleroom.app.open_requests import opened
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.app.worker_protocol import StartOrder
-from wiggleroom.errors import InputError, StoppedError, WiggleroomError
+from wiggleroom.errors import InputError, StoppedError, WiggleroomError, where_raised
 from wiggleroom.schema.replies import Finding
 from wiggleroom.schema.requests import AnyRequest, DragRequest, FlexRequest, OpenRequest, ShapeRequest
 
@@ -73,7 +72,9 @@ class Dispatcher:
             out.failed(["this needs more memory than a page may take; the command line may have it"])
         except Exception as problem:
             out.failed(
-                [f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {_line(problem)}"]
+                [
+                    f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {problem}{where_raised(problem)}"
+                ]
             )
         return False, False
 
@@ -102,11 +103,3 @@ class Dispatcher:
             raise InputError(message)
         getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._document, request, out)
         return False
-
-
-def _line(problem: BaseException) -> str:
-    place, trace = "", problem.__traceback__
-    while trace is not None:
-        place = f" ({os.path.basename(trace.tb_frame.f_code.co_filename)}:{trace.tb_lineno})"
-        trace = trace.tb_next
-    return f"{problem}{place}"

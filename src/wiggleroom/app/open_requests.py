@@ -18,6 +18,7 @@ from msgspec.structs import replace
 
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place, rings_at
+from wiggleroom.drawing.dimension import is_spatial_file
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap
 from wiggleroom.drawing.read import READERS, read_drawing
@@ -90,7 +91,7 @@ def opened(request: OpenRequest) -> File:
     with temporary_file(name) as path:
         if path.suffix.lower() in READERS:
             path.write_bytes(request.data)
-        if b"wiggleroom/2" in request.data and _is_in_space(path):
+        if is_spatial_file(path):
             return _in_space(path, request)
         drawing, joints = _with_joints(_read(path, request), request)
     how = drawing.flattening
@@ -170,12 +171,6 @@ def plain_name(name: str) -> str:
         return "drawing"
     stem, suffix = PurePosixPath(kept).stem, PurePosixPath(kept).suffix
     return stem[:80] + suffix[:8]
-
-
-def _is_in_space(path: Path) -> bool:
-    from wiggleroom.drawing.dimension import is_spatial_file
-
-    return is_spatial_file(path)
 
 
 def _in_space(path: Path, request: OpenRequest) -> File:

@@ -15,7 +15,7 @@ from wiggleroom.app.open_requests import suggested
 from wiggleroom.app.reporter import on_the_page
 from wiggleroom.assembly.findings import examine_parts, free_overlaps
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.drawing.glue_groups import glue_groups
+from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.answer_words import number, short
 from wiggleroom.schema.replies import Finding, Mend
@@ -110,9 +110,8 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
     if len(parts) < 2:
         return []
     index = {part.name: k for k, part in enumerate(parts)}
-    shapes, owner = placed_regions(parts)
-    whole = [shapely.union_all(shapes[owner == k]) for k in range(len(parts))]
-    size = float(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max())
+    whole = _whole(parts)
+    size = float(np.ptp(shapely.total_bounds(whole).reshape(2, 2), axis=0).max())
     deep = free_overlaps(drawing, parts)
     pairs = {(a, b): depth for a, b, depth in deep}
     touching = [pair for pair in _near(drawing, parts, whole, CONTACT_TOLERANCE * size) if pair not in pairs]
@@ -143,18 +142,20 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
     return found
 
 
+def _whole(parts: Sequence[Part]) -> list[shapely.Geometry]:
+    """Material of every part, as placed [mm]."""
+    shapes, owner = placed_regions(parts)
+    return [shapely.union_all(own) for own in np.split(shapes, np.searchsorted(owner, np.arange(1, len(parts))))]
+
+
 def _near(
     drawing: Drawing, parts: Sequence[Part], whole: list[shapely.Geometry], reach: float
 ) -> list[tuple[str, str]]:
     """Pairs of parts no further apart than `reach` [mm] that are neither glued nor ignored nor both fixed."""
-    group, ignored = glue_groups(drawing.glue), {frozenset(pair) for pair in drawing.ignore}
+    collide = collidable(drawing.glue, drawing.ignore)
     i, j = shapely.STRtree(whole).query(whole, predicate="dwithin", distance=reach)
-    found = []
-    for a, b in ((parts[k], parts[m]) for k, m in zip(i.tolist(), j.tolist(), strict=True) if k < m):
-        together = a.name in group and group[a.name] == group.get(b.name)
-        if not (together or frozenset((a.name, b.name)) in ignored or (a.fixed and b.fixed)):
-            found.append((a.name, b.name))
-    return found
+    pairs = ((parts[k], parts[m]) for k, m in zip(i.tolist(), j.tolist(), strict=True) if k < m)
+    return [(a.name, b.name) for a, b in pairs if collide(a.name, b.name) and not (a.fixed and b.fixed)]
 
 
 def _opening(drawing: Drawing, gap: float, most: float, near: float) -> float | None:
@@ -165,9 +166,8 @@ def _opening(drawing: Drawing, gap: float, most: float, near: float) -> float | 
         parts, wrong = examine_parts(dataclasses.replace(drawing, gap=wider))
         if wrong:
             return None
-        shapes, owner = placed_regions(parts)
-        whole = [shapely.union_all(shapes[owner == k]) for k in range(len(parts))]
-        if not free_overlaps(dataclasses.replace(drawing, gap=wider), parts) and not _near(drawing, parts, whole, near):
+        overlap = free_overlaps(dataclasses.replace(drawing, gap=wider), parts)
+        if not overlap and not _near(drawing, parts, _whole(parts), near):
             return wider
     return None
 

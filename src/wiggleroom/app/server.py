@@ -26,7 +26,7 @@ from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.app.samples import sample_entries
 from wiggleroom.app.session import Session
 from wiggleroom.app.websocket_limits import LimitedWebSocket
-from wiggleroom.schema.replies import ExtraLimits, Hello
+from wiggleroom.schema.replies import Hello, UploadLimits
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
@@ -187,7 +187,7 @@ def hello() -> Hello:
     from importlib.metadata import version
 
     can = [extra for extra, needs in EXTRAS.items() if all(find_spec(n) is not None for n in needs)]
-    return Hello(version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB), samples=list(sample_entries()))
+    return Hello(version=version("wiggleroom"), can=can, limits=UploadLimits(UPLOAD_MB), samples=list(sample_entries()))
 
 
 def listen_anywhere(port: int) -> socket.socket:

@@ -12,7 +12,7 @@ from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
 from wiggleroom.assembly.statements import missing_roles, statement_findings
 from wiggleroom.drawing.flatten import flattened_for
-from wiggleroom.drawing.glue_groups import glue_groups
+from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Goal, Part
 from wiggleroom.errors import InputError
 
@@ -139,14 +139,9 @@ def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
 
 def free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
     """Names of parts that overlap at rest and are neither glued nor ignored, and how deep [mm]."""
-    group = glue_groups(drawing.glue)
-    ignored = {frozenset(pair) for pair in drawing.ignore}
+    collide = collidable(drawing.glue, drawing.ignore)
     found = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps_at_rest(parts)]
-    return [
-        (a, b, depth)
-        for a, b, depth in found
-        if frozenset((a, b)) not in ignored and not (a in group and group[a] == group.get(b))
-    ]
+    return [(a, b, depth) for a, b, depth in found if collide(a, b)]
 
 
 def overlap_depth(drawing: Drawing, *, gap: float, offset: Mapping[str, float]) -> float | None:

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.drawing.glue_groups import glue_groups
+from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Part
 
 TOLERANCE = 1e-9
@@ -58,14 +58,12 @@ def overlap_areas(drawing: Drawing, parts: Sequence[Part]) -> list[shapely.Geome
     [1.0]
     """
     sound = [part for part in parts if shapely.is_valid(placed_regions([part])[0]).all()]
-    group = glue_groups(drawing.glue)
-    ignored = {frozenset(pair) for pair in drawing.ignore}
+    collide = collidable(drawing.glue, drawing.ignore)
     found = []
     for i, j, _ in overlaps_at_rest(sound):
         a, b = sound[i], sound[j]
-        if frozenset((a.name, b.name)) in ignored or (a.name in group and group[a.name] == group.get(b.name)):
-            continue
-        found.append(shapely.intersection(*(shapely.union_all(placed_regions([part])[0]) for part in (a, b))))
+        if collide(a.name, b.name):
+            found.append(shapely.intersection(*(shapely.union_all(placed_regions([part])[0]) for part in (a, b))))
     return found
 
 

@@ -12,9 +12,10 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly import joints
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.joints import Jigsaw, joint
+from wiggleroom.assembly.joints import Jigsaw
 from wiggleroom.drawing.model import Drawing, Goal, Part, Points, Pull, Region
 from wiggleroom.errors import InputError
 
@@ -49,7 +50,7 @@ def chain(n: int, joint: str = "tee", gap: float = 0.01, pitch: float = 1.0, **s
     ('b1', 'b2', 'b3')
     """
     _at_least(2, n=n)
-    region = block(_profile(joint, sizes), "-o-t", pitch)
+    region = block(joints.joint(joint, **sizes).profile(), "-o-t", pitch)
     return _assembly({(i, 0): region for i in range(n)}, lambda i, _: f"b{i + 1}", gap, pitch)
 
 
@@ -179,7 +180,7 @@ def image(
     beside = [padded[:-2, 1:-1], padded[1:-1, 2:], padded[2:, 1:-1], padded[1:-1, :-2]]  # bottom, right, top, left
     kinds: dict[tuple[bool, ...], Region] = {}
     regions: dict[Place, Region] = {}
-    profile = _profile(joint, sizes)
+    profile = joints.joint(joint, **sizes).profile()
     for j, i in np.argwhere(cells).tolist():
         sides = tuple(bool(side[j, i]) for side in beside)
         if sides not in kinds:
@@ -235,7 +236,7 @@ def _knob(random: np.random.Generator) -> Points:
 
 
 def _blocks(places: Iterable[Place], family: str, gap: float, pitch: float, sizes: dict[str, float]) -> Assembly:
-    region = block(_profile(family, sizes), "toot", pitch)
+    region = block(joints.joint(family, **sizes).profile(), "toot", pitch)
     return _assembly(dict.fromkeys(places, region), _name, gap, pitch)
 
 
@@ -268,10 +269,6 @@ def _many(n: int, thing: str) -> str:
 
 def _name(i: int, j: int) -> str:
     return f"b{i + 1}-{j + 1}"
-
-
-def _profile(family: str, sizes: dict[str, float]) -> Points:
-    return joint(family, **sizes).profile()
 
 
 def _at_least(least: int, **counts: int) -> None:

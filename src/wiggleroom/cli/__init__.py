@@ -47,7 +47,7 @@ def _run(argv: list[str]) -> int:
 
     from wiggleroom.cli.app import build
     from wiggleroom.cli.words import with_json_alone
-    from wiggleroom.errors import InputError, StoppedError, UnsureError, WiggleroomError
+    from wiggleroom.errors import InputError, StoppedError, UnsureError, WiggleroomError, where_raised
 
     app = build()
     try:
@@ -70,7 +70,7 @@ def _run(argv: list[str]) -> int:
         raise
     except Exception as problem:
         _say(
-            f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {problem}{_where(problem)}"
+            f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {problem}{where_raised(problem)}"
         )
         return NO_VERDICT
     return BAD_INPUT
@@ -94,15 +94,6 @@ def _usage(problem: CycloptsError, app: App) -> str:
         said = f"unexpected: {' '.join(unused)}"
         said += f". {meant(odd, known)}" if odd and odd not in known else ""
     return f"{said.strip().rstrip('.')} (wiggleroom --help says more)"
-
-
-def _where(problem: BaseException) -> str:
-    """Place in the program where an error was raised."""
-    place, trace = "", problem.__traceback__
-    while trace is not None:
-        place = f" ({os.path.basename(trace.tb_frame.f_code.co_filename)}:{trace.tb_lineno})"
-        trace = trace.tb_next
-    return place
 
 
 def _say(line: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wiggleroom.cli.options import QuestionOptions, look
+from wiggleroom.cli.options import QuestionOptions, inspect_file
 from wiggleroom.cli.outputs import Force, Text, check_outputs, command_line, write_picture, write_result
 from wiggleroom.report.file_endings import STILLS
 
@@ -50,7 +50,7 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
         return 0
     check_outputs(file, {"OUT": (out, STILLS)}, force)
     command = command_line()
-    seen = look(file, asked)
+    seen = inspect_file(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)
     write_picture(picture_of_reading(seen.assembly, seen.rows, seen.remarks, seen.findings, command=command), out)
@@ -87,7 +87,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
         if json != "-":
             show(spatial_parts_table(assembly))
         return 0
-    seen = look(file, asked)
+    seen = inspect_file(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)
     if json is not None:

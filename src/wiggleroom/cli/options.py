@@ -114,7 +114,7 @@ def read(file: str, asked: QuestionOptions, stop: Deadline | None = None) -> Ass
     from wiggleroom.cli.watch import at_once
 
     with at_once(stop):
-        drawing, fixed, wanted = _said(file, asked)
+        drawing, fixed, wanted = _read_with_roles(file, asked)
         from wiggleroom.assembly.build import assemble, with_notes
 
         assembly = with_notes(assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted))
@@ -124,7 +124,7 @@ def read(file: str, asked: QuestionOptions, stop: Deadline | None = None) -> Ass
 
 
 @dataclass(frozen=True, eq=False)
-class PictureOptions:
+class InspectedFile:
     """A file as it was read, whether or not it can be worked with.
 
     Parameters
@@ -145,7 +145,7 @@ class PictureOptions:
     findings: tuple[str, ...]
 
 
-def look(file: str, asked: QuestionOptions) -> PictureOptions:
+def inspect_file(file: str, asked: QuestionOptions) -> InspectedFile:
     """Read a file with all that is wrong with it.
 
     Raises
@@ -176,7 +176,7 @@ def look(file: str, asked: QuestionOptions) -> PictureOptions:
     made, findings = examine(used) if parts else ((), ())
     shown = made if len(made) == len(parts) else tuple(p for p in parts if p.regions)
     assembly = with_notes(Assembly(shown, used)) if not findings else Assembly(shown, used)
-    return PictureOptions(assembly, inventory(used, found.layers), found.remarks, (*found.findings, *findings))
+    return InspectedFile(assembly, inventory(used, found.layers), found.remarks, (*found.findings, *findings))
 
 
 def asked_drawing(file: str, asked: QuestionOptions) -> Drawing:
@@ -192,7 +192,7 @@ def asked_drawing(file: str, asked: QuestionOptions) -> Drawing:
     from wiggleroom.assembly.statements import statement_findings, unknown
     from wiggleroom.errors import InputError
 
-    drawing, fixed, wanted = _said(file, asked)
+    drawing, fixed, wanted = _read_with_roles(file, asked)
     names = {p.name: None for p in drawing.parts}
     parts = tuple(replace(p, fixed=True) if p.name in fixed else p for p in drawing.parts)
     found = replace(drawing, parts=parts, goals=tuple(wanted) or drawing.goals)
@@ -202,7 +202,7 @@ def asked_drawing(file: str, asked: QuestionOptions) -> Drawing:
     return found
 
 
-def _said(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[Goal]]:
+def _read_with_roles(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[Goal]]:
     """What the file says, and the parts that stand and the goals that the options name."""
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing

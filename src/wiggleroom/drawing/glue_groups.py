@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 
 def glue_groups(glue: Iterable[Sequence[str]]) -> dict[str, int]:
@@ -42,6 +42,19 @@ def glued_names(glue: Iterable[Sequence[str]]) -> list[list[str]]:
     for name, number in glue_groups(glue).items():
         members.setdefault(number, []).append(name)
     return list(members.values())
+
+
+def collidable(glue: Iterable[Sequence[str]], ignore: Iterable[Sequence[str]]) -> Callable[[str, str], bool]:
+    """Whether two parts may not overlap: they are neither glued nor ignored.
+
+    Examples
+    --------
+    >>> can = collidable([("a", "b")], [("c", "a")])
+    >>> can("a", "b"), can("a", "c"), can("b", "c")
+    (False, False, True)
+    """
+    group, ignored = glue_groups(glue), {frozenset(pair) for pair in ignore}
+    return lambda a, b: not (frozenset((a, b)) in ignored or (a in group and group[a] == group.get(b)))
 
 
 def body_numbers(names: Iterable[str], glue: Iterable[Sequence[str]]) -> list[int]:

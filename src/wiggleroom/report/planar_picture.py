@@ -15,9 +15,9 @@ from wiggleroom.report.sheet_picture import (
     OPEN,
     PICTURE_HEIGHT,
     PICTURE_WIDTH,
+    colour_of,
     fitted,
     halo_text,
-    hue,
     path_data,
     rings_of,
 )
@@ -64,8 +64,8 @@ def _sheet(found: PlanarAssembly, x: float, y: float) -> tuple[str, float]:
     for k, joint in enumerate(found.joints):
         for point in joint.on_sheet:
             px, py = point * (scale, -scale) + shift
-            lines.append(f'<circle cx="{px:.2f}" cy="{py:.2f}" r="2.5" fill="{hue(k)}"/>')
-            lines.append(halo_text(px, py - 8, f"J{k + 1}", hue(k), 8.0))
+            lines.append(f'<circle cx="{px:.2f}" cy="{py:.2f}" r="2.5" fill="{colour_of(k)}"/>')
+            lines.append(halo_text(px, py - 8, f"J{k + 1}", colour_of(k), 8.0))
     return "\n".join([*lines, "</g>"]), float(min(PICTURE_HEIGHT, scale * (high[1] - low[1])))
 
 

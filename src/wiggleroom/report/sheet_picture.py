@@ -36,10 +36,13 @@ def sheet_picture(found: AssembledSheet, *, command: str = "") -> str:
     return frame.document(PICTURE_WIDTH, y + PICTURE_HEIGHT + 2 * palette.MARGIN, title, said, command, body)
 
 
-def hue(k: int) -> str:
-    """Colours that stay apart however many there are (golden-angle hues)."""
-    red, green, blue = colorsys.hls_to_rgb((0.07 + 0.618034 * k) % 1.0, 0.40, 0.65)
-    return f"#{int(255 * red):02x}{int(255 * green):02x}{int(255 * blue):02x}"
+GOLDEN = 0.618034
+"""Share of the circle of hues between one row and the next: so colours stay apart however many there are."""
+
+
+def colour_of(k: int) -> str:
+    """Colour of joint `k`."""
+    return _colour((0.07 + GOLDEN * k) % 1.0, 0.40, 0.65)
 
 
 def fitted(points: Floats, x: float, y: float) -> tuple[float, Floats]:
@@ -72,7 +75,7 @@ def _sheet(found: AssembledSheet, x: float, y: float) -> str:
         px, py = plate.centre * (scale, -scale) + shift
         lines.append(halo_text(px, py, plate.name, palette.INK, 10.0))
     for k, joint in enumerate(found.joints):
-        colour = hue(k)
+        colour = colour_of(k)
         for side, row in enumerate(joint.panels):
             points = on_sheet(found, row, joint.flanks[:, side]) * (scale, -scale) + shift
             lines += [f'<circle cx="{px:.2f}" cy="{py:.2f}" r="2" fill="{colour}"/>' for px, py in points]
@@ -118,7 +121,7 @@ def _faces(found: AssembledSheet, row: int, turn: Floats, move: Floats) -> list[
     """Depth, rings in the picture and colour of the sides of a plate that face the eye."""
     plate, half = found.plates[row], found.thickness[row] / 2
     right_up, eye = _VIEW[:2], _VIEW[2]
-    hue = (0.1 + 0.618034 * row) % 1.0
+    hue = (0.1 + GOLDEN * row) % 1.0
     faces = []
     rings = rings_of(inset(plate.polygon, found.relief))
     normal = turn[:, 2]
@@ -138,5 +141,9 @@ def _faces(found: AssembledSheet, row: int, turn: Floats, move: Floats) -> list[
 
 
 def _shade(hue: float, light: float) -> str:
-    red, green, blue = colorsys.hls_to_rgb(hue, 0.62 + 0.28 * min(1.0, light), 0.45)
+    return _colour(hue, 0.62 + 0.28 * min(1.0, light), 0.45)
+
+
+def _colour(hue: float, lightness: float, saturation: float) -> str:
+    red, green, blue = colorsys.hls_to_rgb(hue, lightness, saturation)
     return f"#{int(255 * red):02x}{int(255 * green):02x}{int(255 * blue):02x}"

@@ -34,7 +34,7 @@ from wiggleroom.schema.study_replies import (
 from wiggleroom.verdict import Verdict
 
 
-class ExtraLimits(Struct):
+class UploadLimits(Struct):
     """What the server takes."""
 
     upload_mb: float
@@ -54,7 +54,7 @@ class Hello(Reply, kw_only=True):
 
     version: str
     can: Annotated[list[str], Meta(description="extras that are installed")]
-    limits: ExtraLimits
+    limits: UploadLimits
     samples: list[SampleEntry] = field(default_factory=list)
 
 
