@@ -22,6 +22,7 @@ from wiggleroom.drawing.dimension import is_spatial_file
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap
 from wiggleroom.drawing.read import READERS, read_drawing
+from wiggleroom.drawing.source import load
 from wiggleroom.errors import InputError
 from wiggleroom.report.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
@@ -190,7 +191,7 @@ def _in_space(path: Path, request: OpenRequest) -> File:
     drawing, joints = _with_joints(read_spatial(path, alone=not request.beside), request)
     if request.gap is not None:
         drawing = dataclasses.replace(drawing, gap=request.gap)
-    text = path.read_text(encoding="utf-8-sig")
+    text = load(path, opening="{", name="assembly").text
     return File(path.name, request.path or path.name, drawing, text=text, joints=joints)
 
 
