@@ -34,6 +34,10 @@ class TouchingError(InputError):
         self.clearance = clearance
 
 
+class FreeSpaceError(InputError):
+    """No free space was found round where two parts lie, although they do not touch."""
+
+
 class UnsureError(WiggleroomError):
     """What the question rests on is not sure, so no answer is given.
 

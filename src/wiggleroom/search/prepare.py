@@ -13,7 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop, TouchingError, go_on
+from wiggleroom.errors import FreeSpaceError, InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
 from wiggleroom.freespace.models.pair_models import Walls
 from wiggleroom.geometry.bodies import Bodies, bodies
@@ -96,6 +96,8 @@ def prepare_as_drawn(assembly: Assembly, *, surveyed: Survey | None = None, stop
         If it was asked to stop.
     TouchingError
         If two parts touch or overlap after gap and offsets.
+    FreeSpaceError
+        If two parts do not touch, but no free space was found round where they lie.
     InputError
         If nothing can move.
     """
@@ -169,7 +171,7 @@ def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floa
             f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}": no free space was found round '
             "where they lie; two corners may point at each other: round one off, or give a larger gap"
         )
-        raise InputError(finding)
+        raise FreeSpaceError(finding)
     return cells
 
 
