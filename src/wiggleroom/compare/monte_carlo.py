@@ -9,10 +9,10 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSlices, FreeSpace
 from wiggleroom.geometry.bodies import Bodies, bodies
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import rotated
 

@@ -7,9 +7,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies, corners
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
 from wiggleroom.live.warm_start import WarmSearch, state_at_rest

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import Goal
@@ -26,8 +27,6 @@ from wiggleroom.program.objectives import Objective, objective
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CONTACT_TOLERANCE = 1e-6
-"""A clearance below this share of the drawing's size counts as touching."""
 CLEARANCE_SAMPLES = 200
 """The typical clearance is taken from at most this many bodies."""
 NEIGHBOUR_REACH = 3.0

@@ -19,6 +19,9 @@ from wiggleroom.sensitivity.parallel import Work
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+DIFFERENCE_STEP = 1e-3
+"""Extra gap of difference quotients, as a share of the typical clearance."""
+
 
 @dataclass(frozen=True, eq=False)
 class GapDerivatives:

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import FreeSpaceError, InputError, Stop, TouchingError
 from wiggleroom.geometry.offset_bodies import offset_bodies
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build_program

@@ -24,7 +24,7 @@ from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.maximise import flex, witness
-from wiggleroom.program.gap_sensitivity import carried, gains
+from wiggleroom.program.gap_sensitivity import OUTLINE_TOLERANCE, carried, gains
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search.active_set import touching
@@ -38,7 +38,7 @@ from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.flat_motions import other_optima
-from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives, GapStudy
+from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
@@ -59,11 +59,6 @@ from wiggleroom.solve.solution import Solution
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-DIFFERENCE_STEP = 1e-3
-"""Extra gap of forward differences, as a share of the typical clearance."""
-OUTLINE_TOLERANCE = 1e-9
-"""Outlines that agree to this share of the drawing's size are the same."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.assembly.statements import missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
@@ -26,8 +27,6 @@ from wiggleroom.verdict import SolverStatus, Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-OVERLAP = 1e-9
-"""Overlaps shallower than this share of the size are rounding."""
 
 
 def flex_spatial(
@@ -84,7 +83,7 @@ def flex_spatial(
     value = None if verdict is Verdict.UNBOUNDED else climb.value(done)
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
-        path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP * ready.size,
+        path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip

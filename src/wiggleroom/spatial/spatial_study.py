@@ -17,7 +17,7 @@ from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
-from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives
+from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.parallel import Work
@@ -35,8 +35,6 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DIFFERENCE_STEP = 1e-3
-"""Extra gap of difference quotients, as a share of the typical clearance."""
 ACTIVE = 1e-6
 """A row with less than this share of the largest force holds nothing."""
 
