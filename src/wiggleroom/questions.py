@@ -1,4 +1,4 @@
-"""The questions anyone may ask, of drawings and of assemblies in space: each is put to the code of its dimension here."""
+"""The questions anyone may ask, of drawings and of assemblies in space: each is handed to the functions of its dimension."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class SampledAccuracy:
     free : int
         Truly free and reached from rest.
     accepted : int
-        Said to be free by the cells.
+        Said to be free by the model.
     unsafe : int
         Accepted although the parts overlap by more than 1e-9 of the drawing's size.
     lost : int
@@ -47,7 +47,7 @@ class SampledAccuracy:
 
 
 def sampled_accuracy(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) -> SampledAccuracy:
-    """Judge random relative motions by polygon intersection and by the cells, and compare.
+    """Judge random relative motions by polygon intersection and by the model, and compare.
 
     Parameters
     ----------

@@ -149,7 +149,7 @@ class PreparedDesigns:
         if not base.same(after, made):
             return None
         if overlaps(after, np.zeros_like(after.rest), base.ready.ignored).deepest > 0:
-            return None  # whoever prepares it afresh names the parts that touch
+            return None  # `prepare_walls` then raises the error that names the parts
         clearance = base.ready.clearance + 2 * float(np.median(by))
         if clearance < 0.1 * base.ready.clearance:
             return None

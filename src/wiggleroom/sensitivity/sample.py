@@ -108,7 +108,7 @@ class Sample(Drawable):
 
     @property
     def foreseen(self) -> float:
-        """Standard deviation of the objective to first order, from the ranking alone."""
+        """Predicted standard deviation of the objective: to first order, from the derivatives of the ranking, without the draws."""
         worth = np.nan_to_num(self.ranking.by_duals)
         alone, together = float((worth**2).sum()), float(worth.sum() ** 2)
         return float(self.spread.deviation * np.sqrt((1 - self.spread.sheet) * alone + self.spread.sheet * together))
