@@ -108,6 +108,14 @@ def test_a_part_that_is_gone_is_not_said_to_touch() -> None:
     assert touching.verdict is Verdict.TOUCHING
 
 
+def test_a_gap_at_which_parts_overlap_is_one_at_which_they_touch() -> None:
+    drawing = wr.patterns.chain(2, joint="tee", gap=0.04).drawing
+    larger = assemble(replace(drawing, parts=tuple(replace(p, offset=0.01) for p in drawing.parts)))
+    tight, loose = wr.sweep(larger, [0.01, 0.04]).steps
+    assert tight.verdict is Verdict.TOUCHING
+    assert loose.verdict.ends
+
+
 def test_a_question_that_is_wrong_at_every_gap_is_refused() -> None:
     assembly = wr.patterns.chain(3, joint="tee", gap=0.02)
     a, b, c = assembly.names

@@ -34,6 +34,10 @@ class TouchingError(InputError):
         self.clearance = clearance
 
 
+class OverlapError(InputError):
+    """Parts overlap at rest after gap and offsets; nothing else is wrong with the drawing."""
+
+
 class FreeSpaceError(InputError):
     """No free space was found round where two parts lie, although they do not touch."""
 

@@ -85,7 +85,7 @@ class GapStudy(Protocol[Found]):
         """Typical clearance between neighbours [mm]."""
 
     def at_gap(self, gap: float) -> Self:
-        """The same question with another gap [mm] of the whole assembly; InputError where its parts cannot be made."""
+        """The same question with another gap [mm]; InputError where parts cannot be made, OverlapError where they overlap."""
 
     def answer(self, stop: Stop | None) -> Found:
         """Largest motion as a direct question finds it, without a bound."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Generic
 
 from wiggleroom.deadline import Deadline
-from wiggleroom.errors import FreeSpaceError, InputError, StoppedError, TouchingError
+from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, StoppedError, TouchingError
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.found_motion import Found, is_checked
 from wiggleroom.sensitivity.gap_study import GapStudy
@@ -204,9 +204,10 @@ class MotionBorder(Generic[Found]):
     def _solved(self, gap: float, search: int | None) -> Trial:
         try:
             made = self.study.at_gap(gap)
+        except OverlapError:
+            return Trial(gap, None, Verdict.TOUCHING, False)
         except InputError:
-            overlapping = gap < max((t.gap for t in self.trials.values() if t.value is not None), default=0.0)
-            return Trial(gap, None, Verdict.TOUCHING if overlapping or gap == 0 else Verdict.NOT_MAKEABLE, False)
+            return Trial(gap, None, Verdict.NOT_MAKEABLE, False)
         try:
             answer = made.flexed(search, self.deadline, self.progress)
         except (StoppedError, FreeSpaceError):

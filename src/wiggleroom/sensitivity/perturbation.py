@@ -19,7 +19,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import FreeSpaceError, InputError, Stop, TouchingError
+from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, Stop, TouchingError
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.maximise import witness
@@ -203,15 +203,13 @@ def perturbed_objective_anew(
     """The same as `perturbed_objective`, by a climb from rest for parts made so, or as `wiggleroom.flex` answers it: with `search`."""
     look = searched_answer if search else witness
     try:
-        made = varied(assembly, inward)
-    except InputError:
-        return PerturbedObjective(np.nan, Verdict.NOT_MAKEABLE)
-    try:
-        answer = look(made, goals)
-    except TouchingError:
+        answer = look(varied(assembly, inward), goals)
+    except (OverlapError, TouchingError):
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
     except FreeSpaceError:
         return PerturbedObjective(np.nan, Verdict.STOPPED)
+    except InputError:
+        return PerturbedObjective(np.nan, Verdict.NOT_MAKEABLE)
     if answer.objective is None:
         return PerturbedObjective(np.inf, Verdict.UNBOUNDED)
     return PerturbedObjective(answer.objective, answer.verdict)

@@ -15,7 +15,7 @@ from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import FreeSpaceError, InputError, Stop, StoppedError, TouchingError
+from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, Stop, StoppedError, TouchingError
 from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, is_checked
 from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.planar_study import PlanarStudy
@@ -235,6 +235,8 @@ def _step(
     """One gap, from the answer of a smaller one where there is one; and what the next gap may start from."""
     try:
         made = study.at_gap(gap)
+    except OverlapError:
+        return SweepStep(gap, None, Verdict.TOUCHING, False), last
     except InputError:
         return SweepStep(gap, None, Verdict.NOT_MAKEABLE, False), last
     try:
