@@ -10,7 +10,7 @@ import numpy as np
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
-from wiggleroom.assembly.statements import missing_roles, statement_findings
+from wiggleroom.assembly.statements import given_goals, missing_roles, statement_findings
 from wiggleroom.drawing.flatten import flattened_for
 from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, Goal, Part
@@ -95,7 +95,7 @@ def asked_goals(drawing: Drawing, goals: Goal | Sequence[Goal] | None) -> tuple[
     InputError
         If nothing is fixed or pulled, or a goal names an unknown part.
     """
-    asked = drawing.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    asked = given_goals(goals, drawing.goals)
     findings = question_findings(replace(drawing, goals=asked))
     if findings:
         raise InputError(findings)

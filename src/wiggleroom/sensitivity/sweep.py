@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import question_findings
+from wiggleroom.assembly.statements import given_goals
 from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
 from wiggleroom.displayable import Drawable
@@ -128,7 +129,7 @@ def sweep(
     if prove is not None:
         check_request(prove, seconds)
         need_highs()
-    asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    asked = given_goals(goals, assembly.goals)
     wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
     if prove is None:
         return sweep_over(PlanarStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)

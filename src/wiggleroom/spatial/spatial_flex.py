@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
-from wiggleroom.assembly.statements import missing_roles
+from wiggleroom.assembly.statements import given_goals, missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.overlap_check import deepest_overlap
@@ -55,7 +55,7 @@ def flex_spatial(
     began = time.perf_counter()
     solver_named(solver)
     its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
-    asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    asked = given_goals(goals, its.goals)
     wrong = goal_findings(its.drawing, asked) + lacking(its, asked)
     if search is not None and search < 0:
         wrong.append(f"search is {search}: it must be a number of starts, 0 for none")

@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.statements import given_goals
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
 from wiggleroom.errors import InputError, Stop, TouchingError
@@ -142,7 +143,7 @@ def spatial_study_of(assembly: SpatialAssembly, goals: Sequence[SpatialGoal] | N
     InputError
         If nothing is fixed or pulled, or a goal names an unknown part.
     """
-    asked = assembly.goals if goals is None else tuple(goals)
+    asked = given_goals(goals, assembly.goals)
     wrong = goal_findings(assembly.drawing, asked) + lacking(assembly, asked)
     if wrong:
         raise InputError(wrong)

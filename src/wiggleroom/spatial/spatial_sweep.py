@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from wiggleroom.assembly.statements import given_goals
 from wiggleroom.errors import Stop
 from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
 from wiggleroom.spatial.spatial_assembly import goal_findings
@@ -23,6 +24,6 @@ def sweep_spatial(
     each: Callable[[SweepStep, Any], None] | None = None,
 ) -> Sweep:
     """Largest motion for several gaps; see `wiggleroom.sweep`."""
-    asked = assembly.goals if goals is None else tuple(goals)
+    asked = given_goals(goals, assembly.goals)
     wrong = goal_findings(assembly.drawing, asked) + lacking(assembly, asked)
     return sweep_over(SpatialStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
