@@ -30,7 +30,6 @@ from wiggleroom.schema.study_replies import StudyReply, StudyTab, Title
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.perturbation import can_be_ranked
-from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
@@ -50,7 +49,7 @@ def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
     """
     told = _about(answer, answer.command) | ({} if found is None else _check(Checked(found), ""))
     if answer.model == "walls" and can_be_ranked(answer):
-        told["rank"] = ranking_message(rank_at_once(PlanarStudy(answer.assembly, answer.goals), answer), answer.command)
+        told["rank"] = ranking_message(rank_at_once(answer), answer.command)
     return standalone_page(headline(answer), **told)
 
 

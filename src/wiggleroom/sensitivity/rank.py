@@ -16,7 +16,6 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity.dual_face import is_unique
-from wiggleroom.sensitivity.found_motion import Found
 from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives, GapStudy, check_end
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_study import PlanarStudy, study_of
@@ -185,7 +184,7 @@ def rank(
     return _by_differences(ranking, found, parts, by, ParallelRun(workers, cluster, stop, progress))
 
 
-def rank_at_once(study: GapStudy[Found], answer: Found) -> Ranking:
+def rank_at_once(answer: Any, study: GapStudy[Any] | None = None) -> Ranking:
     """Ranking of an answer without any further solve: where derivatives are not unique, ranges are at least so wide.
 
     Raises
@@ -193,8 +192,9 @@ def rank_at_once(study: GapStudy[Found], answer: Found) -> Ranking:
     InputError
         If nothing stops the motion or the search for it was cut short.
     """
-    check_end(study, answer)
-    return ranking_of(answer, study.derivatives(answer), most_rows=0)
+    its = study or PlanarStudy(answer.assembly, answer.goals)
+    check_end(its, answer)
+    return ranking_of(answer, its.derivatives(answer), most_rows=0)
 
 
 def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:

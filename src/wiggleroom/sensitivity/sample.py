@@ -200,7 +200,7 @@ def sample(
         checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
         answer, distribution, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
-        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(study, answer), draws,
+        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer, study), draws,
     )  # fmt: skip
 
 

@@ -28,7 +28,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-
 def flex_spatial(
     assembly: SpatialAssembly | SpatialPrepared,
     goals: SpatialGoal | Sequence[SpatialGoal] | None = None,
