@@ -23,7 +23,8 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing import write_drawing
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Translation
-from wiggleroom.sensitivity.motion_border import MotionBorder, PlanarGapModel
+from wiggleroom.sensitivity.motion_border import MotionBorder
+from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.verdict import Certainty
 
 PEG = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
@@ -68,10 +69,10 @@ def test_a_chain_whose_optimum_is_known(joint: str, count: int, gap: float) -> N
 def test_a_bound_of_a_smaller_gap_is_none_of_a_larger_one() -> None:
     """Where a search falls short, what a smaller gap has shown stands in for it, but not what was proven there."""
 
-    class Halfway(PlanarGapModel):
-        def flexed(self, made, search, stop, progress):  # type: ignore[no-untyped-def]
-            found = super().flexed(made, search, stop, progress)
-            if made.gap < 0.3 or found.objective is None:
+    class Halfway(PlanarStudy):
+        def flexed(self, search, stop, progress):  # type: ignore[no-untyped-def]
+            found = super().flexed(search, stop, progress)
+            if self.assembly.gap < 0.3 or found.objective is None:
                 return found
             return replace(found, objective=found.objective / 2, motion=found.motion / 2, at_most=None, bound=None)
 

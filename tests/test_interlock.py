@@ -299,7 +299,9 @@ def test_a_jigsaw_near_the_gap_at_which_it_comes_apart(gap, verdict):
 @pytest.mark.parametrize("joint", ["swallowtail", "tee"])
 def test_interlocked_says_how_far_at_most(joint, monkeypatch):
     """The distance that is stated lies above every motion that is found, in any direction and at any corner."""
-    monkeypatch.setattr("wiggleroom.disassembly.interlock.MIN_BOUND_SECONDS", 60.0)  # it ends by itself, on a busy machine later
+    monkeypatch.setattr(
+        "wiggleroom.disassembly.interlock.MIN_BOUND_SECONDS", 60.0
+    )  # it ends by itself, on a busy machine later
     made = wr.patterns.chain(4, joint=joint, gap=0.02)
     found = wr.check(made)
     assert (found.verdict, found.certainty) == ("interlocked", "proven")

@@ -17,7 +17,7 @@ from tests.test_imports import ORDER
 from wiggleroom import schema
 from wiggleroom.app.dispatcher import ANSWERS, OF_DRAWINGS
 from wiggleroom.assembly.joints import JOINTS
-from wiggleroom.cli import coupon_command, flex_command, make_command
+from wiggleroom.cli import coupon_command, flex_command, make_command, make_image_command
 from wiggleroom.cli.words import DRAWINGS
 from wiggleroom.drawing.read import READERS
 from wiggleroom.schema import replies, requests, results
@@ -26,7 +26,7 @@ from wiggleroom.solve import SOLVERS
 TOP = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize("command", [make_command.make, coupon_command.coupon])
+@pytest.mark.parametrize("command", [make_command.make, make_image_command.image, coupon_command.coupon])
 def test_the_help_of_joint_names_every_family(command):
     said = re.search(r"\n    joint\n        ([^\n]*)", inspect.getdoc(command).replace("\n", "\n    "))
     named = set(re.findall(r"\w+", said[1]))
@@ -43,6 +43,16 @@ def test_every_format_that_is_read_is_known_to_the_command_line_and_the_page():
     assert {*DRAWINGS, ".json"} == set(READERS)
     accepted = re.search(r'accept="([^"]*)"', (TOP / "web/src/chrome/TopBar.tsx").read_text())
     assert set(accepted[1].split(",")) == set(READERS)
+
+
+def test_every_text_that_lists_the_formats_of_drawings_lists_all():
+    formats = set(READERS) - {".json", ".lbrn"}  # LightBurn's older ending stands for itself
+    texts = {path: path.read_text() for path in (TOP / "src").rglob("*.py")}
+    lists = [
+        (path.name, found) for path, text in texts.items() for found in re.findall(r"\(((?:\.\w+, )+\.\w+)\)", text)
+    ]
+    assert len(lists) > 10
+    assert [(name, found) for name, found in lists if ".dxf" in found and not formats <= set(found.split(", "))] == []
 
 
 def structures(module):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,12 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.sensitivity.motion_border import MotionBorder, PlanarGapModel
+from wiggleroom.errors import FreeSpaceError
+from wiggleroom.sensitivity import planar_study
+from wiggleroom.sensitivity.motion_border import MotionBorder
+from wiggleroom.sensitivity.perturbation import perturbed_objective_anew
+from wiggleroom.sensitivity.planar_study import PlanarStudy
+from wiggleroom.verdict import Verdict
 
 ROOM = shapely.union_all([shapely.box(0, 0, 1, 1.1), shapely.box(0, 0, 3.1, 1), shapely.box(2.1, 0, 3.1, 3)])
 SLIDER = shapely.box(0.05, 0.05, 0.95, 0.95)
@@ -63,7 +69,7 @@ def test_the_gap_for_a_motion_is_about_the_answer_of_flex() -> None:
 
 
 def test_a_gap_whose_motion_was_not_searched_in_time_is_said_to_be_stopped() -> None:
-    border = MotionBorder(PlanarGapModel(corridor(gap=0.01), corridor().goals), 1.0, Deadline(60.0, None), None)
+    border = MotionBorder(PlanarStudy(corridor(gap=0.01), corridor().goals), 1.0, Deadline(60.0, None), None)
     low = border._bracket()[0]
     border.deadline = Deadline(1e-9, None)
     assert border._confirmed(low)
@@ -92,3 +98,38 @@ def test_draws_do_not_go_through_parts(tmp_path: Path) -> None:
     file.write_text(json.dumps({"format": "wiggleroom/1", "unit": "mm", "parts": parts, "pull": [pull]}))
     found = wr.sample(wr.read(str(file)), 0.002, draws=3, seed=1, workers=1)
     assert found.value == pytest.approx(found.answer.objective, rel=0.03)
+
+
+def test_a_part_that_is_gone_is_not_said_to_touch() -> None:
+    assembly = wr.patterns.chain(2, joint="tee", gap=0.02)
+    found = perturbed_objective_anew(assembly, assembly.goals, np.full(2, assembly.size))
+    assert found.verdict is Verdict.NOT_MAKEABLE
+    touching = perturbed_objective_anew(assembly, assembly.goals, np.full(2, -0.02))
+    assert touching.verdict is Verdict.TOUCHING
+
+
+def test_a_gap_at_which_parts_overlap_is_one_at_which_they_touch() -> None:
+    drawing = wr.patterns.chain(2, joint="tee", gap=0.04).drawing
+    larger = assemble(replace(drawing, parts=tuple(replace(p, offset=0.01) for p in drawing.parts)))
+    tight, loose = wr.sweep(larger, [0.01, 0.04]).steps
+    assert tight.verdict is Verdict.TOUCHING
+    assert loose.verdict.ends
+
+
+def test_a_question_that_is_wrong_at_every_gap_is_refused() -> None:
+    assembly = wr.patterns.chain(3, joint="tee", gap=0.02)
+    a, b, c = assembly.names
+    wrong = assemble(replace(assembly.drawing, glue=((b, c),), ignore=((a, b),)))
+    with pytest.raises(wr.InputError, match="covers only some parts"):
+        wr.sweep(wrong, [0.01, 0.02])
+    with pytest.raises(wr.InputError, match="covers only some parts"):
+        wr.allowable_gap(wrong, at_most=0.1)
+
+
+def test_a_gap_without_free_space_round_rest_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise FreeSpaceError("no free space was found")
+
+    monkeypatch.setattr(planar_study, "prepare_walls", refuse)
+    (step,) = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01]).steps
+    assert (step.verdict, step.objective) == (Verdict.STOPPED, None)

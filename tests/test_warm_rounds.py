@@ -51,11 +51,11 @@ def test_correctors_lengthen_steps_and_keep_the_rows(program):
         primal, dual, gap, _ = state.residuals()
         mean = gap / len(primal)
         plain = newton(state, matrix, primal, dual, 0.3 * mean - state.s * state.lam)
-        before = plain.primal + plain.dual
+        before = plain.primal_step + plain.dual_step
         assert np.allclose(before, max_step(state.s, plain.s) + max_step(state.lam, plain.lam), rtol=1e-12)
         better = corrected(state, matrix, plain, 0.3 * mean)
         after = max_step(state.s, better.s) + max_step(state.lam, better.lam)
-        assert np.allclose(after, better.primal + better.dual, rtol=1e-12)
+        assert np.allclose(after, better.primal_step + better.dual_step, rtol=1e-12)
         assert after >= before
         longer.append(after - before)
         # slacks still follow the rows to first order, here by the Jacobian as a matrix

@@ -61,12 +61,12 @@ class Deadline:
 
 
 GRACE_SECONDS = 1.0
-"""Time after a request to stop in which what was found is still brought in, in processor time of all threads [s]."""
+"""Processor time of all threads [s] that may pass after a request to stop, so that the best motion so far is checked and returned."""
 
 
 @dataclass(eq=False)
 class GracePeriod:
-    """A request to stop, and a little time after it in which what was found is brought in.
+    """A request to stop, and a little time after it: long enough to check and return the best motion so far.
 
     Parameters
     ----------

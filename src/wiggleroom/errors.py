@@ -44,6 +44,14 @@ class TouchingError(InputError):
         self.clearance = clearance
 
 
+class OverlapError(InputError):
+    """Parts overlap at rest after gap and offsets; nothing else is wrong with the drawing."""
+
+
+class FreeSpaceError(InputError):
+    """No free space was found round where two parts lie, although they do not touch."""
+
+
 class UnsureError(WiggleroomError):
     """What the question rests on is not sure, so no answer is given.
 

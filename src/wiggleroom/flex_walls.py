@@ -79,7 +79,7 @@ class MotionQuery:
 
 
 def flex_walls(ready: Prepared, query: MotionQuery) -> Answer:
-    """The answer, without any bound."""
+    """The answer; it holds a bound, or says why there is none, only where the search itself came to that."""
     if ready.simplified:
         return _refined(ready, query)
     if query.search != 0 and query.start is None:

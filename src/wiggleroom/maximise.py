@@ -183,9 +183,22 @@ def witness(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither.
+    """The answer of `flex` without its quick bound, by default from rest only: for studies, which ask many questions.
 
-    Without `periods` it is not looked whether a motion repeats without end.
+    Parameters
+    ----------
+    assembly, goals, model, solver, start, stop, progress
+        As for `flex`.
+    search : int, optional
+        Number of starts beside the one from rest; None for as many as `flex` makes. Where a search itself proved a bound, as it
+        does to end early, the answer holds it.
+    periods : bool
+        Whether it is looked if a motion repeats without end.
+
+    Raises
+    ------
+    InputError, TouchingError
+        As for `flex`.
     """
     began = time.perf_counter()
     stop = None if stop is None else GracePeriod(stop)

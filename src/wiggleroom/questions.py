@@ -1,4 +1,4 @@
-"""The questions anyone may ask, of drawings and of assemblies in space: each is put to the code of its dimension here."""
+"""The questions anyone may ask, of drawings and of assemblies in space: each is handed to the functions of its dimension."""
 
 from __future__ import annotations
 
@@ -289,7 +289,7 @@ def rank(question: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **opti
     """
     from wiggleroom.sensitivity.rank import rank as work_out
 
-    return work_out(_study_model(question, goals), None if _in_space(question) else goals, **options)  # type: ignore[arg-type]
+    return work_out(_study(question, goals), None if _in_space(question) else goals, **options)  # type: ignore[arg-type]
 
 
 def tighten(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> Tightening:
@@ -321,7 +321,7 @@ def tighten(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **o
     """
     from wiggleroom.sensitivity.tighten import tighten as work_out
 
-    return work_out(_study_model(assembly, goals), None if _in_space(assembly) else goals, **options)  # type: ignore[arg-type]
+    return work_out(_study(assembly, goals), None if _in_space(assembly) else goals, **options)  # type: ignore[arg-type]
 
 
 def sample(
@@ -358,7 +358,7 @@ def sample(
     """
     from wiggleroom.sensitivity.sample import sample as work_out
 
-    return work_out(_study_model(assembly, goals), spread, None if _in_space(assembly) else goals, **options)  # type: ignore[arg-type]
+    return work_out(_study(assembly, goals), spread, None if _in_space(assembly) else goals, **options)  # type: ignore[arg-type]
 
 
 def allowable_gap(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> AllowableGap:
@@ -466,12 +466,12 @@ def _in_space(question: Any) -> bool:
     return isinstance(question, SpatialAssembly | SpatialAnswer)
 
 
-def _study_model(question: Any, goals: AnyGoal | Sequence[AnyGoal] | None) -> Any:
+def _study(question: Any, goals: AnyGoal | Sequence[AnyGoal] | None) -> Any:
     """What a study asks: an assembly of the plane itself, of space its model."""
     if not _in_space(question):
         return question
-    from wiggleroom.spatial.spatial_study import SpatialModel
+    from wiggleroom.spatial.spatial_study import SpatialStudy, spatial_study_of
 
     if isinstance(question, SpatialAnswer):
-        return SpatialModel(question.assembly, question.goals, question)
-    return SpatialModel(question, spatial_goals(goals))
+        return SpatialStudy(question.assembly, question.goals, question)
+    return spatial_study_of(question, spatial_goals(goals))

@@ -70,9 +70,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
     if request.what in ("assembly", "cut-svg", "cut-dxf"):
         assembly = document.assembly(design)
         assert isinstance(assembly, Assembly)
-        drawing = assembly.drawing
-        if request.what != "assembly":
-            drawing = replace(drawing, parts=assembly.parts, gap=0.0, gaps=())
+        drawing = assembly.drawing if request.what == "assembly" else assembly.as_cut()
         write_drawing(drawing, path)
         return
     said = command(request.of, document.file, design, pulled=request.of == "flex")

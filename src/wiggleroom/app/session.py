@@ -1,4 +1,4 @@
-"""One page: which of its requests is worked on next, which are dropped, and what happens when a process dies.
+"""One page: which of its requests is answered next, which are dropped, and what happens when a process dies.
 
 The newest request of a kind counts. `open`, `drag`, `flex` and `shape` are for the hand that moves and go first;
 everything else gives way to them and begins again when the hand rests. A `bound`, which nobody waits for, gives way to all.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec import UNSET
 
-from wiggleroom.app.review import round_up
+from wiggleroom.app.review import GAP_SHARE, round_up
 from wiggleroom.app.spatial_designs import SpatialDesignCache, largest_part, suggested_pull
 from wiggleroom.errors import TouchingError
 from wiggleroom.report.answer_words import number, short
@@ -14,8 +14,6 @@ from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 OVERLAP_MARGIN = 1.25
 """A gap that is to open an overlap is this many times as large."""
-GAP_SHARE = 1 / 2000
-"""A gap that opens what touches, as a share of the size."""
 
 
 def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Finding]:

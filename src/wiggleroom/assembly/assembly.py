@@ -54,6 +54,10 @@ class Assembly(Displayable):
         points = np.vstack([place(r.outer, p.at) for p in self.parts for r in p.regions])
         return float(np.ptp(points, axis=0).max())
 
+    def as_cut(self) -> Drawing:
+        """Drawing of the parts as they are made, for a cutter: no gap is left to apply."""
+        return replace(self.drawing, parts=self.parts, gap=0.0, gaps=())
+
 
 def require_planar(assembly: object, question: str) -> None:
     """Raise InputError where a question that is for parts in the plane is asked of something else, as of an assembly in space."""
@@ -88,4 +92,4 @@ def moved_drawing(assembly: Assembly, motion: NDArray[np.float64]) -> Drawing:
         replace(part, at=tuple(pose))
         for part, pose in zip(assembly.parts, (assembly.rest + motion).tolist(), strict=True)
     )
-    return replace(assembly.drawing, parts=parts, gap=0.0, gaps=(), goals=())
+    return replace(assembly.as_cut(), parts=parts, goals=())

@@ -8,13 +8,13 @@ from os import PathLike
 from pathlib import Path
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.findings import examine, opened_overlaps
+from wiggleroom.assembly.findings import examine_parts, opened_overlaps, overlap_findings
 from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
 from wiggleroom.drawing.flatten import flattened_for
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Goal, part_of
-from wiggleroom.errors import InputError, Stop, go_on
+from wiggleroom.errors import InputError, OverlapError, Stop, go_on
 
 
 def assemble(
@@ -42,7 +42,7 @@ def assemble(
     Raises
     ------
     InputError
-        With everything that is wrong, one line each.
+        With everything that is wrong, one line each; an `OverlapError` where that is only that parts overlap.
 
     Examples
     --------
@@ -69,9 +69,12 @@ def assemble(
         gap=float(drawing.gap if gap is None else gap),
         goals=tuple(goals) or drawing.goals,
     )
-    made, findings = examine(used)
+    made, findings = examine_parts(used)
+    overlapping = overlap_findings(used, made)
     if wrong or findings:
-        raise InputError((*wrong, *findings))
+        raise InputError((*wrong, *findings, *overlapping))
+    if overlapping:
+        raise OverlapError(overlapping)
     return Assembly(made, used)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
-from wiggleroom.assembly.statements import missing_roles, statement_findings
+from wiggleroom.assembly.statements import given_goals, missing_roles, statement_findings
 from wiggleroom.drawing.flatten import flattened_for
 from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Goal, Part
@@ -42,7 +42,7 @@ def findings(drawing: Drawing) -> tuple[str, ...]:
 def examine(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     """Parts as made, and everything that is wrong; parts are all there only where nothing is."""
     parts, found = examine_parts(drawing)
-    return parts, (*found, *_located(drawing, _overlapping(drawing, parts)))
+    return parts, (*found, *overlap_findings(drawing, parts))
 
 
 def examine_parts(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
@@ -95,7 +95,7 @@ def asked_goals(drawing: Drawing, goals: Goal | Sequence[Goal] | None) -> tuple[
     InputError
         If nothing is fixed or pulled, or a goal names an unknown part.
     """
-    asked = drawing.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    asked = given_goals(goals, drawing.goals)
     findings = question_findings(replace(drawing, goals=asked))
     if findings:
         raise InputError(findings)
@@ -128,13 +128,13 @@ _MAX_LINES = 5
 """Lines on overlaps that the gap opens."""
 
 
-def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
-    """One line per pair that overlaps at rest and may not."""
+def overlap_findings(drawing: Drawing, parts: Sequence[Part]) -> tuple[str, ...]:
+    """One line per pair of parts, as made, that overlaps at rest and may not."""
     found = []
     for a, b, depth in free_overlaps(drawing, parts):
         right = f"draw them apart, ask for a larger gap, or --glue {a},{b} or --ignore {a},{b}"
         found.append(f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}')
-    return found
+    return _located(drawing, found)
 
 
 def free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:

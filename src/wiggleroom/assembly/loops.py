@@ -11,11 +11,10 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Part, Points, Region
+from wiggleroom.drawing.rings import CORNERS_AT_ONCE
 
 SAME = 1e-9
 """Corners closer than this, or off a straight line by less, are not corners [part size]."""
-CORNERS_AT_ONCE = 20_000
-"""Number of corners of loops that are worked on together: what fits into the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,10 @@ from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Part
 
-TOLERANCE = 1e-9
-"""Overlaps no deeper than this are rounding [size of the drawing]."""
+OVERLAP_TOLERANCE = 1e-9
+"""An overlap no deeper than this share of the drawing's size is rounding."""
+CONTACT_TOLERANCE = 1e-6
+"""A clearance below this share of the drawing's size counts as touching."""
 
 
 def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
@@ -41,7 +43,7 @@ def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     for k in np.flatnonzero(shapely.area(common) > 0):
         pair = int(owner[i[k]]), int(owner[j[k]])
         depth = max(overlap_width(piece) for piece in shapely.get_parts(common[k]))
-        if depth > TOLERANCE * size:
+        if depth > OVERLAP_TOLERANCE * size:
             deepest[pair] = max(depth, deepest.get(pair, 0.0))
     return [(a, b, depth) for (a, b), depth in sorted(deepest.items())]
 

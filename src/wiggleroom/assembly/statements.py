@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from typing import TypeVar
 
 import numpy as np
 import shapely
@@ -14,10 +15,25 @@ from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
 from wiggleroom.drawing.parts import place_of
 
+AskedGoal = TypeVar("AskedGoal")
+
 
 def statement_findings(drawing: Drawing) -> list[str]:
     """Everything wrong with names, references, numbers and roles, whatever the outlines are."""
     return [*_names(drawing), *_references(drawing), *_numbers(drawing), *_roles(drawing)]
+
+
+def given_goals(goals: AskedGoal | Sequence[AskedGoal] | None, own: tuple[AskedGoal, ...]) -> tuple[AskedGoal, ...]:
+    """Goals of a question, one or several as they were given; those of the drawing, its `own`, where none were.
+
+    Examples
+    --------
+    >>> given_goals(Turn("a"), ()) == given_goals([Turn("a")], ()) == given_goals(None, (Turn("a"),))
+    True
+    """
+    if goals is None:
+        return own
+    return tuple(goals) if isinstance(goals, Sequence) else (goals,)
 
 
 def missing_roles(fixed: Sequence[bool], goals: Sequence[object], direction: str) -> list[str]:

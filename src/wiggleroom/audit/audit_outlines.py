@@ -59,8 +59,6 @@ class AuditOutlines:
         Keys a * n + b, a < b, of pairs of parts that never collide.
     rounding : float [mm]
         More than rounding can change the distance of a corner from an edge.
-    inset : float [mm]
-        By how much outlines were moved inward.
     """
 
     rest: Floats
@@ -80,7 +78,6 @@ class AuditOutlines:
     fixed: NDArray[np.bool_]
     ignored: Ints
     rounding: float
-    inset: float
 
 
 def outlines(assembly: Assembly) -> AuditOutlines:
@@ -141,7 +138,6 @@ def outlines(assembly: Assembly) -> AuditOutlines:
         fixed=np.array([p.fixed for p in assembly.parts]),
         ignored=_ignored(assembly),
         rounding=rounding,
-        inset=inset,
     )
 
 

@@ -65,7 +65,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | No
 
     Parameters
     ----------
-    parts : Outlines or Assembly
+    parts : AuditOutlines or Assembly
     motions : (k, n, 3) float64 [mm, mm, rad]
         Waypoints: motions of all parts about their reference points, from a state at which parts do not lie inside each other.
     stop : optional

@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.bench.collide import overlapping
 from wiggleroom.bench.pairs import GAP, PAIR, PAIRS
 from wiggleroom.bench.published import ACCURACY
@@ -25,7 +26,6 @@ from wiggleroom.freespace.free_space import FreeSpace, free_space
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import rotated
 

@@ -26,17 +26,12 @@ def convert(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, fo
     force
         Write over a file that was not made by this program, or was changed since.
     """
-    from dataclasses import replace
-
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import write_drawing
 
     check_outputs(file, {"OUT": (out, (".json", ".svg", ".dxf"))}, force)
     assembly = read(file, asked)
-    drawing = assembly.drawing
-    if out.suffix.lower() != ".json":
-        made = tuple(replace(part, offset=0.0) for part in assembly.parts)
-        drawing = replace(drawing, parts=made, gap=0.0, gaps=())
+    drawing = assembly.drawing if out.suffix.lower() == ".json" else assembly.as_cut()
     write_drawing(drawing, out)
     note(f"{len(drawing.parts)} parts: {out}")
     return 0

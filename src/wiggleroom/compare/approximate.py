@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
@@ -23,7 +24,7 @@ from wiggleroom.freespace.models.pair_hulls import Hulls, hulls
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import hulls_meet
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import Program

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.compare.approximate import Approximation, End, thinned
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.freespace.models.pair_hulls import hulls
 from wiggleroom.freespace.models.pair_models import Hull
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction

@@ -9,10 +9,10 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSlices, FreeSpace
 from wiggleroom.geometry.bodies import Bodies, bodies
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import rotated
 
@@ -32,7 +32,7 @@ class SampledAccuracy:
     free : int
         Truly free and reached from rest.
     accepted : int
-        Said to be free by the cells.
+        Said to be free by the model.
     unsafe : int
         Accepted although the parts overlap by more than 1e-9 of the drawing's size.
     lost : int
@@ -47,7 +47,7 @@ class SampledAccuracy:
 
 
 def sampled_accuracy(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) -> SampledAccuracy:
-    """Judge random relative motions by polygon intersection and by the cells, and compare.
+    """Judge random relative motions by polygon intersection and by the model, and compare.
 
     Parameters
     ----------

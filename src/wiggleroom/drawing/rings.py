@@ -14,7 +14,7 @@ COLLINEAR_TOLERANCE = 1e-12
 ROUNDING = 1e-15
 """The same as a share of the coordinates, which far from the origin are rounded more coarsely."""
 CORNERS_AT_ONCE = 20_000
-"""Number of corners of rings that are looked at together."""
+"""Number of corners that are worked on together: what fits into the processor's cache."""
 
 
 def signed_area(ring: Points) -> float:

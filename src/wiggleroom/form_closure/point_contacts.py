@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.loops import Loops, chained, region_rings
+from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Part
 from wiggleroom.errors import InputError
@@ -19,8 +20,6 @@ from wiggleroom.errors import InputError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CONTACT_TOLERANCE = 1e-6
-"""Outlines closer than this touch [size of the drawing]."""
 ANGLE_TOLERANCE = 1e-6
 """Directions that differ by less are the same [rad]."""
 

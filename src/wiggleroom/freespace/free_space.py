@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, require_planar
+from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
@@ -29,8 +30,6 @@ from wiggleroom.geometry.row_kinds import A_EDGE
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CONTACT_TOLERANCE = 1e-6
-"""A clearance below this share of the drawing's size counts as touching."""
 HALF_PLANE_REACH = 6.0
 """Half-planes are made of corners and edges no further apart than this multiple of the clearance."""
 OPEN_REACH = 10.0

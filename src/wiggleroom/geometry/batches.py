@@ -13,9 +13,14 @@ from typing import TypeVar
 import numpy as np
 
 THREADS = 2
-"""Batches that are worked on at once."""
+"""Batches that are worked on at once; the same on every machine, so that sums are added up in the same order."""
 S = TypeVar("S")
 T = TypeVar("T")
+
+
+def usable_cores() -> int:
+    """Cores that this process may use: not those of the machine that it is kept from."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def in_batches(count: int, batches: int, work: Callable[[slice], T]) -> list[T]:

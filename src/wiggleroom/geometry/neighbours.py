@@ -23,7 +23,7 @@ class Pairs:
     a, b : (P,) int64
         Bodies, a < b.
     clearance : (P,) float64 [mm]
-        Distance at rest.
+        Distance at the poses that were asked about.
     """
 
     a: Ints

@@ -14,9 +14,6 @@ from wiggleroom.geometry.placed_bodies import placed
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-OVERLAP_TOLERANCE = 1e-9
-"""Overlap that counts as none, as a share of the drawing's size."""
-
 
 @dataclass(frozen=True, eq=False)
 class Overlaps:

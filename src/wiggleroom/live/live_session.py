@@ -18,6 +18,7 @@ from wiggleroom.errors import Stop
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_among_few, holding_contacts
+from wiggleroom.live.drag_target import target_in_sight
 from wiggleroom.live.gap_continuation import KnownEnds, kept
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
@@ -40,9 +41,6 @@ from wiggleroom.search.recession import recession_direction
 
 Floats = NDArray[np.float64]
 Spot = tuple[float, float]
-
-MAX_TARGET_DISTANCE = 3.0
-"""A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,11 +191,7 @@ class Live:
         """
         began = time.perf_counter()
         ready, state, few = self._begun(start, goals)
-        away = np.subtract(target, grip)
-        far = float(np.hypot(*away))
-        if far > MAX_TARGET_DISTANCE * ready.size:
-            away = away * (MAX_TARGET_DISTANCE * ready.size / far)
-        aim = np.add(grip, away)
+        aim = target_in_sight(grip, target, ready.size)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
         body, until = int(term.points.body[0]), TimeBudget(seconds, stop)
@@ -205,7 +199,7 @@ class Live:
         if within is not None:
             begin = few.state if few is not None and few.body == body and within <= few.count else state
             near = dragged_among_few(ready, term, aim, begin, within, until)
-        after, search, settled = near or dragged(ready, term, state, float(away @ away), until)
+        after, search, settled = near or dragged(ready, term, state, float(np.sum(np.subtract(aim, grip) ** 2)), until)
         # pressed against what could give way, few parts are a bad place for more to begin at
         few = None if near is None or within is None or settled else _AmongFew(body, within, after)
         self._dragged = _Dragged(ready, state if few else after, few)

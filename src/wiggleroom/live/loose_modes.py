@@ -7,9 +7,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies, corners
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
 from wiggleroom.live.warm_start import WarmSearch, state_at_rest
@@ -31,8 +32,10 @@ FRAMES_PER_SIDE = 12
 """Frames from rest to either end."""
 MAX_SHOWN_TRAVEL = 0.3
 """Where nothing stops a freedom, it is shown up to this share of the drawing's size."""
-MAX_NAMED_PARTS = 5
-"""Parts that a freedom names, those that move most."""
+MAX_NAMED_PARTS, MIN_NAMED_SHARE = 5, 0.3
+"""A freedom names so many parts at most, those that move most, and by at least this share of the farthest."""
+MIN_SPARSE_VARIABLES = 12
+"""With fewer variables all eigenvectors are worked out."""
 
 
 def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> tuple[Mode, ...]:
@@ -64,7 +67,7 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
         if any(max(ends @ e, flipped @ e) > PARALLEL_COSINE * long * np.linalg.norm(e) for _, e in found):
             continue
         frames = np.concatenate([one, one[-2::-1], other[1:], other[-2::-1]])
-        most = [b for b in np.argsort(-size, kind="stable")[:MAX_NAMED_PARTS] if size[b] > 0.3 * size.max()]
+        most = [b for b in np.argsort(-size, kind="stable")[:MAX_NAMED_PARTS] if size[b] > MIN_NAMED_SHARE * size.max()]
         names = tuple(ready.assembly.names[p] for b in most for p in ready.bodies.members[b])
         shown = of_parts(ready.assembly, ready.bodies, frames)
         for end in (one[-1], other[-1]):
@@ -94,11 +97,11 @@ def _directions(program: Program, body: int | None, count: int) -> list[Floats]:
         _, vectors = np.linalg.eigh(loads.T @ given)
         return list((given @ vectors[:, ::-1]).T)
     few = min(2 * count + 2, n - 1)
-    if few < 1 or n < 12:
+    if few < 1 or n < MIN_SPARSE_VARIABLES:
         _, vectors = np.linalg.eigh(stiff.toarray())
         return list(vectors.T[: 2 * count + 2])
-    _, vectors = eigsh(stiff, few, sigma=0.0, which="LM", v0=np.ones(n))
-    return list(vectors.T[::-1]) if _[0] > _[-1] else list(vectors.T)
+    values, vectors = eigsh(stiff, few, sigma=0.0, which="LM", v0=np.ones(n))
+    return list(vectors.T[::-1]) if values[0] > values[-1] else list(vectors.T)
 
 
 def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None) -> tuple[Floats, bool]:

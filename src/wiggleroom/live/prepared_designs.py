@@ -19,7 +19,7 @@ from wiggleroom.freespace.cells.cells import replaced
 from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
-from wiggleroom.program.gap_sensitivity import carried
+from wiggleroom.program.gap_sensitivity import OUTLINE_TOLERANCE, carried
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION
 from wiggleroom.search.prepare import Prepared, cells_at
@@ -30,8 +30,6 @@ Ints = NDArray[np.int64]
 
 MAX_CACHED = 12
 """Number of prepared designs that are kept."""
-OUTLINE_TOLERANCE = 1e-9
-"""Outlines that agree to this share of the drawing's size are the same."""
 MIN_CARRIED_CLEARANCE = 0.02
 """Where a carried cell leaves rest less room than this share of the clearance, it is grown anew."""
 
@@ -151,7 +149,7 @@ class PreparedDesigns:
         if not base.same(after, made):
             return None
         if overlaps(after, np.zeros_like(after.rest), base.ready.ignored).deepest > 0:
-            return None  # whoever prepares it afresh names the parts that touch
+            return None  # `prepare_walls` then raises the error that names the parts
         clearance = base.ready.clearance + 2 * float(np.median(by))
         if clearance < 0.1 * base.ready.clearance:
             return None

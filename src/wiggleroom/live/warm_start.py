@@ -9,10 +9,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, select
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import build_program

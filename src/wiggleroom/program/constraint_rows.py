@@ -70,7 +70,7 @@ def wall_rows(bodies: Bodies, cells: Cells) -> Rows:
     return Rows(cells.kind, normal, np.zeros(len(off)), off, corner)
 
 
-def face_rows(bodies: Bodies, faces: Halfspaces) -> Rows:  # noqa: ARG001
+def face_rows(_: Bodies, faces: Halfspaces) -> Rows:
     """Flat faces: h = -(N g + D)."""
     pair = faces.pair
     return Rows(

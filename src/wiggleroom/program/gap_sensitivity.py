@@ -20,6 +20,9 @@ from wiggleroom.program.nonlinear_program import Program
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+OUTLINE_TOLERANCE = 1e-9
+"""Outlines that agree to this share of the drawing's size are the same."""
+
 
 def carried(cells: Cells, before: Bodies, after: Bodies) -> Cells:
     """The same cells for bodies from `wiggleroom.geometry.offset_bodies.offset_bodies`: every wall follows its edge and its corner.

@@ -52,8 +52,8 @@ def typescript() -> str:
         lines += [f"/** {_summary(cls)} */", f"export interface {cls.__name__} {{"]
         if info.tag is not None:
             lines.append(f"  {info.tag_field}: {json.dumps(info.tag)};")
-        answers = cls in requests or cls is GoalEntry
-        lines += [f"  {_typescript_field(f, given=answers)}" for f in info.fields]
+        given = cls in requests or cls is GoalEntry
+        lines += [f"  {_typescript_field(f, given=given)}" for f in info.fields]
         lines += ["}", ""]
     lines += [f"export type Reply =\n  | {_joined([cls.__name__ for cls in replies])};", ""]
     lines += ["/** Kinds of requests, each with what it carries beside its number. */", "export interface Requests {"]

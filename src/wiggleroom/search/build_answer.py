@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.search.answer import Answer, Contact, Period
 from wiggleroom.search.contact_forces import ContactForces, contact_forces, contacts
 from wiggleroom.search.incumbent import Incumbent

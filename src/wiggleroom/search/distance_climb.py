@@ -12,10 +12,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import StoppedError, go_on
 from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells, replaced, select
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.constraint_rows import rows_of

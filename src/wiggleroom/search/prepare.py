@@ -10,10 +10,11 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop, TouchingError, go_on
+from wiggleroom.errors import FreeSpaceError, InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
 from wiggleroom.freespace.models.pair_models import Walls
 from wiggleroom.geometry.bodies import Bodies, bodies
@@ -26,8 +27,6 @@ from wiggleroom.program.objectives import Objective, objective
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CONTACT_TOLERANCE = 1e-6
-"""A clearance below this share of the drawing's size counts as touching."""
 CLEARANCE_SAMPLES = 200
 """The typical clearance is taken from at most this many bodies."""
 NEIGHBOUR_REACH = 3.0
@@ -96,6 +95,8 @@ def prepare_as_drawn(assembly: Assembly, *, surveyed: Survey | None = None, stop
         If it was asked to stop.
     TouchingError
         If two parts touch or overlap after gap and offsets.
+    FreeSpaceError
+        If two parts do not touch, but no free space was found round where they lie.
     InputError
         If nothing can move.
     """
@@ -169,7 +170,7 @@ def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floa
             f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}": no free space was found round '
             "where they lie; two corners may point at each other: round one off, or give a larger gap"
         )
-        raise InputError(finding)
+        raise FreeSpaceError(finding)
     return cells
 
 

@@ -12,14 +12,15 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.findings import asked_goals, overlap_depth
+from wiggleroom.assembly.findings import overlap_depth
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
-from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder, PlanarGapModel
+from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder
+from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.verdict import Certainty, Verdict
 
 
@@ -68,9 +69,7 @@ def allowable_gap(
     check_question(at_most, holds, fits)
     deadline = Deadline(seconds, stop)
     if at_most is not None:
-        return MotionBorder(
-            PlanarGapModel(assembly, asked_goals(assembly.drawing, goals)), at_most, deadline, progress
-        ).enclose()
+        return MotionBorder(study_of(assembly, goals), at_most, deadline, progress).enclose()
     if fits is not None:
         return _fitting(assembly, fits)
     return held_gap(assembly, largest_gap(assembly, stop=deadline, progress=progress), deadline)

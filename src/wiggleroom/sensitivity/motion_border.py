@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Generic
 
-from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.build import assemble
-from wiggleroom.bound.prove import prove
 from wiggleroom.deadline import Deadline
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
-from wiggleroom.maximise import flex
-from wiggleroom.search.answer import Answer
+from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, StoppedError, TouchingError
 from wiggleroom.search.progress import Progress
+from wiggleroom.sensitivity.found_motion import Found, is_checked
+from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.verdict import Certainty, Verdict
 
@@ -57,70 +53,18 @@ class GapSearchSettings:
 SETTINGS = GapSearchSettings()
 
 
-class GapModel(Protocol):
-    """What the search for a gap needs of an assembly."""
-
-    @property
-    def assembly(self) -> Any:
-        """The assembly that is asked about."""
-
-    @property
-    def goals(self) -> tuple[Any, ...]:
-        """What is asked."""
-
-    def made(self, gap: float) -> Any:
-        """The assembly with another gap; InputError where it cannot be made."""
-
-    def flexed(
-        self, made: Any, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None
-    ) -> Any:
-        """Largest motion of it; InputError where parts touch."""
-
-    def bound(
-        self, answer: Any, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
-    ) -> float | None:
-        """A value that no motion exceeds, `within` a share of the answer where that can be; None where there is none."""
-
-
-@dataclass(frozen=True, eq=False)
-class PlanarGapModel:
-    """A drawing at any gap."""
-
-    assembly: Assembly
-    goals: tuple[Goal, ...]
-
-    def made(self, gap: float) -> Assembly:
-        """The assembly with another gap."""
-        return assemble(self.assembly.drawing, gap=gap)
-
-    def flexed(
-        self, made: Assembly, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None
-    ) -> Answer:
-        """Largest motion of it."""
-        return flex(made, self.goals, search=search, stop=stop, progress=progress)
-
-    def bound(
-        self, answer: Answer, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
-    ) -> float | None:
-        """A value that no motion exceeds; None where sums of squares are asked, or the extra for proofs is not there."""
-        try:
-            return prove(answer, within, seconds=seconds, stop=stop, progress=progress).at_most
-        except (InputError, MissingExtraError):
-            return None
-
-
-class MotionBorder:
+class MotionBorder(Generic[Found]):
     """Encloses the gap at which the largest motion reaches a limit."""
 
     def __init__(
         self,
-        model: GapModel,
+        study: GapStudy[Found],
         limit: float,
         deadline: Deadline,
         progress: Callable[[Progress], None] | None,
     ) -> None:
-        self.model, self.limit = model, limit
-        self.assembly, self.goals = model.assembly, model.goals
+        self.study, self.limit = study, limit
+        self.assembly, self.goals = study.assembly, study.goals
         self.deadline, self.progress = deadline, progress
         self.trials: dict[float, Trial] = {}
         self.search: int | None = 0
@@ -197,7 +141,7 @@ class MotionBorder:
         return None, f"at a gap of {gone:.6g} mm parts fall to pieces before the motion gets further"
 
     def _narrow(self, low: float, high: float) -> tuple[float, float]:
-        """Enclose the border to `RELATIVE_TOLERANCE`: secant steps from either side in turn, and halving where they are slow."""
+        """Enclose the border to `relative_tolerance`: secant steps from either side in turn, and halving where they are slow."""
         side, halve = 1.0, False
         low = max((t.gap for t in self.trials.values() if self._keeps(t) and t.gap < high), default=low)
         while high - low > SETTINGS.relative_tolerance * high and not self.deadline.is_set():
@@ -243,7 +187,7 @@ class MotionBorder:
             within = self.limit / found - 1 if found else 0.0
             left = limit.left
             if within >= SETTINGS.min_proof_share and left > 0 and not limit.is_set():
-                most = self.model.bound(trial.answer, min(0.9 * within, 9.0), left / 2, limit, self.progress)
+                most = self.study.bound(trial.answer, min(0.9 * within, 9.0), left / 2, limit, self.progress)
                 if most is not None and most <= self.limit:
                     self.trials[gap] = Trial(gap, trial.value, trial.verdict, trial.checked, most, trial.answer)
                     return gap
@@ -259,20 +203,19 @@ class MotionBorder:
 
     def _solved(self, gap: float, search: int | None) -> Trial:
         try:
-            made = self.model.made(gap)
+            made = self.study.at_gap(gap)
+        except OverlapError:
+            return Trial(gap, None, Verdict.TOUCHING, False)
         except InputError:
-            overlapping = gap < max((t.gap for t in self.trials.values() if t.value is not None), default=0.0)
-            return Trial(gap, None, Verdict.TOUCHING if overlapping or gap == 0 else Verdict.NOT_MAKEABLE, False)
+            return Trial(gap, None, Verdict.NOT_MAKEABLE, False)
         try:
-            answer = self.model.flexed(made, search, self.deadline, self.progress)
-        except StoppedError:
+            answer = made.flexed(search, self.deadline, self.progress)
+        except (StoppedError, FreeSpaceError):
             return Trial(gap, None, Verdict.STOPPED, False)
-        except InputError:
+        except TouchingError:
             return Trial(gap, None, Verdict.TOUCHING, False)
         value = math.inf if answer.objective is None else answer.objective
-        trial = Trial(
-            gap, value, answer.verdict, answer.path == "checked" and answer.collision_free, answer.at_most, answer
-        )
+        trial = Trial(gap, value, answer.verdict, is_checked(answer), answer.at_most, answer)
         smaller = [t for t in self.trials.values() if t.gap < gap and t.checked and t.value is not None]
         best = max(smaller, key=lambda t: t.value or 0.0, default=None)
         if best is not None and best.value is not None and best.value > value:

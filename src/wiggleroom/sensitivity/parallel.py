@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wiggleroom.errors import Stop, WiggleroomError, require_extra
+from wiggleroom.geometry.batches import usable_cores
 
 Work = Callable[[Any, Any], Any]
 """A function of a module: work(shared, task) -> result; everything can be pickled."""
@@ -70,7 +71,7 @@ class ParallelRun:
             _on_cluster(self, work, shared, tasks, results, tell)
         else:
             began, rest = time.perf_counter(), list(range(len(tasks)))
-            workers = self.workers or _processors()
+            workers = self.workers or usable_cores()
             while rest and not self.stopped:
                 spent = time.perf_counter() - began
                 if workers > 1 and results and spent / len(results) * len(rest) > MIN_PARALLEL_SECONDS:
@@ -84,11 +85,6 @@ class ParallelRun:
     def _teller(self, total: int) -> Callable[[int], None]:
         told = self.progress
         return (lambda done: told(done, total)) if told is not None else (lambda _: None)
-
-
-def _processors() -> int:
-    """Processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class _Process:

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, Stop, TouchingError
 from wiggleroom.geometry.offset_bodies import offset_bodies
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build_program
@@ -31,6 +32,7 @@ from wiggleroom.search.incumbent import Incumbent, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.sensitivity.found_motion import endless
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -52,9 +54,10 @@ class PerturbedObjective:
     Parameters
     ----------
     value : float
-        nan where parts do not fit beside each other, infinity where nothing stops the motion.
+        nan where there is none, infinity where nothing stops the motion.
     verdict : Verdict
-        TOUCHING where parts do not fit beside each other at rest; STOPPED: the largest safe motion that was found.
+        TOUCHING where parts do not fit beside each other at rest, NOT_MAKEABLE where parts are gone or fall to pieces; STOPPED: the
+        largest safe motion that was found, none where no free space was found round rest.
     """
 
     value: float
@@ -117,9 +120,7 @@ def ended(answer: Answer) -> Incumbent:
         If the motion has no end, or the search was cut short.
     """
     if not can_be_ranked(answer):
-        why = "nothing stops the motion" if answer.objective is None else "the search for its motion was cut short"
-        finding = f"{answer.assembly.drawing.source or 'the assembly'}: {why}, so no gap can be held against it"
-        raise InputError(finding)
+        raise endless(answer)
     return cast(Incumbent, answer.warm_start)
 
 
@@ -203,8 +204,12 @@ def perturbed_objective_anew(
     look = searched_answer if search else witness
     try:
         answer = look(varied(assembly, inward), goals)
-    except InputError:
+    except (OverlapError, TouchingError):
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
+    except FreeSpaceError:
+        return PerturbedObjective(np.nan, Verdict.STOPPED)
+    except InputError:
+        return PerturbedObjective(np.nan, Verdict.NOT_MAKEABLE)
     if answer.objective is None:
         return PerturbedObjective(np.inf, Verdict.UNBOUNDED)
     return PerturbedObjective(answer.objective, answer.verdict)

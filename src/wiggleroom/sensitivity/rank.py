@@ -16,9 +16,9 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity.dual_face import is_unique
+from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives, GapStudy, check_end
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.planar_model import PlanarModel, model_of
-from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives, StudyModel, check_end
+from wiggleroom.sensitivity.planar_study import PlanarStudy, study_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -119,7 +119,7 @@ def _percent(value: Floats) -> Floats:
 
 
 def rank(
-    question: Assembly | Prepared | Answer | StudyModel,
+    question: Assembly | Prepared | Answer | GapStudy[Any],
     goals: Goal | Sequence[Goal] | None = None,
     *,
     by: str = "duals",
@@ -133,7 +133,7 @@ def rank(
 
     Parameters
     ----------
-    question : Assembly, Prepared, Answer or StudyModel
+    question : Assembly, Prepared, Answer or GapStudy
         An answer is ranked as it is; else the motion is looked for first.
     goals : Pull, Turn or W, or several that add up
         By default what the assembly's file asks for.
@@ -166,25 +166,25 @@ def rank(
     if by not in ("duals", "differences"):
         finding = f"by {by!r}: a ranking is by duals or by differences"
         raise InputError(finding)
-    model: StudyModel
+    study: GapStudy[Any]
     if isinstance(question, Answer):
-        model, answer = PlanarModel(question.assembly), question
+        study, answer = PlanarStudy(question.assembly, question.goals), question
     else:
-        model = model_of(question, goals)
-        answer = model.answer(stop)
-    check_end(model, answer)
-    derivatives = model.derivatives(answer)
+        study = study_of(question, goals)
+        answer = study.answer(stop)
+    check_end(study, answer)
+    derivatives = study.derivatives(answer)
     ranking = ranking_of(answer, derivatives, stop=stop)
     slides = derivatives.part_elsewhere.shape[1] > 0 and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
     if by == "duals" and not exact and not slides:
         return ranking
-    found = model.quotients(answer)
+    found = study.quotients(answer)
     ranking = ranking_of(answer, found.derivatives, stop=stop)
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
     return _by_differences(ranking, found, parts, by, ParallelRun(workers, cluster, stop, progress))
 
 
-def rank_at_once(answer: Answer, model: StudyModel | None = None) -> Ranking:
+def rank_at_once(answer: Any, study: GapStudy[Any] | None = None) -> Ranking:
     """Ranking of an answer without any further solve: where derivatives are not unique, ranges are at least so wide.
 
     Raises
@@ -192,7 +192,7 @@ def rank_at_once(answer: Answer, model: StudyModel | None = None) -> Ranking:
     InputError
         If nothing stops the motion or the search for it was cut short.
     """
-    its = model or PlanarModel(answer.assembly)
+    its = study or PlanarStudy(answer.assembly, answer.goals)
     check_end(its, answer)
     return ranking_of(answer, its.derivatives(answer), most_rows=0)
 

@@ -14,10 +14,10 @@ from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
+from wiggleroom.sensitivity.gap_study import GapStudy, check_end
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.planar_model import model_of
+from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
-from wiggleroom.sensitivity.study_model import StudyModel, check_end
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
@@ -108,7 +108,7 @@ class Sample(Drawable):
 
     @property
     def foreseen(self) -> float:
-        """Standard deviation of the objective to first order, from the ranking alone."""
+        """Predicted standard deviation of the objective: to first order, from the derivatives of the ranking, without the draws."""
         worth = np.nan_to_num(self.ranking.by_duals)
         alone, together = float((worth**2).sum()), float(worth.sum() ** 2)
         return float(self.spread.deviation * np.sqrt((1 - self.spread.sheet) * alone + self.spread.sheet * together))
@@ -126,7 +126,7 @@ class Sample(Drawable):
 
 
 def sample(
-    assembly: Assembly | StudyModel,
+    assembly: Assembly | GapStudy[Any],
     spread: Spread | float,
     goals: Goal | Sequence[Goal] | None = None,
     *,
@@ -146,7 +146,7 @@ def sample(
 
     Parameters
     ----------
-    assembly : Assembly or StudyModel
+    assembly : Assembly or GapStudy
     spread : Spread or float [mm]
         Distribution of the extra gap round a part; a number is the standard deviation of a normal one. Extra gap e
         moves the part's outline inward by e/2.
@@ -181,26 +181,26 @@ def sample(
         wrong.append(f"sample: limit {limit:g}: it must be a finite number")
     if wrong:
         raise InputError(wrong)
-    model: StudyModel = model_of(assembly, goals)
-    answer = model.answer(stop)
-    check_end(model, answer)
-    extra = distribution.draw(draws, len(model.assembly.parts), seed)
+    study: GapStudy[Any] = study_of(assembly, goals)
+    answer = study.answer(stop)
+    check_end(study, answer)
+    extra = distribution.draw(draws, len(study.assembly.parts), seed)
     many = ParallelRun(workers, cluster, stop, progress)
-    results = many.each(*model.draws(answer, stop), list(extra / 2))
+    results = many.each(*study.draws(answer, stop), list(extra / 2))
     done = [k for k, r in enumerate(results) if r is not None]
     if not done:
         finding = "sample: stopped before the first draw was done"
         raise InputError(finding)
     value = np.array([results[k].value for k in done])
     extra = extra[done]
-    afresh, checked = model.draws_afresh(answer), []
+    afresh, checked = study.draws_afresh(answer), []
     if afresh is not None:
         again = _extremes(value)
         anew = ParallelRun(workers, cluster, stop).each(*afresh, list(extra[again] / 2))
         checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
         answer, distribution, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
-        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer, model), draws,
+        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer, study), draws,
     )  # fmt: skip
 
 

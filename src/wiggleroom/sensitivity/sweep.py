@@ -2,39 +2,25 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any, Generic
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import question_findings
-from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.assembly.statements import given_goals
 from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop, StoppedError
-from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.offset_bodies import offset_bodies
-from wiggleroom.geometry.placed_bodies import placed
-from wiggleroom.program.gap_sensitivity import carried
-from wiggleroom.program.objectives import objective
-from wiggleroom.search.answer import Answer
-from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.incumbent import Start
-from wiggleroom.search.local_search import LocalSearch
-from wiggleroom.search.moves import THOROUGH
-from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.prepare_walls import prepare_walls
-from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, searched_answer
+from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, Stop, StoppedError, TouchingError
+from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, is_checked
+from wiggleroom.sensitivity.gap_study import GapStudy
+from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.solve.dual_linear_program import need_highs
-from wiggleroom.solve.interior_point import solve
 from wiggleroom.verdict import Verdict
 
 DEFAULT_GAPS = 9
@@ -43,8 +29,6 @@ BRACKET_TOLERANCE = 1e-3
 """Relative tolerance of the gap from which on nothing stops the motion."""
 BISECTION_SHARES = (0.5, 0.3, 0.7)
 """Where between two gaps the next one lies; the others where a search there was cut short."""
-OUTLINE_TOLERANCE = 1e-9
-"""Outlines that agree to this share of the drawing's size are the same."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +65,7 @@ class Sweep(Drawable):
     ----------
     assembly : Assembly or SpatialAssembly
     goals : tuple of Pull, Turn or W, or of SpatialPull, SpatialTurn or Weight
-    steps : tuple of Step
+    steps : tuple of SweepStep
         Gaps in order of size.
     lost : (float, float) or None [mm]
         At the first gap the motion still ends, at the second nothing stops it; None where no gap of the sweep is so
@@ -145,16 +129,16 @@ def sweep(
     if prove is not None:
         check_request(prove, seconds)
         need_highs()
-    asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    asked = given_goals(goals, assembly.goals)
     wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
     if prove is None:
-        return sweep_over(_PlanarGapSteps(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
+        return sweep_over(PlanarStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
 
     def told(done: int, total: int) -> None:
         if progress is not None:
             progress(done, 2 * total)
 
-    found = sweep_over(_PlanarGapSteps(assembly, asked), gaps, wrong, stop=stop, progress=told, each=each)
+    found = sweep_over(PlanarStudy(assembly, asked), gaps, wrong, stop=stop, progress=told, each=each)
     return _with_band(found, prove, seconds, stop, progress)
 
 
@@ -177,26 +161,17 @@ def _with_band(
     return replace(found, steps=tuple(steps))
 
 
-class GapSteps(Protocol):
-    """What a sweep needs of an assembly: the answer at one gap, begun where a smaller gap ended."""
+@dataclass(frozen=True, eq=False)
+class _Held(Generic[Found]):
+    """What the next larger gap starts from: an answer that ends, and what it was asked of."""
 
-    @property
-    def assembly(self) -> Any:
-        """The assembly that is asked about."""
-
-    @property
-    def goals(self) -> tuple[Any, ...]:
-        """What is asked."""
-
-    def step(self, gap: float, last: Any, stop: Stop | None) -> tuple[SweepStep, Any]:
-        """One gap, and what the next larger one may start from: it has `gap` and `motion`."""
-
-    def looser(self, step: SweepStep, gap: float) -> SweepStep:
-        """The step of a gap at which parts leave by the path of a smaller gap."""
+    gap: float
+    study: GapStudy[Found]
+    answer: Found
 
 
 def sweep_over(
-    model: GapSteps,
+    study: GapStudy[Found],
     gaps: Sequence[float] | None,
     wrong: list[str],
     *,
@@ -211,19 +186,19 @@ def sweep_over(
     InputError
         If anything is wrong.
     """
-    sizes = _gaps(model.assembly, gaps, wrong)
+    sizes = _gaps(study.assembly, gaps, wrong)
     if wrong:
         raise InputError(wrong)
     steps: list[SweepStep] = []
-    state: Any = None
-    held: Any = None
+    state: _Held[Found] | None = None
+    held: _Held[Found] | None = None
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
         if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same path
-            steps.append(model.looser(steps[-1], gap))
+            steps.append(_looser(study, steps[-1], gap))
             continue
-        step, state = model.step(gap, state, stop)
+        step, state = _step(study, gap, state, stop)
         if step.verdict == Verdict.STOPPED and stop is not None and stop.is_set():
             break  # a gap that was not finished says nothing about the curve
         if state is not None and state.gap == gap:
@@ -236,13 +211,13 @@ def sweep_over(
     free = next((s.gap for s in steps if s.verdict == Verdict.UNBOUNDED), None)
     lost = None
     if free is not None and held is not None:
-        lost = _lost(model, held, free, stop)
+        lost = _lost(study, held, free, stop)
         least = lost[1]
         steps = [s if s.gap < least or s.verdict == Verdict.UNBOUNDED else _beyond(s.gap) for s in steps]
-    return Sweep(model.assembly, model.goals, tuple(steps), lost)
+    return Sweep(study.assembly, study.goals, tuple(steps), lost)
 
 
-def _gaps(assembly: Any, gaps: Sequence[float] | None, wrong: list[str]) -> list[float]:
+def _gaps(assembly: MadeAssembly, gaps: Sequence[float] | None, wrong: list[str]) -> list[float]:
     """Gaps in order; what is wrong with them is added to the list."""
     if gaps is None:
         if assembly.gap <= 0:
@@ -255,62 +230,27 @@ def _gaps(assembly: Any, gaps: Sequence[float] | None, wrong: list[str]) -> list
     return sorted({float(g) for g in gaps if g not in odd})
 
 
-@dataclass(frozen=True, eq=False)
-class _PlanarGapSteps:
-    """Gaps of a drawing."""
-
-    assembly: Assembly
-    goals: tuple[Goal, ...]
-
-    def step(self, gap: float, last: _SweepState | None, stop: Stop | None) -> tuple[SweepStep, _SweepState | None]:
-        """One gap, and what the next larger one may start from."""
-        return _step(self.assembly, self.goals, gap, last, stop)
-
-    def looser(self, step: SweepStep, gap: float) -> SweepStep:
-        """The step of a gap at which parts leave by the path of a smaller gap."""
-        return _looser(self.assembly, step, gap)
-
-
-@dataclass(frozen=True, eq=False)
-class _SweepState:
-    """What the next larger gap starts from: an answer that ends, and what it was prepared with."""
-
-    gap: float
-    ready: Prepared
-    answer: Answer
-
-
 def _step(
-    assembly: Assembly, goals: tuple[Goal, ...], gap: float, last: _SweepState | None, stop: Stop | None
-) -> tuple[SweepStep, _SweepState | None]:
+    study: GapStudy[Found], gap: float, last: _Held[Found] | None, stop: Stop | None
+) -> tuple[SweepStep, _Held[Found] | None]:
     """One gap, from the answer of a smaller one where there is one; and what the next gap may start from."""
     try:
-        made = assemble(assembly.drawing, gap=gap)
+        made = study.at_gap(gap)
+    except OverlapError:
+        return SweepStep(gap, None, Verdict.TOUCHING, False), last
     except InputError:
         return SweepStep(gap, None, Verdict.NOT_MAKEABLE, False), last
-    ready = _carried(last, made)
     try:
-        answer = None if last is None or ready is None else _from(last, ready, goals, stop)
-        if answer is None or ready is None:
-            ready = prepare_walls(made, stop=stop)
-            answer = searched_answer(ready, goals, stop)
-        elif gap == assembly.gap:
-            answer = _larger(answer, searched_answer(ready, goals, stop))
-    except StoppedError:
+        smaller = None if last is None else (last.study, last.answer)
+        made, answer = made.answer_onward(smaller, gap == study.assembly.gap, stop)
+    except (StoppedError, FreeSpaceError):
         return SweepStep(gap, None, Verdict.STOPPED, False), last
-    except InputError:
+    except TouchingError:
         return SweepStep(gap, None, Verdict.TOUCHING, False), None
-    answer = replace(answer, assembly=made)
-    step = SweepStep(gap, answer.objective, answer.verdict, answer.path == "checked", replace(answer, warm_start=None))
-    good = answer.verdict.ends and can_be_ranked(answer)
-    return step, _SweepState(gap, ready, answer) if good else last
-
-
-def _larger(one: Answer, other: Answer) -> Answer:
-    """The answer with the larger motion, of which that of the second is checked; the first where nothing can go on from the second."""
-    if one.objective is None or other.path != "checked" or (other.objective is not None and not can_be_ranked(other)):
-        return one
-    return other if other.objective is None or other.objective > one.objective else one
+    checked = is_checked(answer)
+    step = SweepStep(gap, answer.objective, answer.verdict, checked, replace(answer, warm_start=None))
+    good = answer.verdict.ends and checked and study.can_be_ranked(answer)
+    return step, _Held(gap, made, answer) if good else last
 
 
 def _beyond(gap: float) -> SweepStep:
@@ -318,52 +258,23 @@ def _beyond(gap: float) -> SweepStep:
     return SweepStep(gap, None, Verdict.UNBOUNDED, True)
 
 
-def _looser(assembly: Assembly, step: SweepStep, gap: float) -> SweepStep:
+def _looser(study: GapStudy[Found], step: SweepStep, gap: float) -> SweepStep:
     """The step of a gap at which parts leave by the path of a smaller gap."""
     try:
-        made = assemble(assembly.drawing, gap=gap)
+        made = study.at_gap(gap)
     except InputError:
         return replace(step, gap=gap, answer=None)
-    return replace(step, gap=gap, answer=step.answer and replace(step.answer, assembly=made))
+    return replace(step, gap=gap, answer=step.answer and made.with_assembly(step.answer))
 
 
-def _carried(last: _SweepState | None, made: Assembly) -> Prepared | None:
-    """A prepared assembly with its outlines moved to a larger gap; None where that is not all that changes."""
-    if last is None or made.drawing.gaps or last.ready.simplified:
-        return None
-    before, more = last.ready.bodies, made.gap - last.gap
-    try:
-        after = offset_bodies(before, np.full(len(before.body_of), more / 2))
-    except InputError:
-        return None
-    there, here = placed(bodies(made)), placed(after)
-    if shapely.hausdorff_distance(there, here).max() > OUTLINE_TOLERANCE * last.ready.size:
-        return None
-    cells = carried(last.ready.cells, before, after)
-    return replace(last.ready, assembly=made, bodies=after, cells=cells, clearance=last.ready.clearance + more)
-
-
-def _from(last: _SweepState, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer | None:
-    """Answer for a larger gap, begun where a smaller one ended; None where the whole path is not certainly free."""
-    began = time.perf_counter()
-    found = ended(last.answer)
-    search = LocalSearch(ready, objective(ready.assembly, ready.bodies, goals), solve, THOROUGH, stop)
-    search.improve(Start(carried(found.program.cells, found.program.bodies, ready.bodies), found.motion))
-    answer = answer_of(search, goals, "interior-point", began)
-    answer = replace(answer, waypoints=np.concatenate([last.answer.waypoints, answer.waypoints]))
-    if answer.objective is not None and answer.objective < (last.answer.objective or 0.0):
-        answer = last.answer  # what was free for larger parts still is
-    return answer if audit_path(ready.assembly, answer.waypoints).free else None
-
-
-def _lost(model: GapSteps, held: Any, free: float, stop: Stop | None) -> tuple[float, float]:
+def _lost(study: GapStudy[Found], held: _Held[Found], free: float, stop: Stop | None) -> tuple[float, float]:
     """Between which gaps the motion loses its end, by halving."""
     low, tries = held.gap, list(BISECTION_SHARES)
     while free - low > BRACKET_TOLERANCE * free and tries and not (stop is not None and stop.is_set()):
         gap = low + tries[0] * (free - low)
-        step, state = model.step(gap, held, stop)
+        step, state = _step(study, gap, held, stop)
         if step.objective is not None:  # a narrow escape path may show from rest and not from there
-            anew, _ = model.step(gap, None, stop)
+            anew, _ = _step(study, gap, None, stop)
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:
             free, tries = gap, list(BISECTION_SHARES)

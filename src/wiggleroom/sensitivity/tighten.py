@@ -13,10 +13,11 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.sensitivity.found_motion import Found
+from wiggleroom.sensitivity.gap_study import GapStudy, check_end
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.planar_model import model_of
+from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import ranking_of
-from wiggleroom.sensitivity.study_model import StudyModel, check_end
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -101,7 +102,7 @@ def _lowered(before: Any, value: float | None) -> float:
 
 
 def tighten(
-    assembly: Assembly | StudyModel,
+    assembly: Assembly | GapStudy[Any],
     goals: Goal | Sequence[Goal] | None = None,
     *,
     parts: int | None = None,
@@ -122,7 +123,7 @@ def tighten(
 
     Parameters
     ----------
-    assembly : Assembly or StudyModel
+    assembly : Assembly or GapStudy
     goals : Pull, Turn or W, or several that add up
         By default what the assembly's file asks for.
     parts : int
@@ -155,23 +156,23 @@ def tighten(
 
     Source: Mind the Gap, section 6.2 and Fig. 11.
     """
-    model: StudyModel = model_of(assembly, goals)
-    whole = model.assembly.gap if model.assembly.gap > 0 else model.clearance
+    study: GapStudy[Any] = study_of(assembly, goals)
+    whole = study.assembly.gap if study.assembly.gap > 0 else study.clearance
     aim = SETTINGS.kept_gap_share * whole if gap is None else gap
-    count = len(model.assembly.parts)
+    count = len(study.assembly.parts)
     _check(parts, limit, aim, whole, count)
-    room = model.room(whole, aim)
-    before = model.answer(stop)
-    check_end(model, before)
-    choice, after = _choose(model, before, room, parts, limit, stop)
+    room = study.room(whole, aim)
+    before = study.answer(stop)
+    check_end(study, before)
+    choice, after = _choose(study, before, room, parts, limit, stop)
     if choice:  # what the choice was made by need not be the largest motion
-        after = model.confirmed(before, after, _inward(choice, room), stop)
+        after = study.confirmed(before, after, _inward(choice, room), stop)
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
     subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
-    results = many.each(*model.draws(before, stop), [_inward(subset, room) for subset in subsets])
-    names = tuple(model.assembly.names[k] for k in choice)
+    results = many.each(*study.draws(before, stop), [_inward(subset, room) for subset in subsets])
+    names = tuple(study.assembly.names[k] for k in choice)
     return Tightening(
         before, after, names, aim, limit, np.array([r.value for r in results if r is not None], dtype=float)
     )
@@ -192,8 +193,8 @@ def _check(parts: int | None, limit: float | None, aim: float, whole: float, cou
 
 
 def _choose(
-    model: StudyModel, before: Any, room: Floats, parts: int | None, limit: float | None, stop: Stop | None
-) -> tuple[list[int], Any]:
+    study: GapStudy[Found], before: Found, room: Floats, parts: int | None, limit: float | None, stop: Stop | None
+) -> tuple[list[int], Found]:
     """Parts chosen a few at a time, each time by the rank that is left, and the answer with all of them tightened."""
     able = room > 0
     most = min(able.sum() if parts is None else parts, able.sum())
@@ -202,8 +203,8 @@ def _choose(
     while len(chosen) < most and answer.objective is not None and not (stop is not None and stop.is_set()):
         if limit is not None and answer.objective <= limit:
             break
-        if model.can_be_ranked(answer):  # mm of motion that each would take
-            worth = 2 * np.maximum(ranking_of(answer, model.derivatives(answer)).by_duals, 0.0) * room
+        if study.can_be_ranked(answer):  # mm of motion that each would take
+            worth = 2 * np.maximum(ranking_of(answer, study.derivatives(answer)).by_duals, 0.0) * room
         left = np.flatnonzero(able)
         order = left[np.argsort(-worth[left], kind="stable")]
         batch = min(max(1, -(-most // SETTINGS.max_rankings)), most - len(chosen))
@@ -213,11 +214,11 @@ def _choose(
             batch = min(batch, needed)
         chosen += order[:batch].tolist()
         able[order[:batch]] = False
-        answer = model.moved(before, _inward(chosen, room), stop)
+        answer = study.moved(before, _inward(chosen, room), stop)
     if limit is not None and answer.objective is not None and answer.objective <= limit:
         for k in chosen[: -SETTINGS.max_removal_tests : -1]:  # a batch may have held more than it took
             fewer = [c for c in chosen if c != k]
-            less = model.moved(before, _inward(fewer, room), stop) if fewer else before
+            less = study.moved(before, _inward(fewer, room), stop) if fewer else before
             if less.objective is not None and less.objective <= limit:
                 chosen, answer = fewer, less
     return chosen, answer

@@ -1,8 +1,8 @@
 """Largest and smallest motion that tolerances allow, and which of them contribute.
 
-Where every outline lies as far in as its tolerance allows, and every joint is as wide, each part lies inside itself as it is anywhere
-else within the tolerances. Whatever can be moved there, and nothing less, can be moved somewhere within them: the worst case is that
-corner, whatever the derivatives are. What is searched is only the largest motion at it.
+The loosest corner of the tolerances has every outline as far in, and every joint as wide, as they allow. There each part lies inside
+itself as it is anywhere else within the tolerances. So every motion that is possible somewhere within them is possible at that corner:
+it is the worst case, whatever the derivatives are. What is searched is only the largest motion at it.
 """
 
 from __future__ import annotations

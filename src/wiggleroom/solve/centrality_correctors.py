@@ -35,7 +35,7 @@ def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float)
     """The direction, changed in place so that longer steps are possible along it; products should come near `mean`."""
     goal, none, still = np.empty_like(state.s), np.zeros_like(state.s), np.zeros_like(direction.u)
     for _ in range(MAX_CORRECTORS):
-        if min(direction.primal, direction.dual) > LONG:
+        if min(direction.primal_step, direction.dual_step) > LONG:
             break
         _aim(state, direction, mean, goal)
         longer = _with_corrector(state, direction, newton(state, matrix, none, still, goal))
@@ -48,7 +48,7 @@ def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float)
 def _aim(state: Iterate, direction: Direction, mean: float, goal: Floats) -> None:
     """Fill `goal` (R,) with what brings products into line after steps a little longer than the direction allows."""
     s, lam, ds, dlam = state.s, state.lam, direction.s, direction.lam
-    far, dual_far = min(1.0, direction.primal + ASPIRED_STEP), min(1.0, direction.dual + ASPIRED_STEP)
+    far, dual_far = min(1.0, direction.primal_step + ASPIRED_STEP), min(1.0, direction.dual_step + ASPIRED_STEP)
     least, most = NARROWEST * mean, WIDEST * mean
 
     def aim(some: slice) -> None:
@@ -70,8 +70,8 @@ def _with_corrector(state: Iterate, direction: Direction, more: Direction) -> Di
 
     steps = np.min(in_batches(len(s), batches, lengths), axis=0)
     best = int(np.argmax(steps.sum(axis=0)))
-    primal, dual = steps[:, best].tolist()
-    if primal + dual < direction.primal + direction.dual + MIN_LONGER:
+    primal_step, dual_step = steps[:, best].tolist()
+    if primal_step + dual_step < direction.primal_step + direction.dual_step + MIN_LONGER:
         return None
 
     def add(some: slice) -> None:
@@ -80,4 +80,4 @@ def _with_corrector(state: Iterate, direction: Direction, more: Direction) -> Di
 
     in_batches(len(s), batches, add)
     add_share(direction.u, more.u, SHARES[best])
-    return replace(direction, primal=primal, dual=dual)
+    return replace(direction, primal_step=primal_step, dual_step=dual_step)

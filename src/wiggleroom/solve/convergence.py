@@ -53,28 +53,39 @@ class ConvergenceMonitor:
         """Advance the state until it is converged, stopped or escaping, or until that fails."""
         before, best, since = np.inf, np.inf, 0
         for k in range(most + 1):
-            primal, dual, gap, value = state.residuals()
-            status = self._judge(state, primal, dual, gap, value, before, k)
+            primal_residual, dual_residual, gap, value = state.residuals()
+            status = self._judge(state, primal_residual, dual_residual, gap, value, before, k)
             if status is not None:
                 return status
             best, since = (self.error, 0) if self.error < 0.9 * best else (best, since + 1)
-            target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(primal), 1)
-            if k == most or since > SETTINGS.max_stalled_iterations or not advance(state, primal, dual, target):
+            target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(primal_residual), 1)
+            if (
+                k == most
+                or since > SETTINGS.max_stalled_iterations
+                or not advance(state, primal_residual, dual_residual, target)
+            ):
                 break
             before = value
             self.iterations += 1
         return SolverStatus.FAILED
 
     def _judge(
-        self, state: Iterate, primal: Floats, dual: Floats, gap: float, value: float, before: float, k: int
+        self,
+        state: Iterate,
+        primal_residual: Floats,
+        dual_residual: Floats,
+        gap: float,
+        value: float,
+        before: float,
+        k: int,
     ) -> SolverStatus | None:
         """Measure an iterate; the status to end with, or nothing."""
         if self.progress is not None:
             self.progress(self.iterations, state.at.value)
-        self.mu = gap / max(len(primal), 1)
+        self.mu = gap / max(len(primal_residual), 1)
         infeasible = violation(state.lam, state.s, state.at.h)
-        wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
-        dual_displacement = dot(np.abs(dual), np.abs(state.u - self.begin))
+        wrong = dot(np.abs(dual_residual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
+        dual_displacement = dot(np.abs(dual_residual), np.abs(state.u - self.begin))
         settings, whole = settings_for(len(state.u)), max(abs(value), 1.0)
         dual_error = (
             settings.dual_error_ratio * (dual_displacement - settings.dual_error_allowance * whole)
@@ -96,7 +107,7 @@ class ConvergenceMonitor:
         if (
             k >= SETTINGS.min_iterations
             and self.error < self.tolerance
-            and (not self.balanced or self._in_balance(dual, dual_displacement, whole))
+            and (not self.balanced or self._in_balance(dual_residual, dual_displacement, whole))
         ):
             return SolverStatus.CONVERGED
         if self.stop is not None and self.stop.is_set():
@@ -106,9 +117,9 @@ class ConvergenceMonitor:
         far = reached > self.horizon
         return (SolverStatus.ESCAPING if inside else SolverStatus.FAILED) if far else None
 
-    def _in_balance(self, dual: Floats, displacement: float, whole: float) -> bool:
+    def _in_balance(self, dual_residual: Floats, displacement: float, whole: float) -> bool:
         """True where the multipliers balance the objective."""
         return bool(
             displacement < np.sqrt(self.tolerance) * whole
-            and np.abs(dual).max() < max(10 * self.tolerance, SETTINGS.dual_tolerance)
+            and np.abs(dual_residual).max() < max(10 * self.tolerance, SETTINGS.dual_tolerance)
         )

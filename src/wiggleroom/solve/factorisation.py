@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.batches import usable_cores
 from wiggleroom.program.sparsity_pattern import Pattern
 
 Floats = NDArray[np.float64]
@@ -16,6 +16,8 @@ Ints = NDArray[np.int64]
 
 MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
 """Up to this many rows one column at a time is the quickest; from this many on nested dissection and threads pay."""
+MAX_THREADS = 4
+"""Of one factorisation by dense blocks."""
 BODY_VARIABLES = 3
 """Of a body in the plane."""
 _PLANS: WeakKeyDictionary[Pattern, Any] = WeakKeyDictionary()
@@ -118,9 +120,8 @@ class Supernodal:
         self._order = lower.data.astype(np.int64)  # where each entry of the lower triangle stands in the upper one
         self._diagonal = pattern.diagonal
         ordering = "metis" if n > MIN_DISSECTION_ROWS else "amd"
-        self._symbolic = rslab.analyze(
-            lower, path="ldlt", ordering=ordering, threads=min(4, os.cpu_count() or 1) if n > MIN_DISSECTION_ROWS else 1
-        )
+        threads = min(MAX_THREADS, usable_cores()) if n > MIN_DISSECTION_ROWS else 1
+        self._symbolic = rslab.analyze(lower, path="ldlt", ordering=ordering, threads=threads)
         self._factor: Any = None
         self._size = n
 

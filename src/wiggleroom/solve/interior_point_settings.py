@@ -48,6 +48,22 @@ class Settings:
         After this many iterations that do not reduce the error the predictor-corrector method has failed.
     max_saddle_escapes : int
         Most escapes from saddle points, where the first-order conditions hold but the objective curves upwards.
+    min_kept_shift : float > 0
+        A shift of the diagonal up to this is not kept: the next step begins with the least one. A larger one is divided by `shift_decay`.
+    shift_decay, shift_growth : float > 1
+        By how much a shift becomes smaller for the next step, and larger where it is not enough.
+    definite_shift, longer_step_shift : float > 0
+        First shift after the least one where the matrix is not positive definite, and where the step is too short.
+    max_factorisations, max_lengthenings : int
+        Of one step in all, and for the sake of a longer step.
+    max_infeasibility_ratio : float in (0, 1)
+        Feasibility falls behind where it exceeds this share of complementarity.
+    stride_growth, max_stride : float > 1
+        Full steps in a row that a shift keeps short are tried so much longer each time, up to the second multiple.
+    max_halvings : int
+        Of a step that violates rows too much.
+    max_violation, max_violation_growth : float > 0
+        A step may violate rows by the first share of the complementarity, or by the second multiple of what was violated before.
     max_free_shift : float > 0
         A diagonal strengthened by more than this keeps steps short; then longer ones are tried.
     hopeless_shift : float > 0
@@ -80,6 +96,19 @@ class Settings:
     max_monotone_iterations: int = 200
     max_stalled_iterations: int = 30
     max_saddle_escapes: int = 2
+    min_kept_shift: float = 1e-8
+    shift_decay: float = 5.0
+    shift_growth: float = 10.0
+    definite_shift: float = 1e-5
+    longer_step_shift: float = 1e-6
+    max_factorisations: int = 16
+    max_lengthenings: int = 5
+    max_infeasibility_ratio: float = 0.3
+    stride_growth: float = 4.0
+    max_stride: float = 4096.0
+    max_halvings: int = 5
+    max_violation: float = 0.5
+    max_violation_growth: float = 2.0
     max_free_shift: float = 1e-3
     hopeless_shift: float = 1e6
     max_centring: float = 10.0

@@ -39,6 +39,12 @@ class BarrierSettings:
         Halvings of one step.
     max_extension : float > 1
         Longest multiple of a step that is tried where a strengthened diagonal keeps it short.
+    min_kept_shift : float > 0
+        A shift of the diagonal up to this is not kept for the next step. A larger one is divided by `shift_decay`.
+    shift_decay, shift_growth : float > 1
+        By how much a shift becomes smaller for the next step, and larger while the matrix is not positive definite.
+    definite_shift : float > 0
+        First shift after the least one where the matrix is not positive definite.
     max_free_shift : float > 0
         A diagonal strengthened by more than this keeps steps short.
     """
@@ -50,6 +56,10 @@ class BarrierSettings:
     max_multiplier_ratio: float = 1e8
     max_backtracks: int = 40
     max_extension: float = 1024.0
+    min_kept_shift: float = 1e-8
+    shift_decay: float = 3.0
+    shift_growth: float = 8.0
+    definite_shift: float = 1e-5
     max_free_shift: float = 1e-3
 
 
@@ -75,30 +85,30 @@ class MonotoneBarrier:
         self._matrix, self._retraction, self._mu, self._farthest = matrix, retraction, mu, farthest
         self._shift = MIN_SHIFT
 
-    def advance(self, state: Iterate, primal: Floats, dual: Floats, least: float) -> bool:
+    def advance(self, state: Iterate, primal_residual: Floats, dual_residual: Floats, least: float) -> bool:
         """Improve the state by one step; False where nothing does. mu stays above `least`."""
         s, lam, at = state.s, state.lam, state.at
-        wrong = float(np.abs(dual).max(initial=0.0))
+        wrong = float(np.abs(dual_residual).max(initial=0.0))
         while (
             self._mu > least
             and max(wrong, np.abs(s * lam - self._mu).max(initial=0.0)) < SETTINGS.subproblem_tolerance * self._mu
         ):
             self._mu = max(SETTINGS.barrier_reduction * self._mu, least)
         mu, shift = self._mu, self._shift
-        data = at.condensed(lam / s, lam, self._retraction.balance(dual, at), 1.0 / state.unit)
+        data = at.condensed(lam / s, lam, self._retraction.balance(dual_residual, at), 1.0 / state.unit)
         while not self._matrix.update(data, shift + state.proximal_weight):
-            shift = max(8 * shift, 1e-5)
-        step = newton(state, self._matrix, primal, dual, mu - s * lam)
+            shift = max(SETTINGS.shift_growth * shift, SETTINGS.definite_shift)
+        step = newton(state, self._matrix, primal_residual, dual_residual, mu - s * lam)
         far = float(np.abs(step.u).max(initial=0.0))
         share = min(_step_to_boundary(s, step.s), 1.0, self._farthest / far if far > 0 else 1.0)
         if not _line_search(state, self._retraction, step.u, share, mu, strides=shift > SETTINGS.max_free_shift):
             return False
-        lam = lam + (SETTINGS.fraction_to_boundary * step.dual if step.dual < 1 else 1.0) * step.lam
+        lam = lam + (SETTINGS.fraction_to_boundary * step.dual_step if step.dual_step < 1 else 1.0) * step.lam
         state.lam = np.clip(
             lam, mu / (SETTINGS.max_multiplier_ratio * state.s), SETTINGS.max_multiplier_ratio * mu / state.s
         )
         state.move = step.u
-        self._shift = MIN_SHIFT if shift <= 1e-8 else shift / 3
+        self._shift = MIN_SHIFT if shift <= SETTINGS.min_kept_shift else shift / SETTINGS.shift_decay
         return True
 
 

@@ -35,11 +35,11 @@ class Iterate:
 
     def residuals(self) -> tuple[Floats, Floats, float, float]:
         """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
-        primal = self.s - self.at.h
-        dual = (
+        primal_residual = self.s - self.at.h
+        dual_residual = (
             self.proximal_weight * self.u - self.at.gradient / self.unit - self.at.transposed_jacobian_product(self.lam)
         )
-        return primal, dual, dot(self.s, self.lam), self.at.value / self.unit
+        return primal_residual, dual_residual, dot(self.s, self.lam), self.at.value / self.unit
 
     @property
     def proximal_weight(self) -> float:
@@ -51,21 +51,21 @@ class Iterate:
 class Direction:
     """Changes of variables `u` (3F,), slacks `s` (R,) and multipliers `lam` (R,), and the longest steps that keep these positive.
 
-    `primal` is that of the slacks, `dual` that of the multipliers, both in [0, 1].
+    `primal_step` is that of the slacks, `dual_step` that of the multipliers, both in [0, 1].
     """
 
     u: Floats
     s: Floats
     lam: Floats
-    primal: float
-    dual: float
+    primal_step: float
+    dual_step: float
 
 
-def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> Direction:
+def newton(state: Iterate, matrix: Factor, primal_residual: Floats, dual_residual: Floats, goal: Floats) -> Direction:
     """The direction that changes s * lam by `goal` and removes both residuals, to first order."""
     s, lam, at = state.s, state.lam, state.at
-    du = matrix.solve(at.eliminated_product(s, lam, primal, goal) - dual)
-    return Direction(du, *at.eliminated_changes(du, s, lam, primal, goal))
+    du = matrix.solve(at.eliminated_product(s, lam, primal_residual, goal) - dual_residual)
+    return Direction(du, *at.eliminated_changes(du, s, lam, primal_residual, goal))
 
 
 def dot(x: Floats, y: Floats) -> float:

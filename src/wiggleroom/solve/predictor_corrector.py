@@ -25,7 +25,7 @@ class NewtonStep:
     ----------
     u, s, lam : (3F,), (R,), (R,) float64
         Changes of variables, slacks and multipliers.
-    primal, dual : float in [0, 1]
+    primal_step, dual_step : float in [0, 1]
         Shares of the first two, and of the multipliers, that are taken.
     shift : float
         What strengthened the diagonal.
@@ -34,77 +34,83 @@ class NewtonStep:
     u: Floats
     s: Floats
     lam: Floats
-    primal: float
-    dual: float
+    primal_step: float
+    dual_step: float
     shift: float
 
     @classmethod
     def to_boundary(cls, direction: Direction, shift: float) -> NewtonStep:
         """All of a direction, or most of the way to where a slack or a multiplier becomes nothing."""
         share = SETTINGS.fraction_to_boundary
-        primal = share * direction.primal if direction.primal < 1 else 1.0
-        dual = share * direction.dual if direction.dual < 1 else 1.0
-        return cls(direction.u, direction.s, direction.lam, primal, dual, shift)
+        primal_step = share * direction.primal_step if direction.primal_step < 1 else 1.0
+        dual_step = share * direction.dual_step if direction.dual_step < 1 else 1.0
+        return cls(direction.u, direction.s, direction.lam, primal_step, dual_step, shift)
 
     def capped(self, longest: float) -> NewtonStep:
         """The same, but no body moves further than `longest` [program.length] at once."""
         far = float(np.abs(self.u).max(initial=0.0))
-        return self if self.primal * far <= longest else replace(self, primal=longest / far)
+        return self if self.primal_step * far <= longest else replace(self, primal_step=longest / far)
 
 
 def predictor_corrector_step(
     state: Iterate,
     matrix: Factor,
     retraction: Retraction,
-    primal: Floats,
-    dual: Floats,
+    primal_residual: Floats,
+    dual_residual: Floats,
     mu: float,
     infeasibility_ratio: float,
     least: float,
 ) -> NewtonStep | None:
-    """The next step, and with it the barrier parameter: centring (mu after the predictor / mu)^3 mu, then the corrector.
+    """The next step, and with it the barrier parameter.
 
+    The predictor aims at mu = 0. The next mu is centring times mu, at least `least`, where centring is
+    (mu after the predictor / mu)^3; where feasibility falls behind complementarity it is no less than the ratio of the two, up to
+    `max_centring`, and after a step that raised the objective much no less than `moving_centring`. The corrector then aims at the next mu.
     The diagonal is strengthened until the matrix is positive definite and the step is not too short.
+
+    Source: Mehrotra 1992; both lower limits of the centring are ours.
     """
     s, lam, at = state.s, state.lam, state.at
     settings = settings_for(len(state.u))
-    data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
-    shift = MIN_SHIFT if state.shift <= 1e-8 else state.shift / 5
+    data = at.condensed(lam / s, lam, retraction.balance(dual_residual, at), 1.0 / state.unit)
+    shift = MIN_SHIFT if state.shift <= SETTINGS.min_kept_shift else state.shift / SETTINGS.shift_decay
     found, goal = None, np.empty_like(s)
-    for attempt in range(16):
+    for attempt in range(SETTINGS.max_factorisations):
         if not matrix.update(data, shift + state.proximal_weight):
-            shift = max(10 * shift, 1e-5)
+            shift = max(SETTINGS.shift_growth * shift, SETTINGS.definite_shift)
             continue
         np.negative(np.multiply(s, lam, out=goal), out=goal)
-        predictor = newton(state, matrix, primal, dual, goal)
-        after = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal, predictor.dual) / max(len(s), 1)
-        centring = (after / mu) ** 3 if mu > 0 else 0.0
-        if infeasibility_ratio > 0.3:  # feasibility must not fall behind complementarity
+        predictor = newton(state, matrix, primal_residual, dual_residual, goal)
+        gap = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal_step, predictor.dual_step)
+        centring = (gap / max(len(s), 1) / mu) ** 3 if mu > 0 else 0.0
+        if infeasibility_ratio > SETTINGS.max_infeasibility_ratio:  # feasibility must not fall behind complementarity
             centring = max(centring, min(settings.max_centring, infeasibility_ratio))
         if state.growth > settings.min_growth:
             centring = max(centring, settings.moving_centring)
-        mean = max(centring * mu, least)
-        corrector_goal(s, predictor.s, lam, predictor.lam, mean, SETTINGS.max_correction * mu, goal)
+        next_mu = max(centring * mu, least)
+        corrector_goal(s, predictor.s, lam, predictor.lam, next_mu, SETTINGS.max_correction * mu, goal)
         del predictor  # in assemblies of a million parts these arrays count
-        direction = newton(state, matrix, primal, dual, goal)
+        direction = newton(state, matrix, primal_residual, dual_residual, goal)
         if mu * len(s) < settings.corrected_gap * max(abs(at.value) / state.unit, 1.0):
-            direction = corrected(state, matrix, direction, mean)
+            direction = corrected(state, matrix, direction, next_mu)
         found = NewtonStep.to_boundary(direction, shift)
-        if found.primal > SETTINGS.min_step_length or attempt >= 5:
+        if found.primal_step > SETTINGS.min_step_length or attempt >= SETTINGS.max_lengthenings:
             break
-        shift = max(10 * shift, 1e-6)
-    stuck = found is not None and found.shift > SETTINGS.hopeless_shift and found.primal < SETTINGS.min_step_length
+        shift = max(SETTINGS.shift_growth * shift, SETTINGS.longer_step_shift)
+    stuck = found is not None and found.shift > SETTINGS.hopeless_shift and found.primal_step < SETTINGS.min_step_length
     return None if stuck else found
 
 
 def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
-    """Take the step; halve it while the infeasibility grows beyond half the complementarity."""
-    lam, value = state.lam + step.dual * step.lam, state.at.value
-    share = step.primal
+    """Take the step; halve it while the violation of rows grows and exceeds half the complementarity."""
+    lam, value = state.lam + step.dual_step * step.lam, state.at.value
+    share = step.primal_step
     before = violation(state.lam, state.s, state.at.h)
     # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so try longer ones
-    state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > SETTINGS.max_free_shift else 1.0
-    if state.stride > 4.0:
+    short = step.primal_step == 1.0 and step.shift > SETTINGS.max_free_shift
+    state.stride = min(SETTINGS.stride_growth * state.stride, SETTINGS.max_stride) if short else 1.0
+    if state.stride > SETTINGS.stride_growth:
         u = retraction.step(state.u, state.stride * step.u, state.at)
         at = state.at.program.linearise(u)
         if at.h.min(initial=np.inf) > 0 and at.value > state.at.value:
@@ -113,11 +119,11 @@ def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
             return
         state.stride = 1.0
     s = np.empty_like(lam)
-    for _ in range(6):
+    for _ in range(SETTINGS.max_halvings + 1):
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u)
         stepped_slacks(state.s, step.s, share, at.h, SETTINGS.min_slack, s)
-        if violation(lam, s, at.h) <= max(0.5 * dot(s, lam), 2.0 * before):
+        if violation(lam, s, at.h) <= max(SETTINGS.max_violation * dot(s, lam), SETTINGS.max_violation_growth * before):
             break
         share /= 2
     state.move, state.shift = step.u, step.shift

@@ -8,7 +8,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.statements import missing_roles
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
+from wiggleroom.assembly.statements import given_goals, missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.overlap_check import deepest_overlap
@@ -25,9 +26,6 @@ from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-OVERLAP = 1e-9
-"""Overlaps shallower than this share of the size are rounding."""
 
 
 def flex_spatial(
@@ -56,7 +54,7 @@ def flex_spatial(
     began = time.perf_counter()
     solver_named(solver)
     its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
-    asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    asked = given_goals(goals, its.goals)
     wrong = goal_findings(its.drawing, asked) + lacking(its, asked)
     if search is not None and search < 0:
         wrong.append(f"search is {search}: it must be a number of starts, 0 for none")
@@ -84,7 +82,7 @@ def flex_spatial(
     value = None if verdict is Verdict.UNBOUNDED else climb.value(done)
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
-        path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP * ready.size,
+        path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, go_on
+from wiggleroom.live.drag_target import target_in_sight
 from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
 from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram, build_planes
@@ -31,8 +32,6 @@ MAX_PREPARED = 4
 """Number of designs that are kept ready."""
 ARRIVED = 1e-3
 """A grip this share of the clearance from its target has arrived."""
-MAX_TARGET_DISTANCE = 3.0
-"""A target further from the grip than this multiple of the size is moved nearer: parts that come free stay in sight."""
 MAX_ROUNDS = 12
 """The program is built anew at most this many times where the hand led the part among others."""
 MIN_GAIN = 1e-3
@@ -202,9 +201,7 @@ class SpatialLive:
         self._asked = asked
         until = Deadline(seconds * 2 ** min(self._times, MAX_DOUBLINGS), stop)
         arm = np.array(grip, dtype=float) - group.bodies.at[body]
-        away = np.subtract(target, grip)
-        far, most = float(np.linalg.norm(away)), MAX_TARGET_DISTANCE * ready.size
-        aim = np.add(grip, away * min(1.0, most / far) if far > 0 else away)
+        aim = target_in_sight(grip, target, ready.size)
         motion = self._begun(start, goals)
         search = _Drag(ready, body, arm, aim, self._loose(body, motion, within), until)
         motion, settled, contacts = search.run(motion)

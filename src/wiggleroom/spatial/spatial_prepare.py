@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.errors import InputError, TouchingError
 from wiggleroom.spatial.rigid import near_pieces
 from wiggleroom.spatial.separating_plane_program import best_axis
@@ -20,8 +21,6 @@ Ints = NDArray[np.int64]
 
 REACH = 3.0
 """Pieces closer than this multiple of the typical clearance are in the program from the start."""
-TOUCHING = 1e-6
-"""A clearance below this share of the size counts as touching."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +64,7 @@ def prepare_spatial(assembly: SpatialAssembly) -> SpatialPrepared:
         raise InputError(finding)
     first = near_pieces(bodies, bodies.rest, max(2 * assembly.gap, 1e-3 * size))
     apart = np.array([best_axis(bodies, bodies.rest, who, np.empty(3))[0] for who in first.tolist()])
-    if len(apart) and apart.min() < TOUCHING * size:
+    if len(apart) and apart.min() < CONTACT_TOLERANCE * size:
         k = int(apart.argmin())
         raise _touching(assembly, group, first[k], float(apart[k]))
     near = apart[apart > 0]
@@ -78,7 +77,7 @@ def _touching(assembly: SpatialAssembly, group: Grouping, who: Ints, apart: floa
     """Error that names the two parts."""
     a, i, b, j = who.tolist()
     one, other = (assembly.names[group.bodies.owner[k][p]] for k, p in ((a, i), (b, j)))
-    what = f"overlap by {-apart:.6g} mm" if apart < -TOUCHING * assembly.size else "touch"
+    what = f"overlap by {-apart:.6g} mm" if apart < -CONTACT_TOLERANCE * assembly.size else "touch"
     finding = (
         f'{assembly.drawing.source or "assembly"}: parts "{one}" and "{other}" {what} at rest at gap {assembly.gap:g}: '
         "ask for a larger gap, draw them apart, or glue or ignore them"

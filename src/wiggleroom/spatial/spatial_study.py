@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.statements import given_goals
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
 from wiggleroom.errors import InputError, Stop, TouchingError
+from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
+from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
-from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives
 from wiggleroom.spatial.corner_displacement import corner_displacements
 from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
@@ -34,18 +36,16 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DIFFERENCE_STEP = 1e-3
-"""Extra gap of difference quotients, as a share of the typical clearance."""
 ACTIVE = 1e-6
 """A row with less than this share of the largest force holds nothing."""
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialModel:
+class SpatialStudy:
     """An assembly in space and what is asked of it."""
 
     assembly: SpatialAssembly
-    goals: tuple[SpatialGoal, ...] | None = None
+    goals: tuple[SpatialGoal, ...]
     found: SpatialAnswer | None = None
 
     @cached_property
@@ -58,9 +58,41 @@ class SpatialModel:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
+    def at_gap(self, gap: float) -> Self:
+        """The same question with another gap [mm] of the whole assembly."""
+        return replace(self, assembly=assemble_spatial(self.assembly.drawing, gap=gap), found=None)
+
     def answer(self, stop: Stop | None) -> SpatialAnswer:
         """Largest motion from rest; the one that was found before, where there is one."""
         return self.found or flex_spatial(self.ready if "ready" in vars(self) else self.assembly, self.goals, stop=stop)
+
+    def flexed(
+        self,
+        search: int | None,  # noqa: ARG002
+        stop: Stop | None,
+        progress: Callable[[Progress], None] | None,  # noqa: ARG002
+    ) -> SpatialAnswer:
+        """Largest motion from rest, without more starts."""
+        return self.answer(stop)
+
+    def answer_onward(
+        self,
+        smaller: tuple[Self, SpatialAnswer] | None,
+        search: bool,  # noqa: ARG002
+        stop: Stop | None,
+    ) -> tuple[Self, SpatialAnswer]:
+        """Largest motion from rest, or that of a smaller gap where it is larger, for smaller parts take the same path."""
+        answer = self.answer(stop)
+        if smaller is not None and answer.objective is not None and answer.objective < (smaller[1].objective or 0.0):
+            answer = self.with_assembly(smaller[1])
+        return self, answer
+
+    def bound(self, *_: Any) -> None:
+        """Nothing bounds motions in space."""
+
+    def with_assembly(self, answer: SpatialAnswer) -> SpatialAnswer:
+        """The motion of an answer at a smaller gap, as an answer for this one."""
+        return replace(answer, assembly=self.assembly)
 
     def can_be_ranked(self, answer: SpatialAnswer) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
@@ -103,29 +135,19 @@ class SpatialModel:
         return np.maximum((np.array(list(room.values())) - aim) / 2, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class SpatialGapModel:
-    """An assembly in space at any gap."""
+def spatial_study_of(assembly: SpatialAssembly, goals: Sequence[SpatialGoal] | None) -> SpatialStudy:
+    """What a study asks of an assembly in space.
 
-    assembly: SpatialAssembly
-    goals: tuple[SpatialGoal, ...]
-
-    def made(self, gap: float) -> SpatialAssembly:
-        """The assembly with another gap."""
-        return assemble_spatial(self.assembly.drawing, gap=gap)
-
-    def flexed(
-        self,
-        made: SpatialAssembly,
-        search: int | None,  # noqa: ARG002
-        stop: Stop | None,
-        progress: Callable[[Any], None] | None,  # noqa: ARG002
-    ) -> SpatialAnswer:
-        """Largest motion of it; there is no global search."""
-        return flex_spatial(made, self.goals, stop=stop)
-
-    def bound(self, *_: Any) -> None:
-        """Nothing bounds motions in space."""
+    Raises
+    ------
+    InputError
+        If nothing is fixed or pulled, or a goal names an unknown part.
+    """
+    asked = given_goals(goals, assembly.goals)
+    wrong = goal_findings(assembly.drawing, asked) + lacking(assembly, asked)
+    if wrong:
+        raise InputError(wrong)
+    return SpatialStudy(assembly, asked)
 
 
 def spatial_largest_gap(assembly: SpatialAssembly, *, stop: Stop | None = None) -> LargestGap:
@@ -162,11 +184,7 @@ def spatial_allowable_gap(
     deadline = Deadline(seconds, stop)
     if at_most is None:
         return held_gap(assembly, spatial_largest_gap(assembly, stop=deadline), deadline)
-    asked = assembly.goals if goals is None else goals
-    wrong = goal_findings(assembly.drawing, asked) + lacking(assembly, asked)
-    if wrong:
-        raise InputError(wrong)
-    return MotionBorder(SpatialGapModel(assembly, asked), at_most, deadline, progress).enclose()
+    return MotionBorder(spatial_study_of(assembly, goals), at_most, deadline, progress).enclose()
 
 
 def _moved_inward(assembly: SpatialAssembly, inward: Floats) -> SpatialAssembly:

@@ -1,20 +1,26 @@
-"""What studies of gaps ask of an assembly, so that the same study answers in the plane and in space."""
+"""An assembly whose gaps vary: what studies ask of it, so that the same study answers in the plane and in space."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, Self
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import Stop
+from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.dual_face import DualFace
+from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, endless
 from wiggleroom.sensitivity.parallel import Work
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+DIFFERENCE_STEP = 1e-3
+"""Extra gap of difference quotients, as a share of the typical clearance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,47 +69,67 @@ class DifferenceQuotients:
     derivatives: GapDerivatives
 
 
-@runtime_checkable
-class StudyModel(Protocol):
+class GapStudy(Protocol[Found]):
     """An assembly with its goals, of which studies ask largest motions with other gaps."""
 
     @property
-    def assembly(self) -> Any:
+    def assembly(self) -> MadeAssembly:
         """The assembly as it is."""
+
+    @property
+    def goals(self) -> tuple[Any, ...]:
+        """What is asked."""
 
     @property
     def clearance(self) -> float:
         """Typical clearance between neighbours [mm]."""
 
-    def answer(self, stop: Stop | None) -> Any:
-        """Largest motion from rest, without a bound."""
+    def at_gap(self, gap: float) -> Self:
+        """The same question with another gap [mm]; InputError where parts cannot be made, OverlapError where they overlap."""
 
-    def can_be_ranked(self, answer: Any) -> bool:
+    def answer(self, stop: Stop | None) -> Found:
+        """Largest motion as a direct question finds it, without a bound."""
+
+    def flexed(self, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None) -> Found:
+        """Answer of `wiggleroom.flex`, its quick bound included, from rest and `search` more starts (None: as many as usual)."""
+
+    def answer_onward(self, smaller: tuple[Self, Found] | None, search: bool, stop: Stop | None) -> tuple[Self, Found]:
+        """Largest motion, begun where that of a smaller gap ended, with `search` as a direct question too; and what it was asked of."""
+
+    def bound(
+        self, answer: Found, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
+    ) -> float | None:
+        """A value that no motion exceeds, `within` a share of the answer where that can be; None where there is none."""
+
+    def with_assembly(self, answer: Found) -> Found:
+        """The motion of an answer at a smaller gap, as an answer for this one."""
+
+    def can_be_ranked(self, answer: Found) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
 
-    def derivatives(self, answer: Any) -> GapDerivatives:
+    def derivatives(self, answer: Found) -> GapDerivatives:
         """Derivatives by the gap of every part and joint."""
 
-    def quotients(self, answer: Any) -> DifferenceQuotients:
+    def quotients(self, answer: Found) -> DifferenceQuotients:
         """How derivatives are found by solving again."""
 
-    def moved(self, answer: Any, inward: Floats, stop: Stop | None) -> Any:
+    def moved(self, answer: Found, inward: Floats, stop: Stop | None) -> Found:
         """Largest motion when the boundary of each part moves inward by `inward` (n,) [mm]; negative moves it out."""
 
-    def confirmed(self, answer: Any, after: Any, inward: Floats, stop: Stop | None) -> Any:
+    def confirmed(self, answer: Found, after: Found, inward: Floats, stop: Stop | None) -> Found:
         """What a direct question finds where `moved` found `after`; the same where that does no more."""
 
-    def draws(self, answer: Any, stop: Stop | None) -> tuple[Work, Any]:
+    def draws(self, answer: Found, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: `work(shared, inward)` is a `PerturbedObjective`."""
 
-    def draws_afresh(self, answer: Any) -> tuple[Work, Any] | None:
+    def draws_afresh(self, answer: Found) -> tuple[Work, Any] | None:
         """The same with nothing used again; None where `draws` uses nothing again either."""
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the boundary of each part (n,) may move out [mm] until `aim` of the gap `whole` is left."""
 
 
-def check_end(model: StudyModel, answer: Any) -> None:
+def check_end(study: GapStudy[Found], answer: Found) -> None:
     """Check that a motion can be held against gaps.
 
     Raises
@@ -111,7 +137,5 @@ def check_end(model: StudyModel, answer: Any) -> None:
     InputError
         If the motion has no end, or the search was cut short.
     """
-    if not model.can_be_ranked(answer):
-        why = "nothing stops the motion" if answer.objective is None else "the search for its motion was cut short"
-        finding = f"{answer.assembly.drawing.source or 'the assembly'}: {why}, so no gap can be held against it"
-        raise InputError(finding)
+    if not study.can_be_ranked(answer):
+        raise endless(answer)

@@ -2,28 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy.sparse as sp
+import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.findings import asked_goals
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.bound.prove import prove
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import Stop
-from wiggleroom.maximise import witness
-from wiggleroom.program.gap_sensitivity import gains
+from wiggleroom.errors import InputError, MissingExtraError, Stop
+from wiggleroom.geometry.bodies import bodies
+from wiggleroom.geometry.offset_bodies import offset_bodies
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.maximise import flex, witness
+from wiggleroom.program.gap_sensitivity import OUTLINE_TOLERANCE, carried, gains
 from wiggleroom.program.nonlinear_program import Program
-from wiggleroom.program.objectives import Objective
+from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
+from wiggleroom.search.build_answer import answer_of
+from wiggleroom.search.incumbent import Start
+from wiggleroom.search.local_search import LocalSearch
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
+from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.flat_motions import other_optima
+from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
@@ -39,22 +54,19 @@ from wiggleroom.sensitivity.perturbation import (
     searched_answer,
     varied,
 )
-from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives
+from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DIFFERENCE_STEP = 1e-3
-"""Extra gap of forward differences, as a share of the typical clearance."""
-
 
 @dataclass(frozen=True, eq=False)
-class PlanarModel:
+class PlanarStudy:
     """An assembly of the plane and what is asked of it; prepared when something needs that."""
 
     question: Assembly | Prepared
-    goals: Goal | Sequence[Goal] | None = None
+    goals: tuple[Goal, ...]
     climbs: list[Answer] = field(default_factory=list, init=False, repr=False)
     """The climb from rest, once it was needed."""
 
@@ -73,9 +85,43 @@ class PlanarModel:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
+    def at_gap(self, gap: float) -> Self:
+        """The same question with another gap [mm] of the whole assembly."""
+        return replace(self, question=assemble(self.assembly.drawing, gap=gap))
+
     def answer(self, stop: Stop | None) -> Answer:
         """Largest motion as a direct question finds it, without a bound."""
         return searched_answer(self._asked, self.goals, stop)
+
+    def flexed(self, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None) -> Answer:
+        """Answer of `wiggleroom.flex`, its quick bound included, from rest and `search` more starts."""
+        return flex(self._asked, self.goals, search=search, stop=stop, progress=progress)
+
+    def answer_onward(
+        self, smaller: tuple[Self, Answer] | None, search: bool, stop: Stop | None
+    ) -> tuple[Self, Answer]:
+        """Largest motion, begun where that of a smaller gap ended where its walls can be carried here; and what it was asked of."""
+        ready = None if smaller is None else _carried(smaller[0], self.assembly)
+        answer = None if smaller is None or ready is None else _continued(smaller[1], ready, self.goals, stop)
+        if answer is None or ready is None:
+            ready = prepare_walls(self.assembly, stop=stop)
+            answer = searched_answer(ready, self.goals, stop)
+        elif search:
+            answer = _larger(answer, searched_answer(ready, self.goals, stop))
+        return replace(self, question=ready), self.with_assembly(answer)
+
+    def bound(
+        self, answer: Answer, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
+    ) -> float | None:
+        """A value that no motion exceeds; None where sums of squares are asked, or the extra for proofs is not there."""
+        try:
+            return prove(answer, within, seconds=seconds, stop=stop, progress=progress).at_most
+        except (InputError, MissingExtraError):
+            return None
+
+    def with_assembly(self, answer: Answer) -> Answer:
+        """The motion of an answer at a smaller gap, as an answer for this one."""
+        return replace(answer, assembly=self.assembly)
 
     @property
     def _asked(self) -> Assembly | Prepared:
@@ -202,6 +248,52 @@ def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> Per
     return perturbed_objective_anew(*shared, inward, search=True)
 
 
-def model_of(question: Any, goals: Any) -> Any:
-    """The model that a study asks: the question itself where it is one."""
-    return PlanarModel(question, goals) if isinstance(question, Assembly | Prepared) else question
+def _carried(smaller: PlanarStudy, made: Assembly) -> Prepared | None:
+    """A prepared assembly with its outlines moved to a larger gap; None where that is not all that changes."""
+    ready = smaller.ready
+    if made.drawing.gaps or ready.simplified:
+        return None
+    before, more = ready.bodies, made.gap - smaller.assembly.gap
+    try:
+        after = offset_bodies(before, np.full(len(before.body_of), more / 2))
+    except InputError:
+        return None
+    there, here = placed(bodies(made)), placed(after)
+    if shapely.hausdorff_distance(there, here).max() > OUTLINE_TOLERANCE * ready.size:
+        return None
+    cells = carried(ready.cells, before, after)
+    return replace(ready, assembly=made, bodies=after, cells=cells, clearance=ready.clearance + more)
+
+
+def _continued(smaller: Answer, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer | None:
+    """Answer for a larger gap, begun where a smaller one ended; None where the whole path is not certainly free."""
+    began = time.perf_counter()
+    found = ended(smaller)
+    search = LocalSearch(ready, objective(ready.assembly, ready.bodies, goals), solve, THOROUGH, stop)
+    search.improve(Start(carried(found.program.cells, found.program.bodies, ready.bodies), found.motion))
+    answer = answer_of(search, goals, "interior-point", began)
+    answer = replace(answer, waypoints=np.concatenate([smaller.waypoints, answer.waypoints]))
+    if answer.objective is not None and answer.objective < (smaller.objective or 0.0):
+        answer = smaller  # what was free for larger parts still is
+    return answer if audit_path(ready.assembly, answer.waypoints).free else None
+
+
+def _larger(one: Answer, other: Answer) -> Answer:
+    """The answer with the larger motion, of which that of the second is checked; the first where nothing can go on from the second."""
+    if one.objective is None or other.path != "checked" or (other.objective is not None and not can_be_ranked(other)):
+        return one
+    return other if other.objective is None or other.objective > one.objective else one
+
+
+def study_of(question: Assembly | Prepared | GapStudy[Any], goals: Goal | Sequence[Goal] | None) -> GapStudy[Any]:
+    """What a study asks: the question itself where it is one.
+
+    Raises
+    ------
+    InputError
+        If nothing is fixed or pulled, or a goal names an unknown part.
+    """
+    if not isinstance(question, Assembly | Prepared):
+        return question
+    assembly = question if isinstance(question, Assembly) else question.assembly
+    return PlanarStudy(question, asked_goals(assembly.drawing, goals))
