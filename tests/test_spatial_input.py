@@ -267,6 +267,32 @@ def test_a_mesh_of_a_plate_is_made_as_the_plate_is(joint: str, turned: bool) -> 
     assert sum(pieces) == pytest.approx(volume, rel=1e-9)  # cut, not overlapping
 
 
+@pytest.mark.parametrize("sides", [16, 24])
+def test_the_leaf_of_a_hinge_is_cut_exactly_as_a_mesh(sides: int) -> None:
+    import shapely
+    import trimesh
+
+    from wiggleroom.spatial.mesh_pieces import convex_pieces
+    from wiggleroom.spatial.solid_boolean import solid_of, union_of
+    from wiggleroom.spatial.spatial_model import Surface
+
+    def slab(shape: shapely.Polygon, low: float, high: float):
+        mesh = trimesh.creation.extrude_polygon(shape, high - low, engine="manifold")
+        return solid_of(Surface(np.array(mesh.vertices) + np.array([0, 0, low]), np.array(mesh.faces, dtype=np.int64)))
+
+    def disc(radius: float, turned: float = 0.0) -> shapely.Polygon:
+        angle = 2 * np.pi * (np.arange(sides) + turned) / sides
+        return shapely.Polygon(radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+
+    arm, whole = shapely.box(0, -1.5, 20, 1.5), disc(5, 0.5)
+    knuckle = whole.difference(disc(2.5)).union(arm.difference(whole))
+    leaf = union_of([slab(knuckle, 10.2, 20.2), slab(shapely.box(6, -1.5, 20, 1.5), 0, 30.4)])
+    pieces = convex_pieces(leaf)
+    assert pieces is not None
+    volume = knuckle.area * 10 + 14 * 3 * 20.4
+    assert sum(hull_volume(piece.corners) for piece in pieces) == pytest.approx(volume, rel=1e-9)
+
+
 def hull_volume(corners: np.ndarray) -> float:
     from scipy.spatial import ConvexHull
 

@@ -23,6 +23,8 @@ CONVEX = 1e-9
 """A piece whose hull has no more than this share of additional volume is convex."""
 INEXACT = 1e-7
 """Share of the volume by which all pieces together may miss a mesh: cuts of curved faces of many triangles leave films behind."""
+SPLIT = 1e-9
+"""Where the volumes of both sides of a cut miss that of the piece by more than this share of the whole, the cut went wrong."""
 FILM = 1e-7
 """A piece thinner than this share of its length is made so thick: its faces would be rounding."""
 HOLLOW = 1e-9
@@ -32,7 +34,7 @@ OFF_PLANE = 1e-6
 MAX_PIECES = 2000
 """A mesh that needs more pieces is refused."""
 CANDIDATES = 10
-"""Number of cuts that are compared each time."""
+"""Number of cuts that are compared each time; more where none of them is of use."""
 
 
 def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
@@ -131,12 +133,16 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
             hulls.append(hull)
         else:
             cuts = _cuts(surface_of(part))
-            best, halves, enough = np.inf, [], hull.volume() * (1 - CONVEX)
-            for n0, n1, n2, offset in cuts.tolist():
+            best, enough = np.inf, hull.volume() * (1 - CONVEX)
+            halves: list[Any] = []
+            for k, (n0, n1, n2, offset) in enumerate(cuts.tolist()):
+                if k >= CANDIDATES and halves:
+                    break
                 both = [h for half in part.split_by_plane((n0, n1, n2), offset) for h in _lumps(half)]
                 hollow = sum(h.hull().volume() for h in both)
                 useful = len(both) > 1 or hollow < enough  # also where only a film without a volume falls off
-                if useful and both and hollow < best:
+                sound = abs(sum(h.volume() for h in both) - part.volume()) <= SPLIT * whole
+                if useful and sound and both and hollow < best:
                     best, halves = hollow, both
             if not halves:
                 hulls.append(hull)
@@ -167,7 +173,7 @@ def _thick(corners: Floats) -> Floats:
 
 
 def _cuts(surface: Surface) -> Floats:
-    """Planes (k, 4), unit normal and offset, of faces at reflex edges: those with the longest such edges."""
+    """Planes (k, 4), unit normal and offset, of faces at reflex edges and at folds, those with the longest such edges first."""
     normal, level, label = face_planes(surface)
     faces = surface.faces
     sides = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
@@ -178,10 +184,13 @@ def _cuts(surface: Surface) -> Floats:
     along = surface.vertices[side[:, 1]] - surface.vertices[side[:, 0]]
     bend = np.einsum("ij,ij->i", np.cross(normal[one], normal[other]), along)
     length = np.linalg.norm(along, axis=1)
-    reflex = bend < -FLAT * length
+    folded = (
+        np.einsum("ij,ij->i", normal[one], normal[other]) < FLAT - 1
+    )  # a cut beside it left a fin without thickness
+    reflex = (bend < -FLAT * length) | folded
     gain = np.zeros(len(normal))
     for who in (one, other):
         np.add.at(gain, who[reflex], length[reflex])
-    best = np.argsort(-gain, kind="stable")[:CANDIDATES]
+    best = np.argsort(-gain, kind="stable")
     best = best[gain[best] > 0]
     return np.column_stack([normal[best], level[best]])
