@@ -43,9 +43,7 @@ def beams_on_posts(rng: Random) -> Json:
     g, count, play = gap_of(rng, 0.01, 0.05), int(rng.integers(2, 5)), rng.uniform(0.05, 0.4)
     beam = draw.union(draw.box(-2, g, 2, 0.5), draw.box(-0.1, -0.8, 0.1, 0.1))
     made = [draw.part("beam", beam)]
-    xs = np.concatenate(
-        [-np.sort(rng.uniform(0.9, 1.9, count - count // 2)), np.sort(rng.uniform(0.9, 1.9, count // 2))]
-    )
+    xs = rng.choice([-1.7, -1.3, -0.9, 0.9, 1.3, 1.7], count, replace=False) + rng.uniform(-0.05, 0.05, count)
     for k, x in enumerate(xs):
         flat = rng.choice([0.0, 0.05])
         top = [(x + flat, 0.0), (x - flat, 0.0)] if flat else [(x, 0.0)]
