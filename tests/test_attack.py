@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from benchmarks.attack.families import FAMILIES, draw
 from benchmarks.attack.judge import ask, severe
 from benchmarks.attack.oracle import Ground
 from benchmarks.attack.search import Climber
+from benchmarks.attack.studies import ask_studies, inward
 
 import wiggleroom as wr
 
@@ -49,6 +51,33 @@ def test_the_judge_sees_blocks_that_lie_on_each_other_in_line() -> None:
 
 def test_the_search_of_the_judge_finds_the_end_of_a_peg() -> None:
     assert Climber(peg_in_a_hole(), 0, 40).search().value == pytest.approx(0.5, abs=1e-4)
+
+
+def test_the_judge_of_studies_makes_parts_with_other_gaps() -> None:
+    smaller = Ground(inward(peg_in_a_hole().made, {"plate": 0.1, "peg": 0.2}))
+    plate, peg = (shapes[0] for shapes in smaller.at(np.zeros((1, 2, 3))))
+    assert peg.symmetric_difference(box(1.7, 1.7, 2.3, 2.3)).area < 1e-12
+    assert plate.symmetric_difference(cut(box(0.1, 0.1, 3.9, 3.9), box(0.9, 0.9, 3.1, 3.1))).area < 1e-12
+
+
+def test_the_judge_of_studies_agrees_with_a_peg_and_sees_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = peg_in_a_hole().made
+    assert ask_studies("peg", 0, made, 12).wrong == []
+    true_rank, true_sweep = wr.rank, wr.sweep
+
+    def twice(*args: object, **more: object) -> wr.Ranking:
+        found = true_rank(*args, **more)  # type: ignore[arg-type]
+        return replace(found, looser=2 * found.looser, tighter=2 * found.tighter)
+
+    def falling(*args: object, **more: object) -> wr.Sweep:
+        found = true_sweep(*args, **more)  # type: ignore[arg-type]
+        return replace(found, steps=(found.steps[-1], *found.steps[1:]))
+
+    monkeypatch.setattr(wr, "rank", twice)
+    monkeypatch.setattr(wr, "sweep", falling)
+    found = ask_studies("peg", 0, made, 12)
+    assert {w.split(":")[0] for w in found.wrong} == {"rank", "sweep"}
+    assert severe(found)
 
 
 @pytest.mark.parametrize("kind", range(len(FAMILIES)), ids=lambda k: FAMILIES[k].__name__)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
+from benchmarks.attack.families import draw
+from benchmarks.attack.oracle import Ground
+from benchmarks.attack.studies import STUDY_GAP
 
 import wiggleroom as wr
 from tests.flexing import box, part_at, polygon_part, slot
@@ -106,6 +111,20 @@ def test_a_bar_that_may_slide_on_its_posts_lets_each_count_for_what_it_holds_at_
     for post in ("left post", "right post"):
         assert not quick.unique[ranking.answer.assembly.names.index(post)]
     assert not quick.joint_unique.any()
+
+
+@pytest.mark.searches
+def test_a_ranking_is_that_of_the_answer_not_of_the_border_of_a_cell(tmp_path: Path) -> None:
+    """A wedge that turns until it jams between others: one round in new cells ended lower, held by nothing that touches."""
+    made = draw(2505)[1]
+    assert made is not None
+    path = tmp_path / "wedges.json"
+    path.write_text(json.dumps(made | {"gap": STUDY_GAP * Ground(made).size}))
+    answer = wr.flex(wr.read(str(path)))
+    assert answer.warm_start is not None
+    assert answer.warm_start.value == pytest.approx(answer.objective, rel=1e-6)
+    ranking = wr.rank(answer)
+    assert ranking.tighter.max() > 1.0  # both contacts hold with more than 1 rad per mm
 
 
 def test_bolts_in_line_share_a_load_in_any_way() -> None:

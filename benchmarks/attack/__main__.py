@@ -25,8 +25,11 @@ def main() -> int:
     asked.add_argument(
         "--programs", type=int, default=PROGRAMS, help="linear programs of the search for better motions"
     )
+    asked.add_argument(
+        "--studies", action="store_true", help="ask sweep, gap, sample, rank and tighten, see studies.py"
+    )
     said = asked.parse_args()
-    findings = run(said.count, said.first, said.out, said.programs)
+    findings = run(said.count, said.first, said.out, said.programs, studies=said.studies)
     print(table(findings))
     wrong = [f for f in findings if severe(f)]
     for finding in wrong:

@@ -13,7 +13,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from benchmarks.attack.families import draw
-from benchmarks.attack.judge import PROGRAMS, Finding, ask
+from benchmarks.attack.judge import PROGRAMS, STUDIES, Finding, ask
+from benchmarks.attack.studies import ask_studies
 
 HANG = 120.0
 """An assembly that takes longer than so many seconds of processor time hangs; a machine at work may take ten times as long."""
@@ -23,11 +24,14 @@ WARM_UP = 3
 LOG = "log.jsonl"
 
 
-def run(count: int, first: int, out: Path, programs: int = PROGRAMS) -> list[Finding]:
-    """Ask about assemblies `first` to `first + count`, but those in the log already; findings of all of them."""
+def run(count: int, first: int, out: Path, programs: int = PROGRAMS, *, studies: bool = False) -> list[Finding]:
+    """Ask about assemblies `first` to `first + count`, but those in the log already; findings of all of them.
+
+    With `studies` the studies of gaps are asked, not `flex` and `check`.
+    """
     out.mkdir(parents=True, exist_ok=True)
     done = {f.number: f for f in read_log(out)}
-    worker = _Worker(programs)
+    worker = _Worker(programs, studies)
     try:
         with (out / LOG).open("a", encoding="utf-8") as log:
             for number in range(first, first + count):
@@ -70,8 +74,8 @@ def save(out: Path, finding: Finding) -> None:
 class _Worker:
     """A process that answers one number after the other, and is started again where it dies or hangs."""
 
-    def __init__(self, programs: int) -> None:
-        self._programs = programs
+    def __init__(self, programs: int, studies: bool) -> None:
+        self._programs, self._studies = programs, studies
         self._start()
 
     def ask(self, number: int) -> Finding:
@@ -111,20 +115,23 @@ class _Worker:
 
     def _start(self) -> None:
         self._mine, its = mp.get_context("spawn").Pipe()
-        self._process = mp.get_context("spawn").Process(target=_serve, args=(its, self._programs), daemon=True)
+        self._process = mp.get_context("spawn").Process(
+            target=_serve, args=(its, self._programs, self._studies), daemon=True
+        )
         self._process.start()
         self._mine.recv()  # what is compiled on first use does not count
 
 
-def _serve(line: Connection, programs: int) -> None:
+def _serve(line: Connection, programs: int, studies: bool) -> None:
+    question = ask_studies if studies else ask
     family, made = draw(WARM_UP)
-    ask(family, WARM_UP, made or {}, 1)
+    question(family, WARM_UP, made or {}, 1)
     line.send("ready")
     while True:
         number = line.recv()
         family, made = draw(number)
         try:
-            finding = ask(family, number, made or {}, programs)
+            finding = question(family, number, made or {}, programs)
         except Exception:
             finding = Finding(family, number, "crash", wrong=["crash: " + traceback.format_exc(limit=-3)])
         line.send(finding)
@@ -140,6 +147,7 @@ COLUMNS = {
     "low proven": lambda f: any(w.startswith("low-proven") for w in f.wrong),
     "unbounded": lambda f: f.verdict == "unbounded",
     "stopped": lambda f: f.verdict == "stopped",
+    "study wrong": lambda f: any(w.startswith(STUDIES) for w in f.wrong),
     "bound or check wrong": lambda f: any(w.startswith(("bound", "check:")) for w in f.wrong),
     "refused": lambda f: f.verdict == "refused",
     "crash": lambda f: f.verdict == "crash",

@@ -7,6 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.attack import families_fitted as fitted
+from benchmarks.attack import families_framed as framed
+from benchmarks.attack import families_loaded as loaded
 from benchmarks.attack import families_mechanisms as mechanisms
 from benchmarks.attack import families_puzzles as puzzles
 from benchmarks.attack import families_rotary as rotary
@@ -56,6 +58,25 @@ FAMILIES: tuple[Family, ...] = (
     rotary.stepped_bayonets,
     rotary.keys_in_curved_slots,
     rotary.ball_joints,
+    loaded.bolted_plates,
+    loaded.beams_on_posts,
+    loaded.scotch_yokes,
+    loaded.oldham_couplings,
+    loaded.wedge_stacks,
+    loaded.marbles_in_channels,
+    loaded.combs,
+    loaded.spirals,
+    loaded.linked_hooks,
+    loaded.arches,
+    framed.closed_rings,
+    framed.doors_with_bolts,
+    framed.toggles,
+    framed.keyhole_plates,
+    framed.claw_couplings,
+    framed.whippletrees,
+    framed.carousels,
+    framed.drawers,
+    framed.split_sleeves,
 )
 LEAST = 2e-3
 """Parts lie apart by at least so much [mm]: what touches is another question."""

@@ -21,6 +21,8 @@ PROGRAMS = 120
 """Linear programs that the search for a better motion may use."""
 CHECK_SECONDS, BOXES, QUESTIONS = 1.5, 20_000, 12
 """After so long `check` is asked to stop; so many boxes and questions it may use."""
+STUDIES = ("sweep", "gap", "sample", "rank", "tighten")
+"""Kinds of what is wrong with a study."""
 UNLIMITED = 4.5
 """Motions are compared up to this multiple of the size."""
 
@@ -160,7 +162,7 @@ def _judge_check(ground: Ground, wr, assembly, answer, out: Finding) -> None:
 
 def severe(finding: Finding) -> bool:
     """True where the program said something that is wrong, or nothing at all."""
-    kinds = ("path", "end", "escape", "value", "bound", "check:", "crash", "hang", "low-proven")
+    kinds = ("path", "end", "escape", "value", "bound", "check:", "crash", "hang", "low-proven", *STUDIES)
     return any(line.startswith(kinds) for line in finding.wrong)
 
 

@@ -177,7 +177,8 @@ def _edges(shape: shapely.Polygon) -> Floats:
         for ring in (piece.exterior, *piece.interiors):
             points = np.asarray(ring.coords)
             out.append(np.stack([points[:-1], points[1:]], axis=1))
-    return np.concatenate(out)
+    edges = np.concatenate(out)
+    return edges[(edges[:, 0] != edges[:, 1]).any(axis=1)]
 
 
 def _nearest(corner: Floats, edges: Floats) -> tuple[Floats, Floats, Floats]:

@@ -25,6 +25,8 @@ Floats = NDArray[np.float64]
 
 ONE_ROUND = replace(WITHOUT_BRANCHES, moves=())
 """The same end, solved again in new cells."""
+SAME_END = 1e-6
+"""A value lower than the answer's by more than this share is not the same end."""
 
 
 def carried_incumbent(
@@ -35,7 +37,7 @@ def carried_incumbent(
     frame: CanonicalFrame,
     waypoints: Floats,
 ) -> Incumbent | None:
-    """Solve the last program of a search again in this frame; None where its cells do not grow here.
+    """Solve the last program of a search again in this frame, in more rounds where one is not enough; None where cells do not grow.
 
     Parameters
     ----------
@@ -69,4 +71,9 @@ def carried_incumbent(
     segment = PathSegment(free, tuple(free.variables(motion) for motion in path[:-1]))
     search = LocalSearch(ready, objective, solve, ONE_ROUND)
     mu = there.solution.inner_mu / frame.scale
-    return search.improve(Start(cells, path[-2], (segment,), mu=mu, tolerance=there.tolerance))
+    once = search.improve(Start(cells, path[-2], (segment,), mu=mu, tolerance=there.tolerance))
+    end = objective.value(path[-1])
+    if once is None or once.value >= end - SAME_END * abs(end):
+        return once
+    # held by the border of a new cell, where nothing touches: its forces say nothing about contacts
+    return LocalSearch(ready, objective, solve, WITHOUT_BRANCHES).improve(once.start())
