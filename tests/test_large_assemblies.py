@@ -17,6 +17,7 @@ from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.multifrontal import FrontalPlan, Multifrontal
+from wiggleroom.solve.row_operations import step_lengths
 
 
 def block_matrix(at, block, reach, rng):
@@ -188,8 +189,20 @@ def test_solutions_on_two_threads_are_those_of_the_matrix():
     # rows eliminated in batches on two threads: the same sums as by the Jacobian as a matrix
     s, lam, primal, goal = rng.random((4, program.rows)) + 0.1
     assert np.allclose(at.eliminated_product(s, lam, primal, goal), jacobian.T @ ((lam * primal + goal) / s))
+    few, none = np.where(rng.random(program.rows) < 0.01, goal, 0.0), np.zeros(program.rows)  # as of a corrector
+    assert np.allclose(at.eliminated_product(s, lam, none, few), jacobian.T @ (few / s))
     ds, dlam, far, dfar = at.eliminated_changes(x, s, lam, primal, goal)
     assert np.allclose(ds, jacobian @ x - primal)
     assert np.allclose(dlam, (goal - lam * ds) / s)
     assert min(1.0, *(s / -ds)[ds < 0]) == pytest.approx(far)
     assert min(1.0, *(lam / -dlam)[dlam < 0]) == pytest.approx(dfar)
+
+
+def test_steps_with_shares_of_a_corrector_reach_the_nearest_bound():
+    x, dx, more = np.random.default_rng(5).standard_normal((3, 40))
+    x, shares, out = np.abs(x) + 0.5, np.array([1.0, 0.6, 0.3]), np.empty(3)
+    step_lengths(x, dx, more, shares, out)
+    for share, step in zip(shares, out, strict=True):
+        left = x + step * (dx + share * more)
+        assert 0 < step < 1
+        assert left.min() == pytest.approx(0, abs=1e-12)

@@ -29,29 +29,29 @@ def relative_poses(pose, a, b, g, turn):
 
 
 @njit(**NO_ALLOCATION)
-def wall_values(g, row, kind, normal, per_turn, off, corner, h):
-    """Values h (R,) of all rows; rows of pair p are row[p] .. row[p + 1]."""
+def wall_values(g, row, kind, normal, per_turn, off, corner, unit, h):
+    """Values h (R,) of all rows, in units of `unit`; rows of pair p are row[p] .. row[p + 1]."""
     for p in range(len(row) - 1):
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
         c, s = np.cos(psi), np.sin(psi)
         for k in range(row[p], row[p + 1]):
             nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
             if kind[k] == A_EDGE:
-                h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) - off[k]
+                value = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) - off[k]
             elif kind[k] == B_EDGE:
-                ux, uy = vx - x, vy - y
-                h[k] = (c * nx - s * ny) * ux + (s * nx + c * ny) * uy - off[k]
+                value = (c * nx - s * ny) * (vx - x) + (s * nx + c * ny) * (vy - y) - off[k]
             elif kind[k] == LOW_TURN:
-                h[k] = nx * (psi - off[k])
+                value = nx * (psi - off[k])
             elif kind[k] == HIGH_TURN:
-                h[k] = nx * (off[k] - psi)
+                value = nx * (off[k] - psi)
             else:
-                h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[k] * psi - off[k]
+                value = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[k] * psi - off[k]
+            h[k] = value / unit
 
 
 @njit(**NO_ALLOCATION)
-def wall_gradients(g, row, kind, normal, per_turn, corner, d):
-    """Derivatives d (R, 3) of all rows with respect to (q, psi)."""
+def wall_gradients(g, row, kind, normal, per_turn, off, corner, unit, h, d):
+    """Values h (R,) of all rows and their derivatives d (R, 3) with respect to (q, psi), in units of `unit`."""
     for p in range(len(row) - 1):
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
         c, s = np.cos(psi), np.sin(psi)
@@ -59,17 +59,20 @@ def wall_gradients(g, row, kind, normal, per_turn, corner, d):
             nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
             if kind[k] == A_EDGE:
                 zx, zy = c * vx - s * vy, s * vx + c * vy
-                d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy
+                value, d0, d1, d2 = nx * (zx + x) + ny * (zy + y) - off[k], nx, ny, ny * zx - nx * zy
             elif kind[k] == B_EDGE:
-                mx, my = c * nx - s * ny, s * nx + c * ny
-                d[k, 0], d[k, 1], d[k, 2] = -mx, -my, mx * (vy - y) - my * (vx - x)
+                mx, my, ux, uy = c * nx - s * ny, s * nx + c * ny, vx - x, vy - y
+                value, d0, d1, d2 = mx * ux + my * uy - off[k], -mx, -my, mx * uy - my * ux
             elif kind[k] == LOW_TURN:
-                d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, nx
+                value, d0, d1, d2 = nx * (psi - off[k]), 0.0, 0.0, nx
             elif kind[k] == HIGH_TURN:
-                d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, -nx
+                value, d0, d1, d2 = nx * (off[k] - psi), 0.0, 0.0, -nx
             else:
-                zx, zy = c * vx - s * vy, s * vx + c * vy
-                d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy + per_turn[k]
+                zx, zy, turning = c * vx - s * vy, s * vx + c * vy, per_turn[k]
+                value = nx * (zx + x) + ny * (zy + y) + turning * psi - off[k]
+                d0, d1, d2 = nx, ny, ny * zx - nx * zy + turning
+            h[k] = value / unit
+            d[k, 0], d[k, 1], d[k, 2] = d0 / unit, d1 / unit, d2 / unit
 
 
 @njit(inline="always", **COMPILED_CALLERS_ONLY)
@@ -126,15 +129,22 @@ def transposed_jacobian_product(g, turn, a, b, row, d, scale, slot, y, out):
 
 @njit(**NO_ALLOCATION)
 def eliminated_product(g, turn, a, b, row, d, scale, slot, s, lam, primal, goal, out):
-    """Add J^T ((lam * primal + goal) / s) to out: what rows ask of the variables once slacks and multipliers are eliminated."""
+    """Add J^T ((lam * primal + goal) / s) to out: what rows ask of the variables once slacks and multipliers are eliminated.
+
+    Of the rows of a corrector hardly any asks for anything.
+    """
     for p in range(len(a)):
-        fx, fy, ft = 0.0, 0.0, 0.0
+        fx, fy, ft, idle = 0.0, 0.0, 0.0, True
         for k in range(row[p], row[p + 1]):
-            y = (lam[k] * primal[k] + goal[k]) / s[k]
+            asked = lam[k] * primal[k] + goal[k]
+            if asked == 0.0:
+                continue
+            y, idle = asked / s[k], False
             fx += d[k, 0] * y
             fy += d[k, 1] * y
             ft += d[k, 2] * y
-        _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
+        if not idle:
+            _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
 
 
 @njit(**NO_ALLOCATION)
@@ -158,8 +168,11 @@ def eliminated_changes(g, turn, a, b, row, d, scale, slot, u, s, lam, primal, go
 
 
 @njit(**NO_ALLOCATION)
-def wall_blocks(g, row, kind, d, normal, corner, weight, lam, M, force):
-    """Add D^T diag(weight) D - sum lam h'' of every pair to M (P, 6), entries 00 01 02 11 12 22, and D^T lam to force (P, 2)."""
+def wall_blocks(g, row, kind, d, normal, corner, unit, weight, lam, M, force):
+    """Add D^T diag(weight) D - sum lam h'' of every pair to M (P, 6), entries 00 01 02 11 12 22, and D^T lam to force (P, 2).
+
+    `d` is in units of `unit`, and so is the second derivative.
+    """
     for p in range(len(row) - 1):
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
         c, s = np.cos(psi), np.sin(psi)
@@ -176,7 +189,8 @@ def wall_blocks(g, row, kind, d, normal, corner, weight, lam, M, force):
             force[p, 1] += f * d1
             vx, vy = corner[k, 0], corner[k, 1]
             if kind[k] == A_EDGE or kind[k] == FACE:
-                M[p, 5] += f * (normal[k, 0] * (c * vx - s * vy) + normal[k, 1] * (s * vx + c * vy))
+                nx, ny = normal[k, 0] / unit, normal[k, 1] / unit
+                M[p, 5] += f * (nx * (c * vx - s * vy) + ny * (s * vx + c * vy))
             elif kind[k] == B_EDGE:
                 M[p, 2] += f * d1
                 M[p, 4] -= f * d0

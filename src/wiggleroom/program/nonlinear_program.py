@@ -111,37 +111,38 @@ class Program:
         h = np.empty(self.rows)
 
         def fill(some: slice) -> None:
-            row = row_of(self.cells.row, some)
-            kernel.wall_values(g[some], row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
-            h[row[0] : row[-1]] /= self.length
+            kernel.wall_values(g[some], row_of(self.cells.row, some), *self._walls, self.length, h)
 
         in_batches(len(g), self.batches, fill)
         return h
 
     def rows_at(self, g: Floats) -> tuple[Floats, Floats]:
         """Rows h (R,) and their derivatives (R, 3) with respect to (q, psi), in units of `length`."""
-        d = np.empty((self.rows, 3))
+        h, d = np.empty(self.rows), np.empty((self.rows, 3))
 
         def fill(some: slice) -> None:
-            row = row_of(self.cells.row, some)
-            kernel.wall_gradients(g[some], row, self.kind, self.normal, self.per_turn, self.corner, d)
-            d[row[0] : row[-1]] /= self.length
+            kernel.wall_gradients(g[some], row_of(self.cells.row, some), *self._walls, self.length, h, d)
 
         in_batches(len(g), self.batches, fill)
-        return self.row_values(g), d
+        return h, d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), and D^T lam (P, 2) by q."""
         M, force = np.zeros((len(self.cells.a), 6)), np.zeros((len(self.cells.a), 2))
-        # second derivatives of h share the rows' unit, first derivatives already carry it
-        normal = self.normal / self.length
 
         def fill(some: slice) -> None:
-            row = row_of(self.cells.row, some)
-            kernel.wall_blocks(g[some], row, self.kind, d, normal, self.corner, weight, lam, M[some], force[some])
+            kernel.wall_blocks(
+                g[some], row_of(self.cells.row, some), self.kind, d, self.normal, self.corner, self.length, weight, lam, M[some],
+                force[some],
+            )  # fmt: skip
 
         in_batches(len(g), self.batches, fill)
         return M, force
+
+    @property
+    def _walls(self) -> tuple[Any, ...]:
+        """Geometry of the rows, as kernels take it."""
+        return self.kind, self.normal, self.per_turn, self.off, self.corner
 
     def linearise(self, u: Floats) -> Linearised:
         """Rows, their derivatives, and products with them, at u."""

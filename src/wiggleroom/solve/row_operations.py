@@ -24,15 +24,21 @@ def step_length(x, dx):
 
 @njit(**NO_ALLOCATION)
 def step_lengths(x, dx, more, shares, out):
-    """Fill `out` with the largest step in [0, 1] that keeps x + step * (dx + share * more) >= 0 for each of some shares, for x > 0."""
-    out[:] = 1.0
+    """Fill `out` with the largest step in [0, 1] that keeps x + step * (dx + share * more) >= 0 for each of three shares, for x > 0."""
+    one, two, three = shares[0], shares[1], shares[2]
+    fastest, second, third = 1.0, 1.0, 1.0
     for k in range(len(x)):
-        for j in range(len(shares)):
-            change = dx[k] + shares[j] * more[k]
-            if -change > out[j] * x[k]:
-                out[j] = -change / x[k]
-    for j in range(len(shares)):
-        out[j] = 1.0 / out[j]
+        here, change, further = x[k], dx[k], more[k]
+        falls = -change - one * further
+        if falls > fastest * here:
+            fastest = falls / here
+        falls = -change - two * further
+        if falls > second * here:
+            second = falls / here
+        falls = -change - three * further
+        if falls > third * here:
+            third = falls / here
+    out[0], out[1], out[2] = 1.0 / fastest, 1.0 / second, 1.0 / third
 
 
 @njit(**SUM)
