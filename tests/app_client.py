@@ -93,7 +93,7 @@ class Visit:
     def send(self, kind: str, **more: Any) -> int:
         """Ask; the number of the request."""
         self.number += 1
-        design = {} if kind in ("open", "cancel") else {"design": self.design}
+        design = {} if kind in ("open", "cancel", "assemble") else {"design": self.design}
         self.socket.send(json.dumps({"kind": kind, "id": self.number} | design | more))
         return self.number
 
