@@ -141,7 +141,8 @@ def histogram(
     least, most = span(count.astype(float), zero=True)
     size = (WIDTH, HEIGHT) if framed else PANEL_SIZE
     most /= 1 - min(ROW / size[1] * len(lines), 0.5)  # labels of the lines have room above the bars
-    axes, body = plot(wide, (least, most), (label, "how many"), *((title, facts) if framed else ("", ())), size)
+    head, below = (title, facts) if framed else ("", [])
+    axes, body = plot(wide, (least, most), (label, "how many"), head, below, size)
     for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):
         if n:
             fill, stroke = palette.FIXED if limit and low >= limit[0] else palette.PULLED
