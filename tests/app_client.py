@@ -71,6 +71,7 @@ class Visit:
     def __init__(self, socket: ClientConnection) -> None:
         self.socket = socket
         self.number = 0
+        self.kinds: dict[int, str] = {}
         self.design: Json = {}
         self.opened: Json = {}
         self.told: list[Json] = []
@@ -93,7 +94,8 @@ class Visit:
     def send(self, kind: str, **more: Any) -> int:
         """Ask; the number of the request."""
         self.number += 1
-        design = {} if kind in ("open", "cancel") else {"design": self.design}
+        self.kinds[self.number] = kind
+        design = {} if kind in ("open", "cancel", "assemble") else {"design": self.design}
         self.socket.send(json.dumps({"kind": kind, "id": self.number} | design | more))
         return self.number
 
@@ -103,6 +105,8 @@ class Visit:
             reply = self.next(seconds)
             if reply.get("id") != number or reply["kind"] in ("progress", "step"):
                 continue
+            if reply["kind"] == "flex" != kind and self.kinds.get(number, "flex") != "flex":
+                continue  # what a search has found before a study speaks of it
             if reply["kind"] == "failed" or (kind in ("", reply["kind"]) and reply.get("settled", True)):
                 return reply
 

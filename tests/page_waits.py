@@ -29,11 +29,11 @@ def until(page: Any, true: Callable[[], bool], what: str) -> None:
 
 
 def settled(page: Any, look: Callable[[], T]) -> T:
-    """What is seen when it has come to rest: nothing is worked on for the hand, and frames go by without a change."""
+    """What is seen when it has come to rest: nothing is worked on, no better answer is looked for, and frames go by without a change."""
     seen: list[T] = []
 
     def rests() -> bool:
-        page.locator(".busy").wait_for(state="detached", timeout=1000 * PATIENCE)
+        page.locator(".busy, #answer[data-further=true]").first.wait_for(state="detached", timeout=1000 * PATIENCE)
         page.evaluate(LATER)
         seen.append(look())
         return len(seen) > 1 and seen[-1] == seen[-2]

@@ -17,6 +17,7 @@ import shapely.affinity
 
 import wiggleroom as wr
 from tests.app_client import Visit
+from tests.test_studies_search import corridor
 from wiggleroom.cli import main
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.serve_command import first_request
@@ -362,3 +363,41 @@ def test_a_drawing_that_asks_nothing_comes_with_a_suggestion(page: Visit) -> Non
     told = page.open("peg.svg", PEG.encode())
     assert told["pulled"]["part"] == "peg"
     assert np.hypot(*told["pulled"]["direction"]) == 1
+
+
+@pytest.mark.parametrize("asked", ["bound", "rank", "tighten", "sample", "prove"])
+def test_studies_speak_of_the_answer_that_is_shown(page: Visit, asked: str) -> None:
+    """A climb from rest ends in the pocket; the search gets up the shaft, and the page is told before anything is said of it."""
+    pytest.importorskip("highspy")
+    page.open("corridor.json", write_assembly(corridor(gap=0.01).drawing).encode())
+    assert page.ask("flex")["objective"] == pytest.approx(0.16)
+    page.told.clear()
+    more = {"tighten": {"parts": 1}, "sample": {"spread": 0.002, "draws": 4}, "prove": {"share": 0.5, "seconds": 20}}
+    kind = {"tighten": "study", "sample": "study"}.get(asked, asked)
+    reply = page.until(page.send(asked, **more.get(asked, {})), kind)
+    assert reply["kind"] == kind
+    (shown,) = [r for r in page.told if r["kind"] == "flex"]
+    assert shown["id"] == reply["id"]
+    assert shown["objective"] == pytest.approx(2.06)
+    assert shown["motions"][0][-1][1][1] == pytest.approx(2.06)
+    if asked == "sample":
+        (numbers,) = [one["rows"] for one in reply["study"]["sections"] if one["title"] == "In numbers"]
+        assert numbers[0] == ["without variation", pytest.approx(shown["objective"])]
+    if asked == "tighten":
+        (parts,) = [one["rows"] for one in reply["study"]["sections"] if one["title"].startswith("Make these")]
+        assert parts[0][2] == pytest.approx(2.06) or parts[0][1] == "frame"
+    page.told.clear()
+    page.ask(asked, **more.get(asked, {}))
+    assert not [r for r in page.told if r["kind"] == "flex"], "it is shown already"
+    assert page.ask("flex")["objective"] >= shown["objective"]
+
+
+def test_the_sample_of_a_cutting_sheet_is_a_box(page: Visit) -> None:
+    pytest.importorskip("manifold3d")
+    told = page.until(page.send("open", name="sheet", sample=True, data=""))
+    assert told["apart"]
+    assert len(told["parts"]) == 5
+    reply = page.ask("assemble", thickness=3.0, hints={})
+    assert reply["certainty"] == "sure"
+    assert {panel["state"] for panel in reply["panels"]} == {"placed"}
+    assert len(reply["joints"]) == 8

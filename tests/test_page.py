@@ -22,6 +22,7 @@ from PIL import Image
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served
 from tests.page_waits import LATER, PATIENCE, faded, plays, settled, until
+from tests.test_studies_search import corridor
 from wiggleroom.app.open_requests import first_open
 from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
@@ -922,3 +923,33 @@ def test_undo_goes_back_beyond_a_reload(browser: Any, peg: Served) -> None:
         answered(page, "peg moves 1 mm")
         page.get_by_role("button", name="Redo").click()
         answered(page, "peg moves 2 mm")
+
+
+def test_a_search_goes_on_beyond_the_climb_and_studies_speak_of_what_is_shown(browser: Any, tmp_path: Path) -> None:
+    pytest.importorskip("highspy")
+    path = tmp_path / "corridor.json"
+    path.write_text(write_assembly(corridor(gap=0.01).drawing))
+    with serving(path) as served, visiting(browser, served) as page:
+        answered(page, "slider moves 2.06 mm in +y")  # a climb from rest ends at 0.16
+        page.get_by_role("tab", name="How sure").click()
+        page.locator(".sure", has_text=re.compile("starts?,|1 start")).first.wait_for()
+        page.get_by_role("tab", name="Vary").click()
+        draws = page.get_by_role("textbox", name="number of draws")
+        draws.fill("4")
+        draws.press("Enter")
+        page.get_by_role("button", name="Draw", exact=True).click()
+        row = page.locator(".result tr", has_text="without variation")
+        row.wait_for()
+        assert "2.06" in row.inner_text()
+        answered(page, "slider moves 2.06 mm in +y")
+
+
+def test_a_sheet_is_put_together_before_anything_is_asked_of_it(browser: Any) -> None:
+    pytest.importorskip("manifold3d")
+    with serving(None) as served, visiting(browser, served) as page:
+        page.locator(".sample", has_text="sheet").click()
+        page.locator("#answer", has_text="nothing asked").wait_for()
+        assert page.locator(".findings").count() == 0
+        page.get_by_role("button", name="Put them together").click()
+        page.get_by_role("button", name="Assemble").click()
+        page.locator("#assembled", has_text="5 of 5 panels placed, sure").wait_for()

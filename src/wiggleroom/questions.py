@@ -297,7 +297,8 @@ def tighten(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **o
 
     Parameters
     ----------
-    assembly : Assembly or SpatialAssembly
+    assembly : Assembly, Answer, SpatialAssembly or SpatialAnswer
+        An answer is studied as it is; else the motion is looked for first.
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for.
     **options
@@ -331,7 +332,8 @@ def sample(
 
     Parameters
     ----------
-    assembly : Assembly or SpatialAssembly
+    assembly : Assembly, Answer, SpatialAssembly or SpatialAnswer
+        An answer is studied as it is; else the motion is looked for first.
     spread : Spread or float [mm]
         Distribution of the extra gap round a part; a number is the standard deviation of a normal one. Extra gap e
         moves the part's boundary inward by e/2, in space all its faces.

@@ -167,7 +167,7 @@ export interface ProveRequest {
   seconds?: number;
 }
 
-/** A quick bound of a full answer, worked out while nothing else is asked. */
+/** What a search finds beyond the full answer, and a quick bound of that, worked out while nothing else is asked. */
 export interface BoundRequest {
   kind: "bound";
   id: number;
@@ -241,6 +241,7 @@ export interface SampleEntry {
   words: string;
   count: number; // how many parts it has
   picture: [number, number][][][]; // a small picture of its kind, 100 wide or high
+  pulled: boolean; // whether its first part stands and its last one is pulled
 }
 
 /** First words to a page. */

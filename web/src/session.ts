@@ -14,8 +14,8 @@ import { assembled, forgetSheet, laid, ofSheet } from "./sheet.ts";
 import * as state from "./state.ts";
 
 let socket: Socket | null = null;
-const asked = new Map<number, Design>();
-let quick: { since: number; again: boolean } | null = null;
+const asked = new Map<number, { kind: Kind; design: Design }>();
+let quick: { id: number; since: number; again: boolean } | null = null;
 /** The newest request of the drag under way; what was answered to the ones before it is shown too. */
 let drag: { id: number; wanted: Wanted } | null = null;
 type Wanted = Requests["drag"];
@@ -92,7 +92,7 @@ export function ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false):
     if (socket && !UNASKED.has(kind)) away();
     return 0;
   }
-  if ("design" in body) asked.set(id, body.design as Design);
+  if ("design" in body) asked.set(id, { kind, design: body.design as Design });
   for (const old of asked.keys()) if (old < id - 500) asked.delete(old);
   setRunning(kind, true);
   return id;
@@ -117,6 +117,7 @@ export function cancel(kind: Kind): void {
 function askFlex(): void {
   const wanted = design.peek();
   endDrag();
+  setRunning("bound", false); // the server leaves it too
   if (!asks(wanted)) {
     state.answer.value = null;
     showRest();
@@ -127,8 +128,9 @@ function askFlex(): void {
     quick.again = true;
     return;
   }
-  state.waiting.value = ask("flex", { design: wanted, thorough: false, shown: outlines }) > 0;
-  quick = state.waiting.value ? { since: performance.now(), again: false } : null;
+  const id = ask("flex", { design: wanted, thorough: false, shown: outlines });
+  state.waiting.value = id > 0;
+  quick = id ? { id, since: performance.now(), again: false } : null;
 }
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
@@ -241,14 +243,15 @@ function take(reply: Reply, paths: Frames[]): void {
   }
   const settled = !("settled" in reply) || reply.settled;
   const earlier = reply.kind === "drag" && reply.id !== drag?.id; // than where the hand is now
-  if ("id" in reply && settled && reply.kind !== "step" && !earlier) setRunning(requestOf(reply), false);
-  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id) ?? design.peek(), paths });
+  const beside = reply.kind === "flex" && isBeside(reply.id);
+  if ("id" in reply && settled && reply.kind !== "step" && !earlier && !beside) setRunning(requestOf(reply), false);
+  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id)?.design ?? design.peek(), paths });
   switch (reply.kind) {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
     case "opened": return opened(reply);
     case "shape": reshaped(reply); shaped = about(reply).design; state.findings.value = []; return;
-    case "flex": return flexed(about(reply));
+    case "flex": return flexed(about(reply), beside);
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return showMode(0);
     case "reach": state.reach.value = about(reply); return;
@@ -277,20 +280,29 @@ function reshaped({ rings, solids, shown }: { rings?: Opened["parts"][number]["r
   else if (rings) state.rings.value = rings;
 }
 
-function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
-  const again = quick?.again;
-  quick = null;
+/** Whether an answer was told by a search in idle time, or before a study. */
+const isBeside = (id: number): boolean => (asked.get(id)?.kind ?? "flex") !== "flex";
+
+function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>, beside: boolean): void {
   const { reply, paths } = about;
+  const again = quick?.id === reply.id && quick.again;
+  if (quick?.id === reply.id) quick = null;
+  if (beside && about.design !== design.peek()) return;
   reshaped(reply);
   shaped = about.design;
   const same = questionOf(about.design) === question.peek();
   if (same && paths[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(paths[0]), atMost: reply.at_most });
   if (about.design === design.peek()) {
     state.waiting.value = false;
+    const before = state.answer.peek()?.reply.objective;
+    const more = reply.objective === null || before == null || reply.objective > before * (1 + 1e-6);
     state.answer.value = about;
-    if (reply.settled && reply.objective && reply.at_most === null && !inSpace() && state.can("prove")) ask("bound", { design: about.design });
+    if (beside && !more) return; // the same motion, and that nothing better was found
+    if (beside) state.notice.value = `a search from other starts has found more: ${reply.headline}`;
+    else if (reply.settled && reply.objective && reply.at_most === null && !inSpace()) ask("bound", { design: about.design });
     if (state.trouble.value === "flex") state.findings.value = [];
-    if (paths[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
+    const elsewhere = beside && shown.peek().what !== "answer"; // a film is seen, or a dragged part
+    if (paths[0] && !elsewhere && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       magnify(reachOf(paths[0]));
       const still = shown.peek().what === "answer" && !reply.leaves.length;
       showAnswer(paths[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
@@ -305,6 +317,8 @@ function remember(one: state.Solved): void {
 }
 
 function stepped(gap: number, objective: number | null, verdict: string, path?: Frames): void {
+  const known = state.solved.peek().find((one) => Math.abs(one.gap - gap) < 1e-9);
+  if (objective !== null && known?.objective != null && known.objective >= objective) return; // of two motions the larger counts
   remember({ gap, objective, verdict, end: path ? end(path) : null });
 }
 
@@ -374,7 +388,7 @@ function opened(reply: Opened): void {
   again = false;
   const read: Design = { ...reply.design, gap: reply.gap };
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
-  if (!asks(read)) read.goals = suggested;
+  if (!asks(read) && !reply.apart) read.goals = suggested; // panels of a sheet are put together first
   state.findings.value = [];
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");

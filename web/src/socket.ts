@@ -19,6 +19,10 @@ export class Latest {
     const newest = this.#newest.get(kind);
     return newest !== undefined && id <= newest && id >= this.#first.get(kind)!;
   }
+  /** Kind of a request that is the newest of its kind. */
+  kindOf(id: number): string | undefined {
+    return [...this.#newest].find(([, newest]) => newest === id)?.[0];
+  }
   newest(kind: string): number | undefined {
     return this.#newest.get(kind);
   }
@@ -117,7 +121,7 @@ export class Socket {
     }
     const paths = reply.kind === "progress" ? [] : (this.#paths.get(reply.id) ?? []);
     if (reply.kind !== "progress") this.#paths.delete(reply.id);
-    const kind = requestOf(reply);
+    const kind = this.#latest.kindOf(reply.id) ?? requestOf(reply); // a study may tell a better answer before it speaks of it
     if (this.#latest.wanted(kind, reply.id)) this.#heard.reply(reply, paths);
     for (const id of this.#paths.keys()) if (id < reply.id - 64) this.#paths.delete(id);
   }

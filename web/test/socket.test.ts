@@ -33,6 +33,14 @@ function motions(id: number, values: number[]): ArrayBuffer {
   return buffer;
 }
 
+test("what a study tells before its own answer is wanted as the study is", () => {
+  const latest = new Latest();
+  const [flex, sample] = [latest.ask("flex"), latest.ask("sample")];
+  assert.deepEqual([latest.kindOf(flex), latest.kindOf(sample)], ["flex", "sample"]);
+  latest.ask("sample");
+  assert.equal(latest.kindOf(sample), undefined);
+});
+
 test("a frame of motions says what it holds; a torn one is nothing", () => {
   const read = readFrames(motions(7, [1, 2, 3, 4, 5, 6]))!;
   assert.deepEqual([read.id, read.frames.k, read.frames.n], [7, 2, 1]);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +45,7 @@ class Document:
         self.file = file
         self.designs = _cache_of(file)
         self._answers: LruCache[Answer | SpatialAnswer] = LruCache(4)
+        self._searched: LruCache[bool] = LruCache(4)
         self._checks: LruCache[Interlock | SpatialDisassembly] = LruCache(2)
         self._plans: LruCache[Plan] = LruCache(2)
 
@@ -140,6 +142,23 @@ class Document:
             answer = self.live(design).settle(self.asked(design), stop=out.stop, progress=told)
             out.check()
             self.know(design, answer)
+        return answer
+
+    def searched(self, design: Design, out: Reporter) -> Any:
+        """The full answer after the search with which studies begin, and with what that came to; in space the full answer has one."""
+        answer = self.answer(design, out)
+        key = whole(design)
+        if self.in_space or answer.objective is None or self._searched.peek(key):
+            return answer
+        from wiggleroom.sensitivity.perturbation import SAME_VALUE, is_searched, searched_answer
+
+        if is_searched(answer.assembly):
+            found = searched_answer(answer.assembly, answer.goals, out.stop)
+            out.check()
+            more = found.objective is None or found.objective > (1 + SAME_VALUE) * answer.objective
+            answer = found if more else replace(answer, search=found.search)
+            self.know(design, answer)
+        self._searched.keep(key, True)
         return answer
 
     def know(self, design: Design, answer: Answer | SpatialAnswer) -> None:

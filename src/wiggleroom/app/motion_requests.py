@@ -23,6 +23,7 @@ from wiggleroom.live.live_session import Live
 from wiggleroom.report.stacked_slices import rings
 from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
 from wiggleroom.schema.requests import (
+    Design,
     DragRequest,
     FlexRequest,
     ReachRequest,
@@ -89,13 +90,26 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
 
 def settled(document: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer fully."""
-    answer = document.answer(request.design, out)
-    document.display.move(answer.assembly, answer.motion)
-    content = answer_reply(answer, command("flex", document.file, request.design))
-    shape = document.designs.shape(request.design)
-    tell_outlines(content, document.display.new_outlines(shape, answer.assembly, request.shown))
-    out.reply(content, [frames_of(answer.assembly, answer.waypoints)])
+    _tell(document, request.design, document.answer(request.design, out), request.shown, out)
     return False
+
+
+def searched(document: Document, design: Design, out: Reporter) -> Any:
+    """The full answer after the search of a direct question; the page is told where that is another than it shows."""
+    before = document.answer(design, out)
+    answer = document.searched(design, out)
+    if answer is not before:
+        _tell(document, design, answer, "", out)
+    return answer
+
+
+def _tell(document: Document, design: Design, answer: Any, shown: str, out: Reporter) -> None:
+    """Tell the page a full answer."""
+    document.display.move(answer.assembly, answer.motion)
+    content = answer_reply(answer, command("flex", document.file, design))
+    shape = document.designs.shape(design)
+    tell_outlines(content, document.display.new_outlines(shape, answer.assembly, shown))
+    out.reply(content, [frames_of(answer.assembly, answer.waypoints)])
 
 
 def drag(document: Document, request: DragRequest, out: Reporter) -> None:

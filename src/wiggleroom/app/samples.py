@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.app.sheet_sample import sheet
 from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly, rings_at
@@ -24,11 +25,12 @@ PICTURE_SIDE = 100.0
 
 @dataclass(frozen=True)
 class SampleDrawing:
-    """An assembly to begin with, and a smaller one of its kind for its picture."""
+    """An assembly to begin with, one of its kind for its picture, and whether its last part is pulled to the right."""
 
     words: str
     make: Callable[[], Assembly]
     picture: Callable[[], Assembly]
+    pulled: bool = True
 
 
 SAMPLES = {
@@ -57,11 +59,12 @@ SAMPLES = {
         lambda: patterns.grid(27, 25, "tee", gap=0.2, pitch=20),
         lambda: patterns.grid(12, 10, "tee", gap=1.2, pitch=20),
     ),
+    "sheet": SampleDrawing("A cutting sheet, 3 mm thick: which box is it?", sheet, sheet, pulled=False),
 }
 
 
 def sample_file(name: str) -> bytes:
-    """Assembly file of a sample: its last part is pulled to the right.
+    """Assembly file of a sample.
 
     Raises
     ------
@@ -73,8 +76,10 @@ def sample_file(name: str) -> bytes:
     if name not in SAMPLES:
         message = f'there is no sample "{name}": choose {", ".join([*SAMPLES, *SPATIAL_SAMPLES])}'
         raise InputError(message)
-    made = SAMPLES[name].make()
-    return write_assembly(replace(made.drawing, goals=(Pull(made.names[-1], (1.0, 0.0)),))).encode()
+    sample = SAMPLES[name]
+    made = sample.make()
+    goals = (Pull(made.names[-1], (1.0, 0.0)),) if sample.pulled else ()
+    return write_assembly(replace(made.drawing, goals=goals)).encode()
 
 
 @lru_cache
@@ -83,9 +88,9 @@ def sample_entries() -> tuple[SampleEntry, ...]:
     found = []
     for name, sample in SAMPLES.items():
         rings = [rings_at(part) for part in sample.picture().parts]
-        found.append(SampleEntry(name, sample.words, len(sample.make().parts), _small(rings)))
+        found.append(SampleEntry(name, sample.words, len(sample.make().parts), _small(rings), sample.pulled))
     for name, one in SPATIAL_SAMPLES.items():
-        found.append(SampleEntry(name, one.words, len(one.boxes), _small(one.outlines())))
+        found.append(SampleEntry(name, one.words, len(one.boxes), _small(one.outlines()), pulled=True))
     return tuple(found)
 
 

@@ -58,7 +58,7 @@ class BoxesSample:
 
 SPATIAL_SAMPLES = {
     "box": BoxesSample(
-        "A box in space: how far does its lid rattle?",
+        "A box in space: does anything hold its lid?",
         0.3,
         {
             "case": [

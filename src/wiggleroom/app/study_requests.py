@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
+from wiggleroom.app.motion_requests import searched
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.report.answer_words import bound_sentence, proven
 from wiggleroom.report.separability import border_sentence
@@ -39,7 +41,7 @@ def rank(document: Document, request: RankRequest, out: Reporter) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
     from wiggleroom.questions import rank as work_out
 
-    found = work_out(document.answer(request.design, out), stop=out.stop, progress=out.counted)
+    found = work_out(searched(document, request.design, out), stop=out.stop, progress=out.counted)
     out.check()
     out.reply(ranking_message(found, command("rank", document.file, request.design)))
 
@@ -91,9 +93,8 @@ def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
     from wiggleroom.questions import tighten as work_out
     from wiggleroom.report.study_tabs import tightening_message
 
-    goals = document.asked(request.design)
     found = work_out(
-        document.assembly(request.design), goals,
+        searched(document, request.design, out),
         parts=request.parts, limit=request.limit, draws=0, workers=1, stop=out.stop, progress=out.counted,
     )  # fmt: skip
     out.check()
@@ -106,9 +107,8 @@ def sample(document: Document, request: SampleRequest, out: Reporter) -> None:
     from wiggleroom.questions import sample as work_out
     from wiggleroom.report.study_tabs import sample_message
 
-    goals = document.asked(request.design)
     found = work_out(
-        document.assembly(request.design), request.spread, goals,
+        searched(document, request.design, out), request.spread,
         draws=request.draws, limit=request.limit, workers=1, stop=out.stop, progress=out.counted,
     )  # fmt: skip
     out.check()
@@ -124,7 +124,7 @@ def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
     """A value that no motion exceeds."""
     from wiggleroom.bound.prove import prove as work_out
 
-    answer = document.answer(request.design, out)
+    answer = searched(document, request.design, out)
     done = work_out(answer, request.share, seconds=request.seconds, stop=out.stop, progress=out.progress)
     out.check()
     bound = done.bound
@@ -137,11 +137,11 @@ def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
 
 
 def bound(document: Document, request: BoundRequest, out: Reporter) -> None:
-    """A quick bound of the full answer, in idle time."""
+    """What a direct question finds beyond the climb from rest, and a quick bound of that; in idle time."""
     from wiggleroom.bound.dual_bound import with_bound_in_time
 
-    answer = document.answer(request.design, out)
-    done = with_bound_in_time(answer, BOUND_SECONDS, out.stop)
+    answer = searched(document, request.design, out)
+    done = with_bound_in_time(answer, BOUND_SECONDS, out.stop) if find_spec("highspy") else answer
     out.check()
     within = None if done.bound is None else done.bound.within
     out.reply(BoundReply(at_most=done.at_most, within=within, words=proven(done)))

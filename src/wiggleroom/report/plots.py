@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError
 from wiggleroom.report import frame, palette
 from wiggleroom.report.answer_words import number
-from wiggleroom.report.axes import WIDTH, Axes, horizontal_line, plot, span, svg_document, text, vertical_lines
+from wiggleroom.report.axes import (
+    HEIGHT,
+    PANEL_SIZE,
+    WIDTH,
+    Axes,
+    horizontal_line,
+    plot,
+    span,
+    svg_document,
+    text,
+    vertical_lines,
+)
 from wiggleroom.report.text import elide, wrap
 
 Floats = NDArray[np.float64]
@@ -21,6 +32,8 @@ _BAR, _BETWEEN = 20.0, 8.0
 """Height of a bar, and space between two [px]."""
 MAX_BARS = 25
 """Bars that are drawn."""
+ROW = 26.0
+"""Height of the label of an upright line [px]."""
 NAME_WIDTH = 220.0
 """Room for the names of bars [px]."""
 
@@ -117,7 +130,7 @@ def histogram(
     limit : (value, label), optional
         Largest value that is wanted; what lies above it is red.
     framed : bool
-        False: without title, facts and command, for a page that says them itself.
+        False: small, without title, facts and command, for a panel of a page that says them itself.
     """
     values = np.asarray(values, dtype=float).ravel()
     some = values[np.isfinite(values)]
@@ -126,8 +139,10 @@ def histogram(
     count, edges = np.histogram(some, _bins(some, limit))
     wide = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
     least, most = span(count.astype(float), zero=True)
-    most /= 1 - min(0.06 * len(lines), 0.5)  # labels of the lines have room above the bars
-    axes, body = plot(wide, (least, most), (label, "how many"), *((title, facts) if framed else ("", ())))
+    size = (WIDTH, HEIGHT) if framed else PANEL_SIZE
+    most /= 1 - min(ROW / size[1] * len(lines), 0.5)  # labels of the lines have room above the bars
+    head, below = (title, facts) if framed else ("", [])
+    axes, body = plot(wide, (least, most), (label, "how many"), head, below, size)
     for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):
         if n:
             fill, stroke = palette.FIXED if limit and low >= limit[0] else palette.PULLED

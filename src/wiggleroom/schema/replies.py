@@ -47,6 +47,7 @@ class SampleEntry(Struct):
     words: str
     count: Annotated[int, Meta(description="how many parts it has")]
     picture: Annotated[list[Outline], Meta(description="a small picture of its kind, 100 wide or high")]
+    pulled: Annotated[bool, Meta(description="whether its first part stands and its last one is pulled")]
 
 
 class Hello(Reply, kw_only=True):

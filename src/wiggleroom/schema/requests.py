@@ -194,7 +194,7 @@ class ProveRequest(DesignRequest, tag="prove", kw_only=True):
 
 
 class BoundRequest(DesignRequest, tag="bound", kw_only=True):
-    """A quick bound of a full answer, worked out while nothing else is asked."""
+    """What a search finds beyond the full answer, and a quick bound of that, worked out while nothing else is asked."""
 
 
 class SaveRequest(DesignRequest, tag="save", kw_only=True):

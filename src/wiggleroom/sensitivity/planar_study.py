@@ -63,10 +63,11 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class PlanarStudy:
-    """An assembly of the plane and what is asked of it; prepared when something needs that."""
+    """An assembly of the plane and what is asked of it, with the answer where one was found before; prepared when something needs that."""
 
     question: Assembly | Prepared
     goals: tuple[Goal, ...]
+    found: Answer | None = None
     climbs: list[Answer] = field(default_factory=list, init=False, repr=False)
     """The climb from rest, once it was needed."""
 
@@ -87,11 +88,11 @@ class PlanarStudy:
 
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm] of the whole assembly."""
-        return replace(self, question=assemble(self.assembly.drawing, gap=gap))
+        return replace(self, question=assemble(self.assembly.drawing, gap=gap), found=None)
 
     def answer(self, stop: Stop | None) -> Answer:
-        """Largest motion as a direct question finds it, without a bound."""
-        return searched_answer(self._asked, self.goals, stop)
+        """Largest motion as a direct question finds it, without a bound; the one that was found before, where there is one."""
+        return self.found or searched_answer(self._asked, self.goals, stop)
 
     def flexed(self, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None) -> Answer:
         """Answer of `wiggleroom.flex`, its quick bound included, from rest and `search` more starts."""
@@ -285,14 +286,18 @@ def _larger(one: Answer, other: Answer) -> Answer:
     return other if other.objective is None or other.objective > one.objective else one
 
 
-def study_of(question: Assembly | Prepared | GapStudy[Any], goals: Goal | Sequence[Goal] | None) -> GapStudy[Any]:
-    """What a study asks: the question itself where it is one.
+def study_of(
+    question: Assembly | Prepared | Answer | GapStudy[Any], goals: Goal | Sequence[Goal] | None
+) -> GapStudy[Any]:
+    """What a study asks: the question itself where it is one; an answer is studied as it is.
 
     Raises
     ------
     InputError
         If nothing is fixed or pulled, or a goal names an unknown part.
     """
+    if isinstance(question, Answer):
+        return PlanarStudy(question.assembly, question.goals, question)
     if not isinstance(question, Assembly | Prepared):
         return question
     assembly = question if isinstance(question, Assembly) else question.assembly

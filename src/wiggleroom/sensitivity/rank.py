@@ -166,12 +166,8 @@ def rank(
     if by not in ("duals", "differences"):
         finding = f"by {by!r}: a ranking is by duals or by differences"
         raise InputError(finding)
-    study: GapStudy[Any]
-    if isinstance(question, Answer):
-        study, answer = PlanarStudy(question.assembly, question.goals), question
-    else:
-        study = study_of(question, goals)
-        answer = study.answer(stop)
+    study: GapStudy[Any] = study_of(question, goals)
+    answer = study.answer(stop)
     check_end(study, answer)
     derivatives = study.derivatives(answer)
     ranking = ranking_of(answer, derivatives, stop=stop)

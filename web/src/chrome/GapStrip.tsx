@@ -128,7 +128,7 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
   const y = (v: number): number => foot - (v / high) * (foot - TOP);
   const runs = connected(inside);
   const free = inside.filter((one) => one.objective === null).map((one) => one.gap);
-  const edge = lost.value ?? (free.length ? [known.filter((one) => one.gap < free[0]!).at(-1)?.gap ?? 0, free[0]!] : null);
+  const edge = lost.value ?? (free.length ? [known.filter((one) => one.gap < free[0]!).at(-1)?.gap ?? free[0]!, free[0]!] : null);
   const now = valueBetween(solved.value, gap);
   const loose = edge !== null && gap >= edge[1]!;
   const exact = solved.value.some((one) => Math.abs(one.gap - gap) < 1e-9);
@@ -169,7 +169,7 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
       ))}
       <line class="now" x1={x(gap)} x2={x(gap)} y1={6} y2={HIGH} />
       {now !== null && !loose && exact && <circle class="here" cx={x(gap)} cy={Math.max(y(now), 4)} r={4.6} />}
-      {known.length === 0 && <text class="empty" x={LEFT + (width - LEFT) / 2} y={HIGH / 2}>{width - LEFT < 220 ? "the curve grows here" : "motion against gap grows here"}</text>}
+      {known.length === 0 && !edge && <text class="empty" x={LEFT + (width - LEFT) / 2} y={HIGH / 2}>{width - LEFT < 220 ? "the curve grows here" : "motion against gap grows here"}</text>}
     </svg>
   );
 }
@@ -193,5 +193,5 @@ export function unitOf(): string {
 
 function curveWords(edge: readonly (number | undefined)[] | null): string {
   const known = solved.value.map((one) => `${number(one.gap)}: ${one.objective === null ? "comes free" : number(one.objective)}`);
-  return `largest motion against gap, mm: ${known.join("; ") || "nothing solved yet"}${edge ? `. Comes free between ${number(edge[0]!)} and ${number(edge[1]!)}` : ""}`;
+  return `largest motion against gap, mm: ${known.join("; ") || "nothing solved yet"}${edge ? `. Comes free ${edge[0] === edge[1] ? "at" : `between ${number(edge[0]!)} and`} ${number(edge[1]!)}` : ""}`;
 }

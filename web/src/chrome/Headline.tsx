@@ -16,10 +16,11 @@ export function Headline() {
   if (!drawing.value) return null;
   const { title, line, tone } = said();
   const settled = shown.value.what === "answer" && answer.value?.design === design.value && answer.value.reply.settled;
+  const further = running.value.has("bound");
   return (
     <div class="headline">
       <div class="said">
-        <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled} title={title}>
+        <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled} data-further={further} title={title}>
           {busy.value && <i class="busy" role="img" aria-label="working" />}{title}
         </p>
         <p class="facts" hidden={notice.value !== ""}>{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
@@ -70,7 +71,8 @@ function said(): Said {
   }
   const { headline, facts } = about.reply;
   const most = about.reply.at_most === null && bound.value?.design === design.value ? bound.value.reply.words : "";
-  return { title: headline, line: [...facts, ...(most ? [most] : []), ...enlarged()].join(" · "), tone: about.reply.objective === null ? "warn" : "" };
+  const further = running.value.has("bound") ? ["looking further"] : [];
+  return { title: headline, line: [...facts, ...(most ? [most] : []), ...enlarged(), ...further].join(" · "), tone: about.reply.objective === null ? "warn" : "" };
 }
 
 /** What a dragged part does: while the hand leads nothing is claimed. */

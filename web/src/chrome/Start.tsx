@@ -48,7 +48,7 @@ export function Start() {
   );
 }
 
-function SampleCard({ sample: { name, words, count, picture } }: { sample: SampleEntry }) {
+function SampleCard({ sample: { name, words, count, picture, pulled } }: { sample: SampleEntry }) {
   const path = picture.flat().map((ring) => `M${ring.map(([x, y]) => `${x} ${100 - y}`).join("L")}Z`).join("");
   const [last, first] = [picture.at(-1)!, picture[0]!].map((rings) => rings.map((ring) => `M${ring.map(([x, y]) => `${x} ${100 - y}`).join("L")}Z`).join(""));
   const xs = picture.flat(2).map(([, y]) => y);
@@ -56,7 +56,7 @@ function SampleCard({ sample: { name, words, count, picture } }: { sample: Sampl
   return (
     <button type="button" class="sample" onClick={() => openAs({ name, sample: true })}>
       <svg viewBox={`-2 ${98 - high} 104 ${high + 4}`} aria-hidden="true">
-        <path class="part" d={path} /><path class="part fixed" d={first} /><path class="part pulled" d={last} />
+        <path class="part" d={path} />{pulled && <><path class="part fixed" d={first} /><path class="part pulled" d={last} /></>}
       </svg>
       <span class="strong">{name}</span>
       <span class="quiet">{words}</span><span class="quiet">{count} parts</span>

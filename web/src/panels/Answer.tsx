@@ -41,7 +41,7 @@ function OnSheet() {
   return (
     <Section title="Is this a cutting sheet?">
       <p>No part is near another one. Panels of a box or a stool can be put together first.</p>
-      <p class="likely"><Button label="Put the panels together" onClick={() => (tab.value = "sheet")} class="small">Put them together</Button></p>
+      <p class="likely"><Button label="Put the panels together" onClick={() => (tab.value = "sheet")} class="small main">Put them together</Button></p>
     </Section>
   );
 }

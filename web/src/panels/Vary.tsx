@@ -61,7 +61,7 @@ function Result({ of }: { of: "tighten" | "sample" }) {
   const mine = coloured.value && tinted.value === of;
   return (
     <div class={current(about) ? "result" : "result old"}>
-      <p class="strong">{said.title}</p>
+      <p class="strong">{of === "tighten" ? `Then ${said.title}` : said.title}</p>
       <p class="quiet">{said.facts.join(" · ")}</p>
       {!current(about) && <p class="quiet">said of an earlier design</p>}
       <label class="check"><input type="checkbox" checked={mine} onChange={(event) => { tinted.value = of; coloured.value = event.currentTarget.checked; }} /> colour the parts</label>
