@@ -23,7 +23,7 @@ class BuildWithKernels(build_py):
         if self.editable_mode or os.environ.get("WIGGLEROOM_KERNELS") == "none":
             return
         built = Path(self.build_lib).resolve()
-        folder = built / "wiggleroom" / "geometry" / "kernels"
+        folder = built / "wiggleroom" / "compiled" / "kernels"
         here = os.environ | {"PYTHONPATH": str(built), "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1"}
         done = subprocess.run([sys.executable, "-m", "wiggleroom.cli.compile", str(folder)], env=here, cwd=built)
         if done.returncode:

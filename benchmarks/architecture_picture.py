@@ -32,6 +32,8 @@ EVERYWHERE = (
     "files",
     "displayable",
     "verdict",
+    "compiled",
+    "parallel",
 )  # not drawn: anyone may import them
 WIDTH, GAP, LEFT = 176.0, 14.0, 24.0
 

@@ -14,8 +14,8 @@ from tests.oracle.chain import reach, slices
 
 import wiggleroom as wr
 from wiggleroom.files import write_whole
-from wiggleroom.report import palette
-from wiggleroom.report.axes import Axes, plot, span, svg_document, text
+from wiggleroom.report.pictures import palette
+from wiggleroom.report.pictures.axes import Axes, plot, span, svg_document, text
 
 BLOCKS = 10
 GAPS = np.linspace(0.005, 0.03, 11)

@@ -20,7 +20,7 @@ import numpy as np
 
 import wiggleroom as wr
 from benchmarks.page_memory import serving
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 SIDES = ("4x5", "10x10", "27x25", "64x64")
 DRAGS, STEPS = 12, 14

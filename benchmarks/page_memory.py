@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import wiggleroom as wr
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 DRAWING = Path(__file__).parents[1] / "examples" / "drawings" / "jointpanel_10x10.svg"
 ASKED = ("--gap", "0.2", "--fix", "p-1", "--pull", "p-99:+x")

@@ -27,7 +27,7 @@ import numpy as np
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.joints import JOINTS
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 from wiggleroom.program.sparsity_pattern import pattern
 from wiggleroom.search.prepare import survey
 from wiggleroom.solve.multifrontal import FrontalPlan
@@ -37,7 +37,7 @@ MIN_FACTORISATIONS = 30
 FLEX = "import sys; from wiggleroom.cli import main; sys.exit(main())"
 IMPORTS = (
     "import gc; from wiggleroom.cli import COLLECTION_THRESHOLD; gc.set_threshold(COLLECTION_THRESHOLD); "
-    "import wiggleroom.cli.flex_command, wiggleroom.maximise, wiggleroom.report.table, wiggleroom.report.json_results"
+    "import wiggleroom.cli.flex_command, wiggleroom.maximise, wiggleroom.report.results.table, wiggleroom.report.results.json_results"
 )
 """All that `flex` imports, as the command does it."""
 READ = "import sys; from wiggleroom.questions import read; read(sys.argv[1])"

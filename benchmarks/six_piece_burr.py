@@ -14,7 +14,7 @@ from collections import deque
 import numpy as np
 
 from benchmarks.spatial_burrs import STEPS, STICKS, connected
-from wiggleroom.geometry.jit_options import OPTIONS, njit
+from wiggleroom.compiled.jit_options import OPTIONS, njit
 
 CELL, GAP = 10, 0.5
 """Side of a cell and gap of the file [mm]."""

@@ -13,9 +13,9 @@ from collections import Counter, deque
 
 import numpy as np
 
-from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_model import Boxes, SpatialAssembly, SpatialDrawing, SpatialPart
 from wiggleroom.spatial.spatial_disassembly import check_spatial
-from wiggleroom.spatial.spatial_model import Boxes, SpatialAssembly, SpatialDrawing, SpatialPart
 
 STEPS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
 STICKS = {

@@ -20,10 +20,8 @@ import wiggleroom as wr
 from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
 from benchmarks.spatial_overlaps import finger_box
 from wiggleroom.drawing.model import Region
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import (
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_model import (
     Boxes,
     Plate,
     SpatialAssembly,
@@ -34,6 +32,8 @@ from wiggleroom.spatial.spatial_model import (
     SpatialTurn,
     Surface,
 )
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_flex import flex_spatial
 
 PLANAR = frozenset({"z", "rx", "ry"})
 

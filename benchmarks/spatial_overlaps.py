@@ -28,10 +28,8 @@ from scipy.spatial.transform import Rotation
 import wiggleroom as wr
 from wiggleroom.drawing.model import Region
 from wiggleroom.errors import InputError
-from wiggleroom.spatial.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.spatial_disassembly import check_spatial
-from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import (
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_model import (
     AXES,
     Boxes,
     Plate,
@@ -41,6 +39,8 @@ from wiggleroom.spatial.spatial_model import (
     SpatialTurn,
     Surface,
 )
+from wiggleroom.spatial.spatial_disassembly import check_spatial
+from wiggleroom.spatial.spatial_flex import flex_spatial
 
 SHALLOW = 1e-6
 """Overlaps that are shallower count as touching for the library."""

@@ -25,10 +25,10 @@ from wiggleroom.bench.accuracy import (
 from wiggleroom.bench.pairs import PAIR, PAIRS
 from wiggleroom.files import write_whole
 from wiggleroom.freespace.free_space import free_space
-from wiggleroom.report import palette
-from wiggleroom.report.frame import document, header, swatch
-from wiggleroom.report.text import escape
-from wiggleroom.report.text import text_width as width_of
+from wiggleroom.report.pictures import palette
+from wiggleroom.report.pictures.frame import document, header, swatch
+from wiggleroom.report.pictures.text import escape
+from wiggleroom.report.pictures.text import text_width as width_of
 
 ACROSS, CELLS, BETWEEN, LEFT, TOP = 200.0, 160, 20.0, 130.0, 110.0
 FREE, LOST, UNSAFE = palette.PULLED[0], palette.IMPORTANCE_COLOURS[2], palette.FIXED[1]

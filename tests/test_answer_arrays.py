@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 from wiggleroom.provenance import is_own
 
 

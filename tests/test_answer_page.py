@@ -19,7 +19,7 @@ from tests.page_waits import plays, settled, until
 from tests.standalone import frames, told
 from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.model import Part, Pull
-from wiggleroom.report.pages import page_of_answer
+from wiggleroom.report.page.pages import page_of_answer
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.search.answer import Bound
 

@@ -12,8 +12,8 @@ from rich.console import Console
 
 from tests.answers import answer, block, grid, row
 from wiggleroom.drawing.model import Part, Pull, Turn
-from wiggleroom.report.json_results import flex_result, to_json
-from wiggleroom.report.table import table
+from wiggleroom.report.results.json_results import flex_result, to_json
+from wiggleroom.report.results.table import table
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 

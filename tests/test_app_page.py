@@ -21,7 +21,7 @@ from tests.test_studies_search import corridor
 from wiggleroom.cli import main
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.serve_command import first_request
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 PEG = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30">'

@@ -23,7 +23,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served, Visit
 from wiggleroom.app import websocket_limits as patient
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 CHAIN = write_assembly(wr.patterns.chain(2, joint="tee", gap=0.02).drawing).encode()
 

@@ -21,7 +21,7 @@ from tests.app_client import Served, Visit
 from wiggleroom.app import session
 from wiggleroom.app.worker_protocol import Done, Outgoing, StartOrder
 from wiggleroom.assembly.build import assemble
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 GRID = wr.patterns.grid(5, 5, joint="tee", gap=0.02)
 

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wiggleroom.drawing import read_drawing, write_drawing
-from wiggleroom.drawing.assembly_file import read_assembly
-from wiggleroom.drawing.assembly_writer import degrees, write_assembly
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
-from wiggleroom.drawing.rings import are_clean, clean_ring
+from wiggleroom.drawing.outlines.rings import are_clean, clean_ring
+from wiggleroom.drawing.readers.assembly_file import read_assembly
+from wiggleroom.drawing.writers.assembly_writer import degrees, write_assembly
 from wiggleroom.errors import InputError
 
 CONTRACT = """

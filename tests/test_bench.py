@@ -28,7 +28,7 @@ from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.render import bench_markdown, bench_record, bench_table, with_section
 from wiggleroom.bench.result import Bench, Column, ResultTable
 from wiggleroom.cli import main
-from wiggleroom.report.json_results import to_json
+from wiggleroom.report.results.json_results import to_json
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 needs_ipopt = pytest.mark.skipif(find_spec("casadi") is None, reason="needs the extra bench")

@@ -8,9 +8,9 @@ import shapely
 
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
+from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, MAX_ROWS, add_rows, linear_program_maximum
 from wiggleroom.freespace.subdivision.disc_tree import disc_tree
-from wiggleroom.geometry.jit_options import OPTIONS, njit
 
 
 @njit(**OPTIONS)

@@ -2,7 +2,7 @@
 
 import wiggleroom as wr
 from wiggleroom.disassembly.largest_gap import LargestGap
-from wiggleroom.report.separability import border_sentence, check_sure
+from wiggleroom.report.results.separability import border_sentence, check_sure
 
 PLATE = [(-9, -9), (9, -9), (9, 9), (2, 9), (2, -4), (-2, -4), (-2, 9), (-9, 9)]
 PEG = [(-1, -3), (1, -3), (1, 3), (-1, 3)]

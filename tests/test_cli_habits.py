@@ -15,7 +15,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.provenance import is_own
-from wiggleroom.report.missing_glyphs import missing_glyphs
+from wiggleroom.report.pictures.missing_glyphs import missing_glyphs
 
 Run = Callable[..., tuple[int, str, str]]
 

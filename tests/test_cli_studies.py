@@ -15,7 +15,7 @@ import pytest
 
 import wiggleroom as wr
 from wiggleroom.drawing import write_drawing
-from wiggleroom.report import palette
+from wiggleroom.report.pictures import palette
 
 Run = Callable[..., tuple[int, str, list[str]]]
 COMMANDS = {

@@ -28,7 +28,7 @@ def run(root: Path, code: str) -> str:
 def package(tmp_path: Path) -> Path:
     """Directory with a copy of the package, and two compiled functions in it of which one calls the other."""
     shutil.copytree(ROOT, tmp_path / "wiggleroom", ignore=shutil.ignore_patterns("__pycache__", "web", "fonts"))
-    head = "from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit\n"
+    head = "from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit\n"
     inner = "FACTOR = 2.0\n\n@njit(**NO_ALLOCATION)\ndef scaled(x):\n    return FACTOR * x\n"
     outer = "from wiggleroom.geometry.inner import scaled\n\n@njit(**NO_ALLOCATION)\ndef applied(x):\n    return scaled(x) + 1.0\n"
     (tmp_path / "wiggleroom" / "geometry" / "inner.py").write_text(head + inner)
@@ -54,7 +54,7 @@ def test_an_edit_of_an_inner_function_reaches_the_outer_one(package: Path) -> No
 def test_kernels_of_the_package_depend_on_what_they_call(package: Path) -> None:
     code = """
 from wiggleroom.freespace.cells import grow
-from wiggleroom.geometry.jit_options import source_key
+from wiggleroom.compiled.jit_options import source_key
 from pathlib import Path
 print(source_key(Path(grow.__file__)))
 """

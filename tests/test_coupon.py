@@ -14,8 +14,8 @@ from tests.test_svg_reader import material
 from wiggleroom.assembly import coupon
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.drawing import read_drawing, write_drawing
-from wiggleroom.drawing.lettering import Label, lettered
 from wiggleroom.drawing.model import Drawing, Part, Region
+from wiggleroom.drawing.writers.lettering import Label, lettered
 from wiggleroom.errors import InputError
 
 GAPS = (-0.2, -0.1, 0.0, 0.1, 0.25)

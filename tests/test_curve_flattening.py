@@ -9,11 +9,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from wiggleroom.drawing.curves import Arcs, flatten_arcs, flatten_cubics
-from wiggleroom.drawing.flatten import Curved
-from wiggleroom.drawing.pathdata import arc_between, parse_path
-from wiggleroom.drawing.strokes import mapped
-from wiggleroom.drawing.transforms import Affine
+from wiggleroom.drawing.strokes.curves import Arcs, flatten_arcs, flatten_cubics
+from wiggleroom.drawing.strokes.flatten import Curved
+from wiggleroom.drawing.strokes.pathdata import arc_between, parse_path
+from wiggleroom.drawing.strokes.strokes import mapped
+from wiggleroom.drawing.strokes.transforms import Affine
 
 SAME = Affine()
 coordinate = st.floats(-100, 100, allow_subnormal=False)

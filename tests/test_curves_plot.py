@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from wiggleroom.report.curve_panels import MARKS, Curve, Style, around, legend, mark
+from wiggleroom.report.pictures.curve_panels import MARKS, Curve, Style, around, legend, mark
 
 BLUE = Style("#1f5f99")
 

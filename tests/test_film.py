@@ -15,10 +15,10 @@ import pytest
 import wiggleroom as wr
 from tests.answers import answer, block, row
 from wiggleroom.drawing.model import Drawing, Part, Pull, Turn
-from wiggleroom.report import scene as scenes
-from wiggleroom.report.film import film, film_of_answer
-from wiggleroom.report.film_timing import TimedPath, ease_in_out
-from wiggleroom.report.scene import Scene, scene
+from wiggleroom.report.films import scene as scenes
+from wiggleroom.report.films.film import film, film_of_answer
+from wiggleroom.report.films.film_timing import TimedPath, ease_in_out
+from wiggleroom.report.films.scene import Scene, scene
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.verdict import Verdict
 
@@ -162,7 +162,7 @@ def test_frames_follow_the_path_in_pixels() -> None:
     pytest.importorskip("PIL")
     from PIL import Image
 
-    from wiggleroom.report.png import png
+    from wiggleroom.report.pictures.png import png
 
     scene_of = made(leaving())
     blue = []
@@ -177,8 +177,8 @@ def test_frames_follow_the_path_in_pixels() -> None:
 
 def test_frames_in_two_layers_look_like_the_whole_picture() -> None:
     images = pytest.importorskip("PIL.Image")
-    from wiggleroom.report.film_frames import _frames
-    from wiggleroom.report.png import png
+    from wiggleroom.report.films.film_frames import _frames
+    from wiggleroom.report.pictures.png import png
 
     for case in (made(row(4)), made(leaving())):
         frames = list(_frames(case, (400, 300), None))

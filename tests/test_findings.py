@@ -10,8 +10,8 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble, read
 from wiggleroom.assembly.findings import findings, role_findings
 from wiggleroom.assembly.overlaps import overlap_width, overlaps_at_rest
-from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
+from wiggleroom.drawing.writers.glue_groups import glue_groups
 from wiggleroom.errors import InputError
 
 SQUARE = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))

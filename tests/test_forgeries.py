@@ -24,7 +24,7 @@ pytest.importorskip("flint")
 
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.verify_drawing import drawn_by
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 from wiggleroom.verify.ball_arithmetic import Refused
 from wiggleroom.verify.certificate_structure import check_structure
 from wiggleroom.verify.checker import read_certificate, verify

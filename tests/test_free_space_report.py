@@ -24,10 +24,10 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.cli import main
 from wiggleroom.compare.monte_carlo import about_pivot, sampled_accuracy
 from wiggleroom.drawing.model import Drawing, Part
-from wiggleroom.report.json_results import to_json
-from wiggleroom.report.pages import page_of_space
-from wiggleroom.report.space_report import space_picture, space_result, volume
-from wiggleroom.report.stacked_slices import stack
+from wiggleroom.report.free_space.space_report import space_picture, space_result, volume
+from wiggleroom.report.free_space.stacked_slices import stack
+from wiggleroom.report.page.pages import page_of_space
+from wiggleroom.report.results.json_results import to_json
 
 FULL = math.degrees(0.118387)  # 0.9 (cos + sin) = 1: a square peg of side 1.8 in a square hole of side 2
 

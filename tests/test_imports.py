@@ -17,6 +17,8 @@ ORDER = [
     "files",
     "displayable",
     "verdict",
+    "compiled",
+    "parallel",
     "drawing",
     "assembly",
     "geometry",
@@ -104,6 +106,24 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
     TopologicalSorter(graph).prepare()  # raises CycleError with the circle
 
 
+def folders(package: str) -> dict[str, set[str]]:
+    """Folders and modules that lie in a package itself, and those of them that each imports from."""
+    depth = package.count(".") + 1
+    inside = {name: path for name, path in KNOWN.items() if name.startswith(f"{package}.")}
+    graph: dict[str, set[str]] = {}
+    for name, path in inside.items():
+        own = name.split(".")[depth]
+        graph.setdefault(own, set()).update(
+            other.split(".")[depth] for other in imported(name, path, inside) if other.split(".")[depth] != own
+        )
+    return graph
+
+
+@pytest.mark.parametrize("package", sorted({name.rpartition(".")[0] for name in KNOWN} - {"", "wiggleroom"}))
+def test_no_folders_of_a_package_import_each_other_in_a_circle(package: str) -> None:
+    TopologicalSorter(folders(package)).prepare()  # raises CycleError with the circle
+
+
 def test_every_package_has_a_place() -> None:
     assert {p.name for p in ROOT.iterdir() if (p / "__init__.py").exists()} <= set(ORDER)
 
@@ -111,17 +131,17 @@ def test_every_package_has_a_place() -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "import wiggleroom.report.table",
+        "import wiggleroom.report.results.table",
         "from wiggleroom.report import table",
         "from wiggleroom import report",
         "from ..report import table",
         "from .. import report",
-        "def f():\n    from wiggleroom.report.table import table",
-        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from wiggleroom.report.table import table",
+        "def f():\n    from wiggleroom.report.results.table import table",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from wiggleroom.report.results.table import table",
         "import importlib\nimportlib.import_module('wiggleroom.report')",
         "from importlib import import_module\nimport_module(f'wiggleroom.report.{NAME}')\nNAME = 'table'",
         "from importlib import import_module\nimport_module('wiggleroom.report.' + NAME)\nNAME = 'table'",
-        "from importlib import import_module\nNAMES = {'one': 'wiggleroom.report.table'}\nimport_module(NAMES['one'])",
+        "from importlib import import_module\nNAMES = {'one': 'wiggleroom.report.results.table'}\nimport_module(NAMES['one'])",
         "from importlib import import_module\nNAMES = ('report',)\n[import_module(f'wiggleroom.{n}') for n in NAMES]",
     ],
 )

@@ -19,7 +19,7 @@ from wiggleroom.disassembly.escape import EscapeEffort
 from wiggleroom.disassembly.interlock import interlock
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.passage import passage
-from wiggleroom.report.separability import check_result, further, why
+from wiggleroom.report.results.separability import check_result, further, why
 from wiggleroom.search.progress import silent
 
 HERE = Path(__file__).parents[1] / "examples" / "17_does_it_come_apart"

@@ -26,8 +26,8 @@ from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.row_kinds import FACE
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import objective
-from wiggleroom.report.answer_words import verdict_sentence
-from wiggleroom.report.json_results import flex_result
+from wiggleroom.report.results.answer_words import verdict_sentence
+from wiggleroom.report.results.json_results import flex_result
 from wiggleroom.solve.linear_programming import maximise
 
 
@@ -361,8 +361,8 @@ def test_objective_of_the_whole_in_a_file(tmp_path) -> None:
     assert assembly.goals == (wr.Translation(),)
     assert wr.flex(assembly).objective == pytest.approx(2 * 0.04**2, rel=1e-4)
 
-    from wiggleroom.drawing.assembly_file import read_assembly
-    from wiggleroom.drawing.assembly_writer import write_assembly
+    from wiggleroom.drawing.readers.assembly_file import read_assembly
+    from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
     assert read_assembly(write_assembly(assembly.drawing)).goals == (wr.Translation(),)
 

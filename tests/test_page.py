@@ -25,7 +25,7 @@ from tests.page_waits import LATER, PATIENCE, faded, plays, settled, until
 from tests.test_studies_search import corridor
 from wiggleroom.app.open_requests import first_open
 from wiggleroom.cli import main
-from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 pytestmark = pytest.mark.slow
 

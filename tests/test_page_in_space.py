@@ -21,7 +21,7 @@ from wiggleroom.app.open_requests import opened
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.serve_command import first_request
 from wiggleroom.schema.requests import OpenRequest
-from wiggleroom.spatial.spatial_model import SpatialDrawing
+from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
 
 pytestmark = pytest.mark.slow
 

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
-from wiggleroom.sensitivity import parallel as module
-from wiggleroom.sensitivity.parallel import ParallelRun
+from wiggleroom.parallel import parallel_run as module
+from wiggleroom.parallel.parallel_run import ParallelRun
 
 
 def square(shared: float, task: float) -> float:

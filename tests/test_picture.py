@@ -14,12 +14,12 @@ from tests.answers import answer, block, grid, row
 from wiggleroom.assembly.inventory import inventory
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
-from wiggleroom.report import layout, palette
-from wiggleroom.report.leaving_picture import way_out
-from wiggleroom.report.picture import picture
-from wiggleroom.report.png import png
-from wiggleroom.report.read_picture import picture_of_reading
-from wiggleroom.report.text import text_width
+from wiggleroom.report.pictures import layout, palette
+from wiggleroom.report.pictures.leaving_picture import way_out
+from wiggleroom.report.pictures.picture import picture
+from wiggleroom.report.pictures.png import png
+from wiggleroom.report.pictures.read_picture import picture_of_reading
+from wiggleroom.report.pictures.text import text_width
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 

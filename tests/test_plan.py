@@ -25,7 +25,7 @@ import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
 from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.slide_space import lattice_unit
-from wiggleroom.report.plan_results import plan_result
+from wiggleroom.report.results.plan_results import plan_result
 from wiggleroom.schema.plan_schema import PlanResult
 from wiggleroom.search.prepare import survey
 
@@ -341,7 +341,7 @@ def test_films_play(tmp_path):
 
 
 def test_numbers_fit_into_their_discs():
-    from wiggleroom.report.plan_pictures import picture_of_plan
+    from wiggleroom.report.page.plan_pictures import picture_of_plan
 
     svg = picture_of_plan(wr.plan(frame_puzzle()))
     marks = re.findall(r'<circle [^>]*r="([\d.]+)"[^>]*/><text [^>]*font-size="([\d.]+)"[^>]*>(\d+)</text>', svg)

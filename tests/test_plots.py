@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
-from wiggleroom.report import palette
-from wiggleroom.report.axes import span, ticks
-from wiggleroom.report.importance_picture import shade
-from wiggleroom.report.plots import bars, curve, histogram
+from wiggleroom.report.pictures import palette
+from wiggleroom.report.pictures.axes import span, ticks
+from wiggleroom.report.pictures.importance_picture import shade
+from wiggleroom.report.pictures.plots import bars, curve, histogram
 
 SVG = "{http://www.w3.org/2000/svg}"
 

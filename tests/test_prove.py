@@ -462,7 +462,7 @@ def test_command(tmp_path, capsys, command):
 
 
 def test_words_round_outwards():
-    from wiggleroom.report.answer_words import proven
+    from wiggleroom.report.results.answer_words import proven
 
     answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
     assert proven(replace(answer, at_most=None, bound=None)) == ""

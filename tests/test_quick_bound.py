@@ -19,7 +19,7 @@ from wiggleroom.bound.dual_bound import quick_bound
 from wiggleroom.freespace.outer.local_outer_region import NearSides, local_outer_region
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.report.answer_words import bound_sentence
+from wiggleroom.report.results.answer_words import bound_sentence
 
 ROUNDING = 1e-11
 

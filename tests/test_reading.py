@@ -19,8 +19,8 @@ import wiggleroom as wr
 from tests.makers.by_hand import FINDINGS, LINE, STYLES, box, svg
 from wiggleroom.cli import main
 from wiggleroom.drawing import read_drawing, write_drawing
-from wiggleroom.drawing.joining import join_ends
-from wiggleroom.drawing.layers import ReadOptions
+from wiggleroom.drawing.outlines.joining import join_ends
+from wiggleroom.drawing.strokes.layers import ReadOptions
 from wiggleroom.errors import InputError
 
 

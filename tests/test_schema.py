@@ -10,8 +10,8 @@ from typing import Any
 import msgspec
 import pytest
 
-from wiggleroom.drawing.assembly_schema import AssemblyFile
-from wiggleroom.report.json_results import to_json
+from wiggleroom.drawing.readers.assembly_schema import AssemblyFile
+from wiggleroom.report.results.json_results import to_json
 from wiggleroom.schema.generate import generated, json_schemas, typescript
 from wiggleroom.schema.results import RESULTS
 

@@ -16,7 +16,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
-from wiggleroom.report.json_results import flex_result
+from wiggleroom.report.results.json_results import flex_result
 from wiggleroom.search.incumbent import start_at_rest
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.state_tree import ClimbTree

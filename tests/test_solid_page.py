@@ -16,8 +16,8 @@ from scipy.spatial.transform import Rotation
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
-from wiggleroom.report.exploded_view import exploded_offsets
-from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
+from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_answer
+from wiggleroom.report.solids.exploded_view import exploded_offsets
 
 NASTY = "</script><img src=x onerror=alert(1)>"
 

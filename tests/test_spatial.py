@@ -14,16 +14,16 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
+from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, build_planes
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.rotations import exponential, fixed_axes, logarithm
-from wiggleroom.spatial.separating_plane_program import SeparatingPlanePoint, build_planes
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_file import read_spatial
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialPull, SpatialTurn, Weight
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_bodies import grouped
-from wiggleroom.spatial.spatial_file import read_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialPull, SpatialTurn, Weight
-from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 
 
 def spatial(*parts: dict, **more: object) -> SpatialAssembly:
@@ -78,7 +78,7 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
     at = P.linearise(point)
 
     def moved(u: np.ndarray, y: np.ndarray) -> SeparatingPlanePoint:
-        from wiggleroom.spatial.plane_fitting import move_planes
+        from wiggleroom.spatial.planes.plane_fitting import move_planes
 
         change = at.change(u)
         there = SpatialPose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
@@ -291,8 +291,8 @@ def test_no_end_and_no_path_overlaps_by_the_collision_library(family) -> None:
 
 
 def test_the_checks_see_what_overlaps() -> None:
-    from wiggleroom.spatial.overlap_check import deepest_overlap
-    from wiggleroom.spatial.swept_check import SweptCheck
+    from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
+    from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 
     assembly = spatial(PLATE, PEG)
     rest, into, past = np.zeros((2, 6)), np.zeros((2, 6)), np.zeros((2, 6))

@@ -10,7 +10,7 @@ import pytest
 import wiggleroom as wr
 from tests.test_spatial import spatial
 from wiggleroom.cli import main
-from wiggleroom.spatial.spatial_model import SpatialAssembly
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 CYCLE = {0: ["x", "ry", "rz"], 1: ["y", "rz", "rx"], 2: ["z", "rx", "ry"]}
 """Locks that leave the motions of the plane across an axis."""

@@ -12,12 +12,12 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
-from wiggleroom.spatial.made_solids import made_solid
-from wiggleroom.spatial.solid_boolean import centroid_of
-from wiggleroom.spatial.spatial_assembly import assemble_spatial, read_spatial_assembly
-from wiggleroom.spatial.spatial_file import read_spatial
+from wiggleroom.spatial.solids.made_solids import made_solid
+from wiggleroom.spatial.solids.solid_boolean import centroid_of
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, read_spatial_assembly
+from wiggleroom.spatial.solids.spatial_file import read_spatial
+from wiggleroom.spatial.solids.spatial_model import SpatialPull
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import SpatialPull
 
 BOX = {"name": "a", "boxes": [[0, 0, 0, 4, 2, 2]]}
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
@@ -248,9 +248,9 @@ def test_a_mesh_of_a_plate_is_made_as_the_plate_is(joint: str, turned: bool) -> 
     import trimesh
 
     from wiggleroom.drawing.model import Region
-    from wiggleroom.spatial.made_solids import made_solid
-    from wiggleroom.spatial.solid_boolean import solid_of
-    from wiggleroom.spatial.spatial_model import Plate, SpatialPart, Surface
+    from wiggleroom.spatial.solids.made_solids import made_solid
+    from wiggleroom.spatial.solids.solid_boolean import solid_of
+    from wiggleroom.spatial.solids.spatial_model import Plate, SpatialPart, Surface
 
     ring = wr.patterns.chain(3, joint=joint, gap=0.04).drawing.parts[1].regions[0].outer
     mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 0.5, engine="manifold")
@@ -272,9 +272,9 @@ def test_the_leaf_of_a_hinge_is_cut_exactly_as_a_mesh(sides: int) -> None:
     import shapely
     import trimesh
 
-    from wiggleroom.spatial.mesh_pieces import convex_pieces
-    from wiggleroom.spatial.solid_boolean import solid_of, union_of
-    from wiggleroom.spatial.spatial_model import Surface
+    from wiggleroom.spatial.solids.mesh_pieces import convex_pieces
+    from wiggleroom.spatial.solids.solid_boolean import solid_of, union_of
+    from wiggleroom.spatial.solids.spatial_model import Surface
 
     def slab(shape: shapely.Polygon, low: float, high: float):
         mesh = trimesh.creation.extrude_polygon(shape, high - low, engine="manifold")

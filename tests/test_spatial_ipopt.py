@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import wiggleroom as wr
 from wiggleroom.errors import InputError, MissingExtraError
-from wiggleroom.spatial.spatial_model import SpatialTurn
+from wiggleroom.spatial.solids.spatial_model import SpatialTurn
 
 pytest.importorskip("casadi")
 

@@ -16,9 +16,9 @@ from tests.test_spatial import sound, spatial
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.cli import main
 from wiggleroom.drawing.model import Drawing, JointGap
-from wiggleroom.spatial.solid_boolean import centroid_of
+from wiggleroom.spatial.solids.solid_boolean import centroid_of
+from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn
 
 WALLS = [
     {"name": "west", "boxes": [[-2, 0, 0, 0, 10, 10]], "fixed": True},

@@ -11,10 +11,10 @@ from benchmarks import six_piece_burr, spatial_burrs, spatial_figures, spatial_o
 
 import wiggleroom as wr
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
-from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_file import read_spatial
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_disassembly import check_spatial
-from wiggleroom.spatial.spatial_file import read_spatial
-from wiggleroom.spatial.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 

@@ -12,12 +12,12 @@ from benchmarks import spatial_overlaps
 
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.errors import InputError
+from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.spatial_approach import SpatialApproach
-from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialPull
 from wiggleroom.spatial.spatial_live import SpatialDrag, SpatialLive
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialPull
 
 
 class Patient(SpatialLive):

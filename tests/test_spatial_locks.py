@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, sound, spatial, square
+from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 ARM = [[-3, -3, -3, 3, 3, 3], [3, -1, -1, 20, 1, 1]]

@@ -10,10 +10,10 @@ from benchmarks.spatial_figures import plate_of_tetrahedra
 
 import wiggleroom as wr
 from tests.test_spatial import sound, spatial
-from wiggleroom.report.answer_words import sure_rows
+from wiggleroom.report.results.answer_words import sure_rows
 from wiggleroom.spatial import spatial_search
+from wiggleroom.spatial.solids.spatial_model import SpatialPull
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import SpatialPull
 
 WALLS = [
     [-2, -2, 22, 0],

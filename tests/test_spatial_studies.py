@@ -14,10 +14,10 @@ import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, ring, spatial
 from wiggleroom.cli import main
 from wiggleroom.cli.outputs import EXIT_CODES
-from wiggleroom.spatial.corner_displacement import corner_displacements
-from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.corner_displacement import corner_displacements
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialPull
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialPull
 
 JOINT = "examples/43_mortise_and_tenon/joint.json"
 LOCKED = PEG | {"lock": ["rx", "ry", "rz"]}

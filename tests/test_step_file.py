@@ -12,8 +12,8 @@ import pytest
 
 import wiggleroom as wr
 from wiggleroom.errors import MissingExtraError
-from wiggleroom.spatial.solid_boolean import centroid_of
-from wiggleroom.spatial.spatial_file import read_spatial
+from wiggleroom.spatial.solids.solid_boolean import centroid_of
+from wiggleroom.spatial.solids.spatial_file import read_spatial
 
 LID = [[0, 0, 30, 60, 40, 33], [3, 3, 27, 57, 37, 30]]
 CASE = [

@@ -16,12 +16,13 @@ from tests.page_waits import plays, settled
 from tests.standalone import frames, rows, told
 from tests.test_answer_page import tags
 from tests.test_plots import all_of, axis
-from wiggleroom.report import pages, palette
-from wiggleroom.report.importance_picture import picture_of_ranking, picture_of_tightening, shade
-from wiggleroom.report.rank_results import rank_result
-from wiggleroom.report.separability import Checked
-from wiggleroom.report.study_plots import picture_of_sample, picture_of_sweep
-from wiggleroom.report.tables import csv_of
+from wiggleroom.report.page import pages
+from wiggleroom.report.pictures import palette
+from wiggleroom.report.pictures.importance_picture import picture_of_ranking, picture_of_tightening, shade
+from wiggleroom.report.pictures.study_plots import picture_of_sample, picture_of_sweep
+from wiggleroom.report.results.rank_results import rank_result
+from wiggleroom.report.results.separability import Checked
+from wiggleroom.report.results.tables import csv_of
 
 PAGES = {
     wr.Ranking: pages.page_of_ranking,

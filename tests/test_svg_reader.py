@@ -14,8 +14,8 @@ from shapely.geometry import Polygon, box
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.drawing.svg import read_svg
-from wiggleroom.drawing.svg_writer import write_svg
+from wiggleroom.drawing.readers.svg import read_svg
+from wiggleroom.drawing.writers.svg_writer import write_svg
 from wiggleroom.errors import InputError
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"

@@ -10,9 +10,9 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit import path_audit
 from wiggleroom.drawing.model import Region
 from wiggleroom.freespace.cells.cells import grow_cells
-from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.maximise import witness
+from wiggleroom.parallel.batches import in_batches
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import interior_point

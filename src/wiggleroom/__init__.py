@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         Turn,
         W,
     )
-    from wiggleroom.drawing.tolerances import read_tolerances
+    from wiggleroom.drawing.readers.tolerances import read_tolerances
     from wiggleroom.errors import InputError, MissingExtraError, StoppedError, TouchingError, WiggleroomError
     from wiggleroom.form_closure.blocking_graph import Blocking, blocking
     from wiggleroom.form_closure.mobility import TightVerdict, tight_verdict
@@ -65,7 +65,7 @@ if TYPE_CHECKING:
         sweep,
         tighten,
     )
-    from wiggleroom.report.film import film
+    from wiggleroom.report.films.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
     from wiggleroom.sensitivity.gap_distribution import Spread
@@ -129,7 +129,7 @@ _HOME = {
     "blocking": "form_closure.blocking_graph",
     "check": "questions",
     "coupon": "assembly",
-    "film": "report.film",
+    "film": "report.films.film",
     "flex": "questions",
     "free_space": "freespace.free_space",
     "largest_gap": "questions",
@@ -146,7 +146,7 @@ _HOME = {
     "sweep": "questions",
     "tighten": "questions",
     "tight_verdict": "form_closure.mobility",
-    "read_tolerances": "drawing.tolerances",
+    "read_tolerances": "drawing.readers.tolerances",
     "worst_case": "sensitivity.worst_case",
 }
 

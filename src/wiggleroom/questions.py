@@ -12,9 +12,9 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
+from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_goals import AnyGoal, spatial_goals
-from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.largest_gap import LargestGap
@@ -69,7 +69,7 @@ def read(
         If it was asked to stop.
     """
     if is_spatial_file(path):
-        from wiggleroom.spatial.spatial_assembly import read_spatial_assembly
+        from wiggleroom.spatial.solids.spatial_assembly import read_spatial_assembly
 
         _check_spatial("read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid)
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())

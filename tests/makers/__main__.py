@@ -10,8 +10,8 @@ from pathlib import Path
 from tests.makers.by_hand import FINDINGS, LIGHTBURN, STYLES
 from tests.makers.by_library import CASES
 from wiggleroom.assembly.findings import examine
-from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.read import reading
+from wiggleroom.drawing.strokes.layers import ReadOptions
 
 
 def main() -> None:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.app.design_cache import goals_of
 from wiggleroom.app.open_requests import File, saved_name
-from wiggleroom.drawing.flatten import chord_error
 from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.drawing.strokes.flatten import chord_error
 from wiggleroom.schema.requests import Design, GoalEntry
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.spatial_model import SpatialGoal
+    from wiggleroom.spatial.solids.spatial_model import SpatialGoal
 
 
 def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
-from wiggleroom.report.path_frames import path_frames
+from wiggleroom.report.page.page_messages import answer_message, contacts_message, rings_message
+from wiggleroom.report.page.path_frames import path_frames
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import DragReply, FlexReply, ShapeReply, Solids
 from wiggleroom.schema.reply_base import Outline
@@ -19,9 +19,9 @@ from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock import Interlock
+    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
     from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
-    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ def answer_reply(answer: Answer | SpatialAnswer, command: str) -> FlexReply:
     """What an answer says."""
     if isinstance(answer, Answer):
         return answer_message(answer, command)
-    from wiggleroom.report.spatial_messages import spatial_answer_message
+    from wiggleroom.report.page.spatial_messages import spatial_answer_message
 
     return spatial_answer_message(answer, command)
 
@@ -45,8 +45,8 @@ def answer_reply(answer: Answer | SpatialAnswer, command: str) -> FlexReply:
 def check_reply(found: Interlock | SpatialDisassembly, command: str) -> CheckReply:
     """Whether it comes apart."""
     from wiggleroom.disassembly.interlock import Interlock
-    from wiggleroom.report.spatial_messages import spatial_check_message
-    from wiggleroom.report.study_messages import check_message
+    from wiggleroom.report.page.spatial_messages import spatial_check_message
+    from wiggleroom.report.page.study_messages import check_message
 
     return check_message(found, command) if isinstance(found, Interlock) else spatial_check_message(found, command)
 
@@ -55,7 +55,7 @@ def contact_entries(contacts: Iterable[Any], assembly: Assembly | SpatialAssembl
     """Contacts with a force, the strongest first."""
     if isinstance(assembly, Assembly):
         return contacts_message(contacts)
-    from wiggleroom.report.spatial_messages import spatial_contacts_message
+    from wiggleroom.report.page.spatial_messages import spatial_contacts_message
 
     return spatial_contacts_message(contacts)
 
@@ -64,7 +64,7 @@ def frames_of(assembly: Assembly | SpatialAssembly, points: Floats) -> Floats:
     """Frames along a path of motions (m, n, 3) or (m, n, 6)."""
     if isinstance(assembly, Assembly):
         return path_frames(assembly, points)
-    from wiggleroom.report.spatial_messages import spatial_frames
+    from wiggleroom.report.page.spatial_messages import spatial_frames
 
     return spatial_frames(assembly, points)
 
@@ -73,7 +73,7 @@ def still_frame(motion: Floats) -> Floats:
     """The frame of one motion (n, 3) or (n, 6)."""
     if motion.shape[1] == 3:
         return motion[None]
-    from wiggleroom.report.spatial_path import with_quaternions
+    from wiggleroom.report.solids.spatial_path import with_quaternions
 
     return with_quaternions(motion[None])
 
@@ -82,7 +82,7 @@ def shapes_of(assembly: Assembly | SpatialAssembly) -> list[Outline] | Solids:
     """What the parts look like."""
     if isinstance(assembly, Assembly):
         return rings_message(assembly.parts)
-    from wiggleroom.report.spatial_messages import solids_message
+    from wiggleroom.report.page.spatial_messages import solids_message
 
     return solids_message(assembly)
 

@@ -17,7 +17,7 @@ from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.schema.reply_base import Pose
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.spatial_model import SpatialAssembly
+    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from wiggleroom.live.live_session import Live
     from wiggleroom.planning.plan import Plan
     from wiggleroom.search.answer import Answer
+    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
     from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
     from wiggleroom.spatial.spatial_live import SpatialLive
-    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 
 class Document:

@@ -10,8 +10,8 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.assembly_schema import plain_finding
-from wiggleroom.drawing.plain_json import json_bytes
+from wiggleroom.drawing.readers.assembly_schema import plain_finding
+from wiggleroom.drawing.writers.plain_json import json_bytes
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Failed
 from wiggleroom.schema.reply_base import Reply

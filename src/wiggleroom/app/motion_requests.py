@@ -20,7 +20,7 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.live.live_session import Live
-from wiggleroom.report.stacked_slices import rings
+from wiggleroom.report.free_space.stacked_slices import rings
 from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
 from wiggleroom.schema.requests import (
     Design,

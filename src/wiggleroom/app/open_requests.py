@@ -19,17 +19,17 @@ from msgspec.structs import replace
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.dimension import is_spatial_file
-from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap
 from wiggleroom.drawing.read import READERS, read_drawing
-from wiggleroom.drawing.source import load
+from wiggleroom.drawing.readers.source import load
+from wiggleroom.drawing.strokes.layers import ReadOptions
 from wiggleroom.errors import InputError
-from wiggleroom.report.page_messages import design_message, drawing_message
+from wiggleroom.report.page.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import GoalEntry, OpenRequest
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.spatial_model import SpatialDrawing
+    from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
 
 AnyDrawing = TypeVar("AnyDrawing", Drawing, "SpatialDrawing")
 
@@ -186,7 +186,7 @@ def _in_space(path: Path, request: OpenRequest) -> File:
             raise InputError(message)
         other.parent.mkdir(parents=True, exist_ok=True)
         other.write_bytes(data)
-    from wiggleroom.spatial.spatial_file import read_spatial  # slow to import, and of no use to drawings
+    from wiggleroom.spatial.solids.spatial_file import read_spatial  # slow to import, and of no use to drawings
 
     drawing, joints = _with_joints(read_spatial(path, alone=not request.beside), request)
     if request.gap is not None:
@@ -224,7 +224,7 @@ def _gaps_of(drawing: Drawing | SpatialDrawing) -> list[tuple[str, str, float]]:
 
 def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
     """The request that opens an assembly in space of this machine, and the files that it names, with what a command made of it."""
-    from wiggleroom.report.spatial_messages import spatial_design
+    from wiggleroom.report.page.spatial_messages import spatial_design
 
     data = path.read_bytes()
     named = [part.get(key) for part in json.loads(data)["parts"] for key in ("mesh", "outline")]

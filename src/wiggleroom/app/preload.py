@@ -8,8 +8,8 @@ from importlib import import_module
 from wiggleroom.errors import Stop
 
 MODULES = (
-    "wiggleroom.drawing.svg",
-    "wiggleroom.drawing.assembly_file",
+    "wiggleroom.drawing.readers.svg",
+    "wiggleroom.drawing.readers.assembly_file",
     "wiggleroom.maximise",
     "wiggleroom.app.motion_requests",
     "wiggleroom.app.study_requests",

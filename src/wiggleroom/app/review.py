@@ -16,9 +16,9 @@ from wiggleroom.app.reporter import on_the_page
 from wiggleroom.assembly.findings import examine_parts, free_overlaps
 from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
-from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Part
-from wiggleroom.report.answer_words import number, short
+from wiggleroom.drawing.writers.glue_groups import collidable
+from wiggleroom.report.results.answer_words import number, short
 from wiggleroom.schema.replies import Finding, Mend
 from wiggleroom.schema.requests import Design
 

@@ -13,8 +13,8 @@ from wiggleroom.app.sheet_sample import sheet
 from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly, rings_at
-from wiggleroom.drawing.assembly_writer import write_assembly
 from wiggleroom.drawing.model import Pull
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import SampleEntry
 from wiggleroom.schema.reply_base import Outline

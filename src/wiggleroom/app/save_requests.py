@@ -17,9 +17,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing import write_drawing
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
-from wiggleroom.report.json_results import flex_result, to_json
-from wiggleroom.report.pages import page_of_answer
-from wiggleroom.report.separability import Checked, check_result
+from wiggleroom.report.page.pages import page_of_answer
+from wiggleroom.report.results.json_results import flex_result, to_json
+from wiggleroom.report.results.separability import Checked, check_result
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest
@@ -98,7 +98,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
 
 def _write_in_space(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     from wiggleroom.app.spatial_designs import designed_file
-    from wiggleroom.report.spatial_results import spatial_check_result, spatial_flex_result
+    from wiggleroom.report.solids.spatial_results import spatial_check_result, spatial_flex_result
 
     design = request.design
     if request.what == "assembly":
@@ -124,9 +124,9 @@ def _write_in_space(document: Document, request: SaveRequest, path: Path, out: R
 
 
 def _write_plan(found: Plan, what: str, path: Path, said: str, out: Reporter) -> None:
-    from wiggleroom.report.plan_messages import plan_options
-    from wiggleroom.report.plan_pictures import write_stills
-    from wiggleroom.report.plan_results import plan_result
+    from wiggleroom.report.page.plan_messages import plan_options
+    from wiggleroom.report.page.plan_pictures import write_stills
+    from wiggleroom.report.results.plan_results import plan_result
 
     said = shlex.join([*shlex.split(said), *plan_options(found)])
     if what == "json":

@@ -13,7 +13,7 @@ from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.hints import EdgePair, FixedPlate, Hints, edge_reference
 from wiggleroom.mating.loose_panel_poses import laid_plates
-from wiggleroom.report.sheet_messages import assembled_message
+from wiggleroom.report.page.sheet_messages import assembled_message
 from wiggleroom.schema.replies import LayReply
 from wiggleroom.schema.requests import AssembleRequest, LayRequest, PlateHint, SheetHints, SheetRequest
 

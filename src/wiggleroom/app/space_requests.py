@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wiggleroom.app.command import command
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.freespace.free_space import free_slices
-from wiggleroom.report.space_solid import space_message
+from wiggleroom.report.free_space.space_solid import space_message
 from wiggleroom.schema.requests import SpaceRequest
 
 if TYPE_CHECKING:

@@ -15,11 +15,11 @@ from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
-from wiggleroom.report.spatial_messages import spatial_design, spatial_opened
+from wiggleroom.report.page.spatial_messages import spatial_design, spatial_opened
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import Design, GoalEntry
-from wiggleroom.spatial.spatial_assembly import assemble_spatial, goal_findings
-from wiggleroom.spatial.spatial_model import (
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, goal_findings
+from wiggleroom.spatial.solids.spatial_model import (
     SpatialAssembly,
     SpatialDrawing,
     SpatialGoal,

@@ -7,7 +7,7 @@ from msgspec import UNSET
 from wiggleroom.app.review import GAP_SHARE, round_up
 from wiggleroom.app.spatial_designs import SpatialDesignCache, largest_part, suggested_pull
 from wiggleroom.errors import TouchingError
-from wiggleroom.report.answer_words import number, short
+from wiggleroom.report.results.answer_words import number, short
 from wiggleroom.schema.replies import Finding, Mend
 from wiggleroom.schema.requests import Design
 from wiggleroom.spatial.spatial_prepare import prepare_spatial

@@ -13,9 +13,9 @@ from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
 from wiggleroom.app.motion_requests import searched
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.report.answer_words import bound_sentence, proven
-from wiggleroom.report.separability import border_sentence
-from wiggleroom.report.study_messages import ranking_message, step_message
+from wiggleroom.report.page.study_messages import ranking_message, step_message
+from wiggleroom.report.results.answer_words import bound_sentence, proven
+from wiggleroom.report.results.separability import border_sentence
 from wiggleroom.schema.requests import (
     BoundRequest,
     CheckRequest,
@@ -62,7 +62,7 @@ def limit(document: Document, request: LimitRequest, out: Reporter) -> None:
 
 def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
     """How it is taken apart; one film for each step."""
-    from wiggleroom.report.plan_messages import plan_message, plan_options
+    from wiggleroom.report.page.plan_messages import plan_message, plan_options
 
     found = document.planned(request.design, out, tuple(request.targets), request.gravity)
     said = command("plan", document.file, request.design, plan_options(found), pulled=False)
@@ -91,7 +91,7 @@ def _gaps(request: SweepRequest) -> tuple[str, ...]:
 def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
     """Which parts to make tighter."""
     from wiggleroom.questions import tighten as work_out
-    from wiggleroom.report.study_tabs import tightening_message
+    from wiggleroom.report.page.study_tabs import tightening_message
 
     found = work_out(
         searched(document, request.design, out),
@@ -105,7 +105,7 @@ def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
 def sample(document: Document, request: SampleRequest, out: Reporter) -> None:
     """How far it moves where gaps vary at random."""
     from wiggleroom.questions import sample as work_out
-    from wiggleroom.report.study_tabs import sample_message
+    from wiggleroom.report.page.study_tabs import sample_message
 
     found = work_out(
         searched(document, request.design, out), request.spread,

@@ -11,9 +11,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import examine_parts, opened_overlaps, overlap_findings
 from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
-from wiggleroom.drawing.flatten import flattened_for
-from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Goal, part_of
+from wiggleroom.drawing.strokes.flatten import flattened_for
+from wiggleroom.drawing.strokes.layers import ReadOptions
 from wiggleroom.errors import InputError, OverlapError, Stop, go_on
 
 

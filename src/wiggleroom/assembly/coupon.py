@@ -19,9 +19,9 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import examine
 from wiggleroom.assembly.joints import joint as joint_of
 from wiggleroom.assembly.statements import unknown
-from wiggleroom.drawing.lettering import Label, labels_of, width_of
 from wiggleroom.drawing.model import Drawing, Part, Points, Region
-from wiggleroom.drawing.rings import clean_ring, part_about_centroid
+from wiggleroom.drawing.outlines.rings import clean_ring, part_about_centroid
+from wiggleroom.drawing.writers.lettering import Label, labels_of, width_of
 from wiggleroom.errors import InputError
 
 _WALL, _MARGIN, _HANDLE = 0.14, 0.12, 0.6

@@ -11,9 +11,9 @@ from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
 from wiggleroom.assembly.statements import given_goals, missing_roles, statement_findings
-from wiggleroom.drawing.flatten import flattened_for
-from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Goal, Part
+from wiggleroom.drawing.strokes.flatten import flattened_for
+from wiggleroom.drawing.writers.glue_groups import collidable
 from wiggleroom.errors import InputError
 
 

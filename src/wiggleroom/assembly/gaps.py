@@ -24,7 +24,7 @@ from wiggleroom.assembly.loops import (
 )
 from wiggleroom.assembly.mitre import offset_ring, resolved
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap, Part, Points, Region
-from wiggleroom.drawing.rings import extents_and_areas
+from wiggleroom.drawing.outlines.rings import extents_and_areas
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Part, Points, Region
-from wiggleroom.drawing.rings import CORNERS_AT_ONCE
+from wiggleroom.drawing.outlines.rings import CORNERS_AT_ONCE
 
 SAME = 1e-9
 """Corners closer than this, or off a straight line by less, are not corners [part size]."""

@@ -9,8 +9,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.drawing.glue_groups import collidable
 from wiggleroom.drawing.model import Drawing, Part
+from wiggleroom.drawing.writers.glue_groups import collidable
 
 OVERLAP_TOLERANCE = 1e-9
 """An overlap no deeper than this share of the drawing's size is rounding."""

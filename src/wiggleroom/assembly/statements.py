@@ -11,9 +11,9 @@ import numpy as np
 import shapely
 
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
-from wiggleroom.drawing.parts import place_of
+from wiggleroom.drawing.outlines.parts import place_of
+from wiggleroom.drawing.writers.glue_groups import glue_groups
 
 AskedGoal = TypeVar("AskedGoal")
 

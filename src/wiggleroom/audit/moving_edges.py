@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 MAX_HALVINGS = 40
 """Halves of a piece that wait to be looked at, at most."""

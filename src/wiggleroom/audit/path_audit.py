@@ -12,7 +12,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.moving_edges import inside_each_other, mark_doubtful_pieces, swept_boxes
 from wiggleroom.errors import Stop
-from wiggleroom.geometry.batches import in_batches
+from wiggleroom.parallel.batches import in_batches
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

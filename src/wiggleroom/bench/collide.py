@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.jit_options import njit
+from wiggleroom.compiled.jit_options import njit
 
 Floats = NDArray[np.float64]
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from wiggleroom.bench.puzzles import APART
 from wiggleroom.bench.result import Bench, Record
-from wiggleroom.report import frame, palette
-from wiggleroom.report.axes import text
-from wiggleroom.report.curve_panels import Curve, Panel, Style, around, legend
-from wiggleroom.report.text import wrap
+from wiggleroom.report.pictures import frame, palette
+from wiggleroom.report.pictures.axes import text
+from wiggleroom.report.pictures.curve_panels import Curve, Panel, Style, around, legend
+from wiggleroom.report.pictures.text import wrap
 
 _TRUTH, _OURS, _HULL, _HULL_2 = "#1f2933", "#1f5f99", "#c96a00", "#e3a008"
 _PLANES, _PLANES_2, _OTHER, _THEIRS, _THEIRS_2 = "#00806a", "#74b8a8", "#8c6bb1", "#7a4a1c", "#4d6b62"

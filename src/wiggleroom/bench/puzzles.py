@@ -7,7 +7,7 @@ from importlib.resources import files
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.drawing.assembly_file import read_assembly
+from wiggleroom.drawing.readers.assembly_file import read_assembly
 
 LOCKED, APART = "locked", "comes apart"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.bench.result import Bench, Record, ResultTable
 from wiggleroom.errors import InputError
-from wiggleroom.report.table import columns
+from wiggleroom.report.results.table import columns
 
 if TYPE_CHECKING:
     from rich.console import Group

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from wiggleroom.cli.options import Many
 from wiggleroom.cli.outputs import check_outputs, command_line, write_picture, write_result
 from wiggleroom.cli.sheet_options import SheetOptions, assembled_sheet
-from wiggleroom.report.file_endings import STILLS
+from wiggleroom.report.pictures.file_endings import STILLS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -72,7 +72,7 @@ def assemble(
 
     from wiggleroom.cli.asking import split_words
     from wiggleroom.cli.say import note, show
-    from wiggleroom.drawing.layers import ReadOptions
+    from wiggleroom.drawing.strokes.layers import ReadOptions
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
 
@@ -112,10 +112,10 @@ class _Done(NamedTuple):
 
 
 def _in_plane(sheet: CuttingSheet, burn: float | None, command: str) -> _Done:
-    from wiggleroom.drawing.assembly_writer import write_assembly
+    from wiggleroom.drawing.writers.assembly_writer import write_assembly
     from wiggleroom.mating.planar_assembly import assemble_plane
-    from wiggleroom.report.planar_picture import planar_picture
-    from wiggleroom.report.planar_record import planar_page, planar_record
+    from wiggleroom.report.sheets.planar_picture import planar_picture
+    from wiggleroom.report.sheets.planar_record import planar_page, planar_record
 
     found = assemble_plane(sheet, burn=burn)
     record = planar_record(found, command=command)
@@ -126,8 +126,8 @@ def _in_plane(sheet: CuttingSheet, burn: float | None, command: str) -> _Done:
 
 def _in_space(found: AssembledSheet, command: str) -> _Done:
     from wiggleroom.mating.plates_writer import write_plates
-    from wiggleroom.report.sheet_picture import sheet_picture
-    from wiggleroom.report.sheet_record import assemble_record, sheet_page
+    from wiggleroom.report.sheets.sheet_picture import sheet_picture
+    from wiggleroom.report.sheets.sheet_record import assemble_record, sheet_page
 
     record = assemble_record(found, command=command)
     return _Done(record, sheet_page(found), lambda: sheet_picture(found, command=command), write_plates(found))

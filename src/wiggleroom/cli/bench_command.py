@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from wiggleroom.cli.outputs import Force, check_outputs, command_line, write_picture, write_result
-from wiggleroom.report.file_endings import STILLS
+from wiggleroom.report.pictures.file_endings import STILLS
 
 if TYPE_CHECKING:
     from wiggleroom.bench.result import Bench

@@ -59,12 +59,12 @@ def check(
 
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None
-    from wiggleroom.report.separability import Checked, check_result, check_table
+    from wiggleroom.report.results.separability import Checked, check_result, check_table
 
     shown = Checked(found, border)
     tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)
     if outputs.moved is not None:
-        from wiggleroom.report.separability import as_answer
+        from wiggleroom.report.results.separability import as_answer
 
         write_moved(assembly, as_answer(found).motion, outputs.moved)
     return EXIT_CODES[found.verdict]

@@ -29,7 +29,7 @@ def compile_into(folder: Path) -> int:
     with tempfile.TemporaryDirectory() as kept:
         os.environ |= {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": kept}
         compile_kernels()
-        from wiggleroom.geometry.jit_options import ship
+        from wiggleroom.compiled.jit_options import ship
 
         return ship(folder)
 

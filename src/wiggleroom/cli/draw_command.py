@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions, inspect_file
 from wiggleroom.cli.outputs import Force, Text, check_outputs, command_line, write_picture, write_result
-from wiggleroom.report.file_endings import STILLS
+from wiggleroom.report.pictures.file_endings import STILLS
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -37,10 +37,10 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
     from wiggleroom.drawing.dimension import is_spatial_file
-    from wiggleroom.report.read_picture import picture_of_reading
+    from wiggleroom.report.pictures.read_picture import picture_of_reading
 
     if is_spatial_file(file):
-        from wiggleroom.report.spatial_listing import draw_spatial_parts, spatial_parts_table
+        from wiggleroom.report.solids.spatial_listing import draw_spatial_parts, spatial_parts_table
 
         check_outputs(file, {"OUT": (out, (*STILLS, ".glb"))}, force)
         assembly = read_in_space(file, asked)
@@ -75,11 +75,11 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
     from wiggleroom.drawing.dimension import is_spatial_file
-    from wiggleroom.report.listing import parts_result
+    from wiggleroom.report.results.listing import parts_result
 
     check_outputs(file, {"--json": (json, ())}, force)
     if is_spatial_file(file):
-        from wiggleroom.report.spatial_listing import spatial_parts_result, spatial_parts_table
+        from wiggleroom.report.solids.spatial_listing import spatial_parts_result, spatial_parts_table
 
         assembly = read_in_space(file, asked)
         if json is not None:
@@ -100,7 +100,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
 
 def _table(rows: tuple[InventoryRow, ...]) -> Table:
     """Parts as a plain table."""
-    from wiggleroom.report.table import columns
+    from wiggleroom.report.results.table import columns
 
     found = columns("part", "width mm", "height mm", "x mm", "y mm", "holes", "layer")
     for row in rows:

@@ -112,8 +112,8 @@ def flex(
     answer = replace(
         _answer(file, asked, wanted, solver, search, prove, limit.time, certificate is not None), command=command
     )
-    from wiggleroom.report.json_results import flex_result
-    from wiggleroom.report.table import table
+    from wiggleroom.report.results.json_results import flex_result
+    from wiggleroom.report.results.table import table
 
     if certificate is not None:
         from wiggleroom.cli.proving import write_certificate
@@ -124,7 +124,7 @@ def flex(
     if arrays is not None:
         from wiggleroom.cli.say import note
         from wiggleroom.files import write_whole
-        from wiggleroom.report.answer_arrays import npz
+        from wiggleroom.report.results.answer_arrays import npz
 
         write_whole(arrays, npz(answer))
         note(f"arrays: {arrays}")

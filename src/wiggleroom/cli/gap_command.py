@@ -72,7 +72,7 @@ def gap(
         found = allowable_gap(assembly, at_most=at_most, holds=holds, fits=fits, stop=stop, progress=show)
     from dataclasses import replace
 
-    from wiggleroom.report.allowable_gap_results import gap_result, gap_table
+    from wiggleroom.report.results.allowable_gap_results import gap_result, gap_table
 
     shown = outputs if found.trials else replace(outputs, picture=None)  # nothing was found that could be drawn
     tell(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
     from wiggleroom.deadline import Deadline
-    from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
+    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 
 _AXES = {
     f"{sign}{axis}": tuple(float(f"{sign}1") * (k == i) for k in range(3))
@@ -37,7 +37,7 @@ def spatial_questions(
     >>> spatial_questions(["lid:+z@1,2,3"], [], None)[0]
     [SpatialPull(part='lid', direction=(0.0, 0.0, 1.0), point=(1.0, 2.0, 3.0), weight=1.0)]
     """
-    from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn, Weight
+    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
 
     found: list[SpatialGoal] = []
     wrong: list[str] = []
@@ -109,8 +109,8 @@ def read_in_space(
             )
     if wrong:
         raise InputError(wrong)
-    from wiggleroom.spatial.spatial_assembly import assemble_spatial
-    from wiggleroom.spatial.spatial_file import read_spatial
+    from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+    from wiggleroom.spatial.solids.spatial_file import read_spatial
 
     if sheet is not None and sheet.given:
         from wiggleroom.cli.options import read_options
@@ -231,8 +231,8 @@ def flex_in_space(
         answer = flex(assembly, solver=solver, search=search, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
     answer = replace(answer, seconds=seconds, command=command_line())
-    from wiggleroom.report.spatial_results import spatial_flex_result
-    from wiggleroom.report.spatial_table import spatial_table
+    from wiggleroom.report.solids.spatial_results import spatial_flex_result
+    from wiggleroom.report.solids.spatial_table import spatial_table
 
     tell(outputs, lambda: spatial_flex_result(answer), lambda: spatial_table(answer), answer, answer.command)
     return 3 if answer.verdict is Verdict.STOPPED else 0
@@ -254,8 +254,8 @@ def check_in_space(
         assembly = read_in_space(file, asked, sheet, stop)
         found = check(assembly, stop=stop)
         border = find_largest_gap(assembly, stop=stop) if largest_gap else None
-    from wiggleroom.report.spatial_results import spatial_check_result
-    from wiggleroom.report.spatial_table import spatial_check_table
+    from wiggleroom.report.solids.spatial_results import spatial_check_result
+    from wiggleroom.report.solids.spatial_table import spatial_check_table
 
     tell(
         outputs,

@@ -14,7 +14,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import RESULTS
 from wiggleroom.provenance import is_own
-from wiggleroom.report.file_endings import ANSWERS, PAGE, STUDIES, ending, wrong_ending
+from wiggleroom.report.pictures.file_endings import ANSWERS, PAGE, STUDIES, ending, wrong_ending
 from wiggleroom.verdict import Separability
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def check_outputs(source: str, places: Places, force: bool = False) -> None:
         raise InputError(wrong)
     for place, _ in places.values():
         if place is not None and ending(Path(place)) in (".gif", ".mp4"):
-            from wiggleroom.report.film_frames import need_film_library
+            from wiggleroom.report.films.film_frames import need_film_library
 
             need_film_library(ending(Path(place)))
 
@@ -194,7 +194,7 @@ def tell(
 
         show(page())
     if outputs.csv is not None:
-        from wiggleroom.report.tables import csv_of
+        from wiggleroom.report.results.tables import csv_of
 
         write_table(csv_of(found), outputs.csv)
     if outputs.picture is not None:
@@ -236,7 +236,7 @@ def write_result(result: Struct | dict[str, Any], place: str) -> None:
     """Result as JSON to a file, or to stdout where the place is "-"."""
     from wiggleroom.cli.say import note
     from wiggleroom.files import write_whole
-    from wiggleroom.report.json_results import to_json
+    from wiggleroom.report.results.json_results import to_json
 
     text = to_json(result)
     if place == "-":
@@ -250,7 +250,7 @@ def write_picture(made: str, path: Path) -> None:
     """Still picture as SVG or, where the name says so, as PNG; a page as HTML."""
     from wiggleroom.cli.say import note
     from wiggleroom.files import write_whole
-    from wiggleroom.report.stills import write_still
+    from wiggleroom.report.pictures.stills import write_still
 
     if ending(path) == PAGE:
         write_whole(path, made)
@@ -264,7 +264,7 @@ def write_picture(made: str, path: Path) -> None:
 def _note_missing_letters(path: Path, texts: Iterable[str]) -> None:
     """Say which letters no font on this machine has."""
     from wiggleroom.cli.say import note
-    from wiggleroom.report.missing_glyphs import missing_glyphs
+    from wiggleroom.report.pictures.missing_glyphs import missing_glyphs
 
     letters = missing_glyphs(texts)
     if letters:

@@ -87,7 +87,7 @@ def plan(
         found = work_out(assembly, names, gravity=down, stop=stop, progress=show)
 
         from wiggleroom.planning import plan_tolerance as vary
-        from wiggleroom.report.plan_results import PlanTolerances, plan_result, plan_table
+        from wiggleroom.report.results.plan_results import PlanTolerances, plan_result, plan_table
         from wiggleroom.sensitivity.gap_distribution import Spread
 
         spread = None if sample is None else Spread(sample)
@@ -101,7 +101,7 @@ def plan(
     tell(outputs, lambda: plan_result(found, command, told), lambda: plan_table(found, told), found, command)
     if stills is not None:
         from wiggleroom.cli.say import note
-        from wiggleroom.report.plan_pictures import write_stills
+        from wiggleroom.report.page.plan_pictures import write_stills
 
         count = write_stills(found, stills, command=command)
         note(f"pictures: {count} in {stills}")

@@ -51,7 +51,7 @@ def rank(
         from wiggleroom.questions import rank as work_out
 
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
-    from wiggleroom.report.rank_results import rank_result, rank_table
+    from wiggleroom.report.results.rank_results import rank_result, rank_table
 
     tell(
         outputs,

@@ -75,7 +75,7 @@ def sample(
         found = work_out(
             assembly, distribution, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options
         )
-    from wiggleroom.report.study_results import sample_result, sample_table
+    from wiggleroom.report.results.study_results import sample_result, sample_table
 
     tell(
         outputs,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import PictureOutputs, command_line
-from wiggleroom.report.file_endings import PAGE, ending
+from wiggleroom.report.pictures.file_endings import PAGE, ending
 
 if TYPE_CHECKING:
     from wiggleroom.compare.monte_carlo import SampledAccuracy
@@ -61,7 +61,7 @@ def space(
         judged = sampled_accuracy(found, assembly, samples, seed=seed)
     if outputs.json != "-":
         from wiggleroom.cli.say import show
-        from wiggleroom.report.space_report import space_table
+        from wiggleroom.report.free_space.space_report import space_table
 
         show(space_table(found, judged))
     _write(found, judged, outputs, command_line())
@@ -71,13 +71,13 @@ def space(
 def _write(found: FreeSpace, judged: SampledAccuracy | None, outputs: PictureOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
     from wiggleroom.cli.outputs import write_picture, write_result
-    from wiggleroom.report.space_report import space_result
+    from wiggleroom.report.free_space.space_report import space_result
 
     if outputs.json is not None:
         write_result(space_result(found, judged, command), outputs.json)
     if outputs.picture is not None:
         if ending(outputs.picture) == PAGE:
-            from wiggleroom.report.pages import page_of_space as show
+            from wiggleroom.report.page.pages import page_of_space as show
         else:
-            from wiggleroom.report.space_report import space_picture as show
+            from wiggleroom.report.free_space.space_report import space_picture as show
         write_picture(show(found, judged, command=command), outputs.picture)

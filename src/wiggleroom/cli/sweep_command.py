@@ -70,7 +70,7 @@ def sweep(
         assembly = read_question(file, asked, sheet, stop)
         found = work_out(assembly, wanted, prove=prove, stop=stop, progress=show)
         cut = stop.is_set()
-    from wiggleroom.report.study_results import sweep_result, sweep_table
+    from wiggleroom.report.results.study_results import sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
     tell(shown, lambda: sweep_result(found, command), lambda: sweep_table(found), found, command)

@@ -66,7 +66,7 @@ def tighten(
             assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options
         )
         cut = stop.is_set()
-    from wiggleroom.report.study_results import tighten_result, tighten_table
+    from wiggleroom.report.results.study_results import tighten_result, tighten_table
 
     tell(
         outputs,

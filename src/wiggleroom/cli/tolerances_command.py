@@ -47,7 +47,7 @@ def tolerances(
     with interruptible(time.time) as stop, unless_stopped(stop), progress() as show:
         assembly = require_question(read(file, asked, stop))
         if tolerances is not None:
-            from wiggleroom.drawing.tolerances import read_tolerances
+            from wiggleroom.drawing.readers.tolerances import read_tolerances
 
             table = read_tolerances(tolerances)
             assembly = replace(assembly, drawing=replace(assembly.drawing, tolerances=table))
@@ -55,7 +55,7 @@ def tolerances(
         from wiggleroom.sensitivity.worst_case import worst_case
 
         found = worst_case(assembly, limit=limit, stop=stop, progress=show)
-    from wiggleroom.report.tolerance_results import tolerances_result, tolerances_table
+    from wiggleroom.report.results.tolerance_results import tolerances_result, tolerances_table
 
     tell(outputs, lambda: tolerances_result(found, command), lambda: tolerances_table(found), found, command)
     return 3 if found.stopped else 0

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 MAX_STOPS = 24
 """Places along one slide at which a body may stop, at most."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 TURN_STEP = 0.01
 """Turns are cut into steps of at most this [rad]."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 ADVANCE = 0.8
 """A motion is at most this share of the least distance."""

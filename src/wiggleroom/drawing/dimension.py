@@ -17,8 +17,8 @@ def is_spatial_file(path: str | PathLike[str]) -> bool:
     path = Path(path)
     if path.suffix.lower() != ".json" or not path.is_file():
         return False
-    from wiggleroom.drawing.assembly_schema import decode_json  # slow to load, and of no use to drawings
-    from wiggleroom.drawing.source import load, read_bytes
+    from wiggleroom.drawing.readers.assembly_schema import decode_json  # slow to load, and of no use to drawings
+    from wiggleroom.drawing.readers.source import load, read_bytes
 
     # most files are told apart by their bytes alone; in UTF-16 and UTF-32 there are zeros in between
     if f'"{SPATIAL_FORMAT}"'.encode() not in read_bytes(path).replace(b"\0", b""):

@@ -8,15 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.drawing.parts import Reading, reading_of, sound
+from wiggleroom.drawing.outlines.parts import Reading, reading_of, sound
+from wiggleroom.drawing.strokes.layers import ReadOptions
 from wiggleroom.errors import InputError, go_on
 from wiggleroom.files import write_whole
 
 if TYPE_CHECKING:
-    from wiggleroom.drawing.lettering import Label
+    from wiggleroom.drawing.writers.lettering import Label
 
 T = TypeVar("T")
 Reader = Callable[[Path, "str | None", "float | None", "float | None", ReadOptions], Reading]
@@ -123,13 +123,13 @@ def _by_extension(path: Path, table: Mapping[str, T], done: str) -> T:
 
 
 def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
-    from wiggleroom.drawing.svg import svg_artwork
+    from wiggleroom.drawing.readers.svg import svg_artwork
 
     return reading_of(svg_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
 
 
 def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
-    from wiggleroom.drawing.dxf import dxf_artwork
+    from wiggleroom.drawing.readers.dxf import dxf_artwork
 
     return reading_of(dxf_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
 
@@ -137,7 +137,7 @@ def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | 
 def _read_lightburn(
     path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions
 ) -> Reading:
-    from wiggleroom.drawing.lightburn import lightburn_artwork
+    from wiggleroom.drawing.readers.lightburn import lightburn_artwork
 
     return reading_of(lightburn_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
 
@@ -145,7 +145,7 @@ def _read_lightburn(
 def _read_assembly(
     path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions
 ) -> Reading:
-    from wiggleroom.drawing.assembly_file import read_assembly
+    from wiggleroom.drawing.readers.assembly_file import read_assembly
 
     if unit is not None:
         message = f'{path.name}: an assembly file says its own unit; change "unit" in it'
@@ -162,19 +162,19 @@ def _read_assembly(
 
 
 def _write_svg(drawing: Drawing, labels: Sequence[Label] | None) -> str:
-    from wiggleroom.drawing.svg_writer import write_svg
+    from wiggleroom.drawing.writers.svg_writer import write_svg
 
     return write_svg(drawing, labels)
 
 
 def _write_dxf(drawing: Drawing, labels: Sequence[Label] | None) -> str:
-    from wiggleroom.drawing.dxf_writer import write_dxf
+    from wiggleroom.drawing.writers.dxf_writer import write_dxf
 
     return write_dxf(drawing, labels)
 
 
 def _write_assembly(drawing: Drawing, _: Sequence[Label] | None) -> str:
-    from wiggleroom.drawing.assembly_writer import write_assembly
+    from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
     return write_assembly(drawing)
 

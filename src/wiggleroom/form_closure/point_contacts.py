@@ -13,8 +13,8 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.loops import Loops, chained, region_rings
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
-from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Part
+from wiggleroom.drawing.writers.glue_groups import glue_groups
 from wiggleroom.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.assembly.statements import unknown
+from wiggleroom.compiled.jit_options import njit
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells
@@ -22,7 +23,6 @@ from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, 
 from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.freespace.slices import Slice, SliceSequence, pair_outlines, slice_sequence
 from wiggleroom.geometry.bodies import Bodies, bodies
-from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import PairFrames, relate, rotated
 from wiggleroom.geometry.row_kinds import A_EDGE

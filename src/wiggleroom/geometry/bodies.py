@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, place
-from wiggleroom.drawing.glue_groups import body_numbers
+from wiggleroom.drawing.writers.glue_groups import body_numbers
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

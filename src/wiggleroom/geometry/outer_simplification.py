@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Part, Region
-from wiggleroom.drawing.rings import signed_area
+from wiggleroom.drawing.outlines.rings import signed_area
 
 Floats = NDArray[np.float64]
 

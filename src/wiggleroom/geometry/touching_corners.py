@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 from wiggleroom.geometry.row_kinds import A_EDGE
 
 Floats = NDArray[np.float64]

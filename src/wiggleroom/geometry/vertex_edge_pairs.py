@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
-from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.row_kinds import A_EDGE
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import njit
+from wiggleroom.compiled.jit_options import njit
 
 MAX_OPPOSED_COSINE = -0.98
 """Normals of two flanks that meet point against each other: the cosine of their angle is below this."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import njit
+from wiggleroom.compiled.jit_options import njit
 
 
 @njit(cache=True)

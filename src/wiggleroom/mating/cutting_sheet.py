@@ -9,8 +9,8 @@ from pathlib import Path
 import shapely
 from shapely import affinity
 
-from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.read import reading
+from wiggleroom.drawing.strokes.layers import ReadOptions
 from wiggleroom.errors import InputError
 
 CHORD_ERROR = 0.01

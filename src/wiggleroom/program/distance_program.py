@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
+from wiggleroom.parallel.batches import in_batches
 from wiggleroom.program import vertex_edge_distances as kernel
 from wiggleroom.program.nonlinear_program import Program, build_program, row_of
 from wiggleroom.program.objectives import Objective

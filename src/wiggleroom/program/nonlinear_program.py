@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.batches import THREADS, in_batches
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.parallel.batches import THREADS, in_batches
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.constraint_rows import Regions, rows_of
 from wiggleroom.program.objectives import Objective

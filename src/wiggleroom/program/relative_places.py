@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
+from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit
 
 
 @njit(**NO_ALLOCATION)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, njit
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, njit
 from wiggleroom.geometry.row_kinds import A_EDGE
 
 

@@ -18,24 +18,32 @@ from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import Step
-from wiggleroom.report import importance_picture, study_plots
-from wiggleroom.report.allowable_gap_results import gap_facts, gap_sentence
-from wiggleroom.report.answer_words import assembly_lines, facts, few, headline, number, towards, verdict_sentence
-from wiggleroom.report.pages import page_of_answer, page_of_assembly
-from wiggleroom.report.plan_pictures import page_of_plan
-from wiggleroom.report.plan_results import (
+from wiggleroom.report.free_space.space_report import space_facts, space_headline
+from wiggleroom.report.page.pages import page_of_answer, page_of_assembly
+from wiggleroom.report.page.plan_pictures import page_of_plan
+from wiggleroom.report.page.solid_page import page_of_spatial_assembly
+from wiggleroom.report.pictures import importance_picture, study_plots
+from wiggleroom.report.results.allowable_gap_results import gap_facts, gap_sentence
+from wiggleroom.report.results.answer_words import (
+    assembly_lines,
+    facts,
+    few,
+    headline,
+    number,
+    towards,
+    verdict_sentence,
+)
+from wiggleroom.report.results.plan_results import (
     PlanTolerances,
     plan_facts,
     plan_title,
     step_sentence,
     tolerance_sentences,
 )
-from wiggleroom.report.separability import Checked, border_sentence, check_facts, check_title
-from wiggleroom.report.solid_page import page_of_spatial_assembly
-from wiggleroom.report.space_report import space_facts, space_headline
-from wiggleroom.report.spatial_table import check_sentence, spatial_headline, spatial_sentence
-from wiggleroom.report.study_results import lost_sentence
-from wiggleroom.report.tolerance_results import tolerances_facts, tolerances_sentence
+from wiggleroom.report.results.separability import Checked, border_sentence, check_facts, check_title
+from wiggleroom.report.results.study_results import lost_sentence
+from wiggleroom.report.results.tolerance_results import tolerances_facts, tolerances_sentence
+from wiggleroom.report.solids.spatial_table import check_sentence, spatial_headline, spatial_sentence
 from wiggleroom.report.write_spatial import spatial_page
 from wiggleroom.report.write_study import StudyResult, assembly_of, in_space, page_of_study
 from wiggleroom.search.answer import Answer
@@ -46,9 +54,9 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
-from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 HEIGHT = 560
 """Height of the frame [px]."""

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.files import write_whole
-from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, check_ending, ending
-from wiggleroom.report.stills import write_still
+from wiggleroom.report.pictures.file_endings import ANSWERS, FILMS, PAGE, check_ending, ending
+from wiggleroom.report.pictures.stills import write_still
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
@@ -57,14 +57,14 @@ def write_picture(
     check_ending(path, ANSWERS)
     kind = ending(path)
     if kind in FILMS:
-        from wiggleroom.report.film import film_of_answer
+        from wiggleroom.report.films.film import film_of_answer
 
         film_of_answer(found, path, progress=progress)
     elif kind == PAGE:
-        from wiggleroom.report.pages import page_of_answer
+        from wiggleroom.report.page.pages import page_of_answer
 
         write_whole(path, page_of_answer(found))
     else:
-        from wiggleroom.report.picture import picture
+        from wiggleroom.report.pictures.picture import picture
 
         write_still(picture(found), path)

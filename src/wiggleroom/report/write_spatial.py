@@ -6,13 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from wiggleroom.files import write_whole
-from wiggleroom.report import palette
-from wiggleroom.report.file_endings import FILMS, PAGE, check_ending, ending
-from wiggleroom.report.importance_picture import ranking_facts, shade, tightening_facts
-from wiggleroom.report.solid_colours import Colour
-from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
-from wiggleroom.report.spatial_picture import draw_separation, draw_spatial, write_moved_parts
-from wiggleroom.report.spatial_table import spatial_headline
+from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_answer
+from wiggleroom.report.pictures import palette
+from wiggleroom.report.pictures.file_endings import FILMS, PAGE, check_ending, ending
+from wiggleroom.report.pictures.importance_picture import ranking_facts, shade, tightening_facts
+from wiggleroom.report.solids.solid_colours import Colour
+from wiggleroom.report.solids.spatial_picture import draw_separation, draw_spatial, write_moved_parts
+from wiggleroom.report.solids.spatial_table import spatial_headline
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
@@ -39,7 +39,7 @@ def write_spatial(
     moves = isinstance(found, SpatialAnswer | SpatialDisassembly)
     check_ending(path, SPATIAL_PICTURES if moves else SPATIAL_STUDIES)
     if isinstance(found, SpatialAnswer | SpatialDisassembly) and ending(path) in FILMS:
-        from wiggleroom.report.spatial_film import film_of_spatial
+        from wiggleroom.report.solids.spatial_film import film_of_spatial
 
         film_of_spatial(found, path, progress=progress)
         return

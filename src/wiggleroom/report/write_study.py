@@ -13,15 +13,16 @@ from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.planning.plan import Plan
-from wiggleroom.report import importance_picture as blame
-from wiggleroom.report import pages, study_plots
-from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_ending, ending
-from wiggleroom.report.leaving_picture import picture_of_check
-from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
-from wiggleroom.report.separability import Checked
-from wiggleroom.report.separability_film import film_of_check
-from wiggleroom.report.space_report import space_picture
-from wiggleroom.report.stills import write_still
+from wiggleroom.report.films.separability_film import film_of_check
+from wiggleroom.report.free_space.space_report import space_picture
+from wiggleroom.report.page import pages
+from wiggleroom.report.page.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
+from wiggleroom.report.pictures import importance_picture as blame
+from wiggleroom.report.pictures import study_plots
+from wiggleroom.report.pictures.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_ending, ending
+from wiggleroom.report.pictures.leaving_picture import picture_of_check
+from wiggleroom.report.pictures.stills import write_still
+from wiggleroom.report.results.separability import Checked
 from wiggleroom.report.write_spatial import SpatialFound, spatial_page, write_spatial
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
@@ -30,7 +31,7 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
-from wiggleroom.spatial.spatial_model import SpatialAssembly
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan
 StudyResult = Interlock | LargestGap | FreeSpace | Study

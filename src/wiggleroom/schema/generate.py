@@ -13,7 +13,7 @@ from typing import Any, get_args
 import msgspec
 from msgspec import Struct, inspect
 
-from wiggleroom.drawing.assembly_schema import FORMAT, AssemblyFile
+from wiggleroom.drawing.readers.assembly_schema import FORMAT, AssemblyFile
 from wiggleroom.schema.replies import AnyReply
 from wiggleroom.schema.requests import AnyRequest, GoalEntry
 from wiggleroom.schema.results import RESULTS

@@ -11,10 +11,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
+from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.dual_face import DualFace
 from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, endless
-from wiggleroom.sensitivity.parallel import Work
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

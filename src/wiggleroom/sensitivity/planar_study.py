@@ -24,6 +24,7 @@ from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.maximise import flex, witness
+from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.program.gap_sensitivity import OUTLINE_TOLERANCE, carried, gains
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Objective, objective
@@ -39,7 +40,6 @@ from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
-from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
     PerturbationBase,

@@ -13,11 +13,11 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity.dual_face import is_unique
 from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives, GapStudy, check_end
-from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_study import PlanarStudy, study_of
 
 Floats = NDArray[np.float64]
@@ -143,7 +143,7 @@ def rank(
     exact : bool
         Solve again for the parts whose derivative is not unique.
     workers, cluster, stop, progress
-        Where differences are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
+        Where differences are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
 
     Returns
     -------

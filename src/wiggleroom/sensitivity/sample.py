@@ -13,9 +13,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
-from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.verdict import Verdict
@@ -157,7 +157,7 @@ def sample(
     limit : float, optional
         Largest motion that is wanted.
     workers, cluster, stop, progress
-        Where draws are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
+        Where draws are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
 
     Returns
     -------

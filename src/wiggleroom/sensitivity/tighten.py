@@ -13,9 +13,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.sensitivity.found_motion import Found
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
-from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import ranking_of
 
@@ -136,7 +136,7 @@ def tighten(
         Choices at random to compare with.
     seed : int
     workers, cluster, stop, progress
-        Where these are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
+        Where these are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
 
     Returns
     -------

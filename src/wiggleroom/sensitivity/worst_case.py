@@ -22,9 +22,9 @@ from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Drawing, Goal, Tolerance
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
 from wiggleroom.maximise import flex, witness
+from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.progress import Progress
-from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.rank import Ranking, rank
 from wiggleroom.verdict import Certainty, Verdict
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.batches import in_batches
+from wiggleroom.parallel.batches import in_batches
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.newton_step import Direction, Iterate, newton
 from wiggleroom.solve.row_operations import add_share, centring_goal, step_lengths

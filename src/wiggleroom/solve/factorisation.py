@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.batches import usable_cores
+from wiggleroom.parallel.batches import usable_cores
 from wiggleroom.program.sparsity_pattern import Pattern
 
 Floats = NDArray[np.float64]

@@ -16,8 +16,8 @@ from numba.extending import get_cython_function_address, intrinsic
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from wiggleroom.geometry.batches import THREADS, in_parallel
-from wiggleroom.geometry.jit_options import NO_ALLOCATION, OPTIONS, njit
+from wiggleroom.compiled.jit_options import NO_ALLOCATION, OPTIONS, njit
+from wiggleroom.parallel.batches import THREADS, in_parallel
 from wiggleroom.solve.nested_dissection import EliminationTree, dissect
 
 Floats = NDArray[np.float64]

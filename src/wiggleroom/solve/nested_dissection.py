@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.jit_options import OPTIONS, njit
+from wiggleroom.compiled.jit_options import OPTIONS, njit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

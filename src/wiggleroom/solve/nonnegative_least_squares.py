@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.jit_options import OPTIONS, njit
+from wiggleroom.compiled.jit_options import OPTIONS, njit
 
 Floats = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
+from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit
 
 SUM = {**NO_ALLOCATION, "fastmath": {"reassoc"}}
 """For sums, whose terms may then be added several at a time."""

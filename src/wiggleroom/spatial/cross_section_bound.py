@@ -20,9 +20,9 @@ from wiggleroom.drawing.model import Drawing, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.maximise import flex
 from wiggleroom.search.answer import PROVEN_WITHIN
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.errors import Stop
-from wiggleroom.geometry.jit_options import OPTIONS, njit
-from wiggleroom.spatial.spatial_model import Boxes
+from wiggleroom.spatial.solids.spatial_model import Boxes
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]

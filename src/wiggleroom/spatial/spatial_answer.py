@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from wiggleroom.displayable import Drawable
 from wiggleroom.search.global_search import SearchEffort
-from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
-from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
+from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram
+from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_bodies import Grouping
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.verdict import Verdict
 
 

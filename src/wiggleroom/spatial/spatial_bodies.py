@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.glue_groups import body_numbers
+from wiggleroom.drawing.writers.glue_groups import body_numbers
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
-from wiggleroom.spatial.spatial_model import AXES, SpatialAssembly
+from wiggleroom.spatial.solids.spatial_model import AXES, SpatialAssembly
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
-from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
+from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram
+from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialContact
 from wiggleroom.spatial.spatial_bodies import Grouping
-from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 WEAK = 1e-5
 """Contacts with less than this share of the largest force are not reported."""

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.spatial.convex import distinct_axes
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
+from wiggleroom.spatial.solids.convex import distinct_axes
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
-from wiggleroom.spatial.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.spatial.spatial_search import SpatialSearch
 from wiggleroom.spatial.straight_departure import StraightDeparture

@@ -12,12 +12,12 @@ from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.assembly.statements import given_goals, missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
-from wiggleroom.spatial.overlap_check import deepest_overlap
+from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.solids.spatial_assembly import goal_findings
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
-from wiggleroom.spatial.spatial_assembly import goal_findings
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
-from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts

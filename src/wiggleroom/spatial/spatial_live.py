@@ -14,14 +14,14 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.live.drag_target import target_in_sight
 from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
+from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram, build_planes
+from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
+from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
-from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram, build_planes
-from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
-from wiggleroom.spatial.spatial_approach import SpatialApproach
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
 from wiggleroom.verdict import SolverStatus
@@ -75,8 +75,8 @@ class SpatialLive:
 
     Examples
     --------
-    >>> from wiggleroom.spatial.spatial_assembly import assemble_spatial
-    >>> from wiggleroom.spatial.spatial_file import read_spatial
+    >>> from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+    >>> from wiggleroom.spatial.solids.spatial_file import read_spatial
     >>> text = '''{"format": "wiggleroom/2", "parts": [{"name": "floor", "boxes": [[0, 0, 0, 9, 9, 1]], "fixed": true},
     ...            {"name": "block", "boxes": [[0, 0, 0, 2, 2, 2]], "at": [4, 4, 3]}]}'''
     >>> live = SpatialLive()

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.spatial import plane_fitting
-from wiggleroom.spatial.graph_retraction import GraphRetraction
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import exponential, logarithm
-from wiggleroom.spatial.separating_plane_newton import SeparatingPlaneSystem
-from wiggleroom.spatial.separating_plane_program import (
+from wiggleroom.spatial.planes import plane_fitting
+from wiggleroom.spatial.planes.graph_retraction import GraphRetraction
+from wiggleroom.spatial.planes.separating_plane_newton import SeparatingPlaneSystem
+from wiggleroom.spatial.planes.separating_plane_program import (
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     parted,
 )
+from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.rotations import exponential, logarithm
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_prepare import SpatialPrepared

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.errors import InputError, TouchingError
+from wiggleroom.spatial.overlaps.swept_check import SweptCheck
+from wiggleroom.spatial.planes.separating_plane_program import best_axis
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.rigid import near_pieces
-from wiggleroom.spatial.separating_plane_program import best_axis
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialTurn, Weight
 from wiggleroom.spatial.spatial_bodies import Grouping, grouped
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal, SpatialTurn, Weight
-from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
-from wiggleroom.spatial.swept_check import SweptCheck
 
 Ints = NDArray[np.int64]
 

@@ -9,23 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.spatial.carried_planes import carried_iterate
-from wiggleroom.spatial.rigid import SpatialPose, near_pieces
-from wiggleroom.spatial.separating_plane_program import (
+from wiggleroom.spatial.planes.carried_planes import carried_iterate
+from wiggleroom.spatial.planes.separating_plane_program import (
     DISTANCE_RATIO,
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     best_axis,
     build_planes,
 )
-from wiggleroom.spatial.separating_plane_settings import SETTINGS
-from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
-from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
+from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.planes.working_set import facing_pairs
+from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.spatial.straight_departure import StraightDeparture
 from wiggleroom.spatial.turning_in_place import TurnInPlace, common_edges, turn_in_place
-from wiggleroom.spatial.working_set import facing_pairs
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -252,7 +252,7 @@ class SpatialSearch:
             distance_ratio=1.0 if mode.damped else DISTANCE_RATIO,
         )
         if self.solver == "ipopt":
-            from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
+            from wiggleroom.spatial.planes.separating_plane_ipopt import solve_with_ipopt
 
             return program, solve_with_ipopt(
                 program, seed=mode.seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.search.global_search import SearchEffort, effort
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.rigid import RigidBodies
-from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.verdict import SolverStatus
 

@@ -15,21 +15,21 @@ from wiggleroom.assembly.statements import given_goals
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
 from wiggleroom.errors import InputError, Stop, TouchingError
+from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
-from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
-from wiggleroom.spatial.corner_displacement import corner_displacements
-from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes
+from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
+from wiggleroom.spatial.solids.corner_displacement import corner_displacements
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, goal_findings
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
-from wiggleroom.spatial.spatial_assembly import assemble_spatial, goal_findings
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial, lacking
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.verdict import Verdict
 

@@ -8,9 +8,9 @@ from typing import Any
 from wiggleroom.assembly.statements import given_goals
 from wiggleroom.errors import Stop
 from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
-from wiggleroom.spatial.spatial_assembly import goal_findings
+from wiggleroom.spatial.solids.spatial_assembly import goal_findings
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_flex import lacking
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_study import SpatialStudy
 
 

@@ -11,9 +11,9 @@ from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.grow import grow_from_seeds
 from wiggleroom.freespace.cells.pair_edges import edge_table
 from wiggleroom.freespace.cells.wall_search import SEED
-from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
 from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, HIGH_TURN, LOW_TURN
+from wiggleroom.parallel.batches import in_batches
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -8,12 +8,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import njit
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, concatenated, grow_cells, select
 from wiggleroom.freespace.cells.walls import clip_polygon
 from wiggleroom.freespace.slices import Slice, SliceSequence
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
-from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import PairFrames, rotated
 from wiggleroom.geometry.row_kinds import B_EDGE
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import INLINED, NO_ALLOCATION, njit
 from wiggleroom.freespace.cells.pair_edges import EdgeTable, Pair, copy_shape, posed
 from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WALLS_PER_LINE, workspace_for
 from wiggleroom.freespace.cells.wall_search import separate_all_edges
 from wiggleroom.freespace.cells.walls import segment_inside, slice_middle
-from wiggleroom.geometry.jit_options import INLINED, NO_ALLOCATION, njit
 from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE
 
 INITIAL_WALLS = 64

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, njit
 from wiggleroom.geometry.bodies import BodyShapes
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 EDGE = np.dtype(
     [

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, njit
 from wiggleroom.freespace.cells.pair_edges import (
     EDGE,
     RUN,
@@ -23,7 +24,6 @@ from wiggleroom.freespace.cells.pair_edges import (
     squared_distance,
     vector_length,
 )
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 MAX_LINES = 400
 """Lines of one cell that there is room for."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
 from wiggleroom.freespace.cells.pair_edges import edge_in_front, normal_in_frame, posed
 from wiggleroom.freespace.cells.separating_lines import (
     LINES,
@@ -17,7 +18,6 @@ from wiggleroom.freespace.cells.separating_lines import (
     set_ahead,
 )
 from wiggleroom.freespace.cells.walls import out_of_reach, wall_contains
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
 
 NO_SEPARATING_LINE, OUT_OF_MEMORY = -1, -2
 """What stands in place of a line: none separates the edges, or there is no room for it."""

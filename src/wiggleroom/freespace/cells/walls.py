@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, njit
 from wiggleroom.freespace.cells.pair_edges import corner_in_frame, posed, vector_length, wall_value
 from wiggleroom.freespace.cells.separating_lines import LINES
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 
 @njit(**COMPILED_CALLERS_ONLY)

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import njit
 from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import relative_pose
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.jit_options import njit
+from wiggleroom.compiled.jit_options import njit
 from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]

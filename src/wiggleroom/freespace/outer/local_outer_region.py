@@ -16,9 +16,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.freespace.outer.outer_walls import corners_between, cut_corners
-from wiggleroom.geometry.jit_options import OPTIONS, njit
 from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]

@@ -12,8 +12,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, corners_of
-from wiggleroom.geometry.jit_options import OPTIONS, njit
 from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, njit
 
 MAX_ROWS = 60
 """Rows of a program at most; more corners than that are left out."""

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, MAX_ROWS, add_rows, linear_program_maximum
 from wiggleroom.freespace.subdivision.classify_box import FORBIDDEN, FREE, MIXED, STACK_SIZE, TINY, classify_box
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 
 FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 """How the search ended: with a free path to a goal, with the proof that there is none, without room or time, or to go on."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, edges_within, signed_line_distance
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 STACK_SIZE = 96
 """Room for the nodes that wait while a tree is walked."""

@@ -1,0 +1,1 @@
+"""From strokes to the outlines of parts, and their names."""

@@ -1,0 +1,183 @@
+"""Outlines that open lines make: joined end to end, or as faces of the net that they form with closed ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from wiggleroom.drawing.model import Points, Region
+from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, outline_of
+from wiggleroom.drawing.outlines.planar_faces import net_of
+from wiggleroom.drawing.outlines.rings import clean_ring
+from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
+from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
+from wiggleroom.drawing.strokes.elements import Stroke
+
+
+def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
+    """Outlines that open lines make one after the other, and faces that they cut."""
+    once = _distinct_lines(lines, size)
+    if len(once) < len(lines):
+        found.note(f"{len(lines) - len(once)} open lines are drawn twice; the copies are left out")
+    lines = once
+    found.open_lines = len(lines)
+    corners = [line.corners for line in lines]
+    ends = join_ends(corners, found.join, size)
+    if ends.widest > 1e-6 * size:
+        found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
+    used = set()
+    for loop in closed_loops(ends, [line.stroke.pool for line in lines]):
+        ring = outline_of(loop, corners, ends)
+        first = min(edge for edge, _ in loop)
+        used |= {edge for edge, _ in loop}
+        if len(clean_ring(ring)) >= 3:
+            found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
+    rest = [row for row in range(len(lines)) if row not in used]
+    if rest:
+        _net(found, [lines[row] for row in rest], size)
+
+
+def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
+    """Without open lines that were drawn before, in either sense."""
+    seen: dict[bytes, OpenLine] = {}
+    for line in lines:
+        there, back = (np.round(points / (1e-8 * size)) + 0.0 for points in (line.corners, line.corners[::-1]))
+        seen.setdefault(min(there.tobytes(), back.tobytes()), line)
+    return list(seen.values())
+
+
+def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
+    """Closed outlines cut by lines, and faces of the lines themselves."""
+    corners = [line.corners for line in lines]
+    ends = join_ends(corners, found.join, size)
+    reached = _reached(found, corners, max(found.join, found.tolerance))
+    rings = [ring for k in reached for ring in (found.outlines[k].region.outer, *found.outlines[k].region.holes)]
+    net = net_of(corners, ends, rings, join=found.join, chord=found.tolerance)
+    by_owner, outside = _owners(found, reached, net.faces)
+    replaced = {k for k, faces in by_owner.items() if len(faces) > 1}
+    made: list[Outline] = []
+    tree = shapely.STRtree([shapely.LineString(points) for points in corners])
+    for k in sorted(replaced):
+        outline = found.outlines[k]
+        made += _faces([net.faces[f] for f in by_owner[k]], outline.stroke, outline.row, outline.region)
+    alone = []
+    faces = np.array(net.faces, dtype=object)
+    neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
+    shared = np.bincount(neighbours, minlength=len(net.faces)) > 1
+    edges = [np.mean(net.faces[f].exterior.coords[:2], axis=0) for f in outside]
+    nearest = tree.nearest(shapely.points(edges)).tolist() if outside else []
+    for f, line in zip(outside, nearest, strict=True):
+        row = lines[line]
+        if shared[f]:
+            made += _faces([net.faces[f]], row.stroke, row.row, None)
+        else:  # nothing is cut: the outline of one part, whose ends overshoot
+            ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
+            alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
+    if made:
+        cut = f"{_many(len(replaced), 'outline')} cut, " if replaced else ""
+        found.note(f"{cut}{_many(len(made), 'face')} of open lines taken as parts")
+    found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
+    found.outlines += [*made, *alone]
+    if net.slivers:
+        found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
+    _say_dangles(found, lines, tree, net.dangles)
+
+
+def _reached(found: Traced, lines: Sequence[Points], within: float) -> list[int]:
+    """Closed outlines that open lines reach, and that do not overlap each other: closed ones never split each other."""
+    polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
+    if not len(polygons):
+        return []
+    rings = shapely.boundary(polygons)
+    _, near = shapely.STRtree(rings).query(
+        [shapely.LineString(points) for points in lines], predicate="dwithin", distance=within
+    )
+    rows = np.unique(near)
+    rows = rows[shapely.is_valid(polygons[rows])]
+    first, second = shapely.STRtree(polygons[rows]).query(polygons[rows], predicate="overlaps")
+    common = shapely.area(shapely.intersection(polygons[rows][first], polygons[rows][second]))
+    slack = within * np.minimum(shapely.length(polygons[rows][first]), shapely.length(polygons[rows][second]))
+    crossing = set(first[common > slack].tolist())
+    return [int(row) for k, row in enumerate(rows) if k not in crossing]
+
+
+def _owners(
+    found: Traced, reached: Sequence[int], faces: Sequence[shapely.Polygon]
+) -> tuple[dict[int, list[int]], list[int]]:
+    """Faces inside each closed outline, by the smallest around them, and those inside none; faces of holes are dropped."""
+    points = [face.representative_point() for face in faces]
+    owner: dict[int, list[int]] = {}
+    if not reached:
+        return owner, list(range(len(faces)))
+    polygons = np.array([found.outlines[k].polygon for k in reached], dtype=object)
+    area = shapely.area(polygons)
+    held, holder = shapely.STRtree(polygons).query(points, predicate="within")
+    smallest: dict[int, int] = {}
+    for f, k in zip(held.tolist(), holder.tolist(), strict=True):
+        if f not in smallest or area[k] < area[smallest[f]]:
+            smallest[f] = k
+    for f, k in smallest.items():
+        holes = found.outlines[reached[k]].region.holes
+        if not any(shapely.Polygon(hole).contains(points[f]) for hole in holes):
+            owner.setdefault(reached[k], []).append(f)
+    return owner, [f for f in range(len(faces)) if f not in smallest]
+
+
+def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None) -> list[Outline]:
+    """Faces as outlines, from the top left on; holes of the outline that they were cut from stay."""
+    plain = replace(stroke, name="", label="", fill="", fixed=stroke.fixed and region is not None)
+    order = sorted(faces, key=lambda face: (-round(face.bounds[3], 3), round(face.bounds[0], 3)))
+    made = []
+    for face in order:
+        outer = clean_ring(shapely.get_coordinates(face.exterior))
+        holes: tuple[Points, ...] = ()
+        if region is not None and region.holes:
+            inside = shapely.Polygon(outer)
+            holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole)))
+        made.append(Outline(Region(outer, holes), plain, row, face=True))
+    return made
+
+
+def _say_dangles(
+    found: Traced, lines: Sequence[OpenLine], tree: shapely.STRtree, dangles: Sequence[shapely.Geometry]
+) -> None:
+    """Note open lines that bound no face, whole ones by name and ends of others by place."""
+    if not dangles:
+        return
+    owner = tree.nearest([line.interpolate(0.5, normalized=True) for line in dangles])
+    unused = np.zeros(len(lines))
+    np.add.at(unused, owner, [line.length for line in dangles])
+    length = np.array([line.length for line in tree.geometries])
+    whole = unused >= 0.99 * length
+    by_stroke: dict[int, OpenLine] = {}
+    for k in np.flatnonzero(whole).tolist():
+        by_stroke.setdefault(lines[k].row, lines[k])
+    if by_stroke:
+        named = [_open_name(line) for line in list(by_stroke.values())[:3]]
+        more = f" and {len(by_stroke) - 3} more" if len(by_stroke) > 3 else ""
+        found.note(f"open paths are left out: {', '.join(named)}{more}; close them if they are parts")
+    stubs = [line for line, k in zip(dangles, owner.tolist(), strict=True) if not whole[k]]
+    if stubs:
+        x, y = shapely.get_coordinates(stubs[0])[0]
+        found.note(
+            f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm"
+        )
+    found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(line) for line in dangles)))
+    tips = [lines[k].corners[[0, -1]] for k in np.flatnonzero(whole).tolist()]
+    found.remarks += [Remark("open end", (point[None],)) for pair in tips for point in pair]
+
+
+def _open_name(line: OpenLine) -> str:
+    """What a message calls an open path: where it begins, and how far its ends are apart."""
+    (x, y), end = line.corners[0], line.corners[-1]
+    apart = float(np.hypot(*(line.corners[0] - end)))
+    size = float(np.ptp(line.corners, axis=0).max())
+    gap = f", its ends {apart:.3g} mm apart (--join {1.1 * apart:.2g} closes it)" if apart < 0.1 * size else ""
+    return f"{line.stroke} near ({x:.6g}, {y:.6g}) mm{gap}"
+
+
+def _many(n: int, thing: str) -> str:
+    return f"1 {thing}" if n == 1 else f"{n} {thing}s"

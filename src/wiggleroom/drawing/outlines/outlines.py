@@ -1,0 +1,147 @@
+"""From strokes to closed outlines: curves flattened, faults mended, lines joined, faces of a net found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
+from wiggleroom.drawing.model import Points
+from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
+from wiggleroom.drawing.outlines.open_lines import open_lines
+from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
+from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
+from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Traced
+from wiggleroom.drawing.strokes.elements import Artwork
+from wiggleroom.drawing.strokes.flatten import NO_GAP_SHARE, Curved, chord_error
+from wiggleroom.drawing.strokes.pathdata import Subpath
+from wiggleroom.drawing.strokes.strokes import longer_side
+from wiggleroom.errors import InputError, Stop, go_on
+
+_COPY, _COPY_SHARE = 1e-3, 1e-5
+"""Outlines nearer than this [mm, share of the drawing's size] are one drawn twice; a clearance is never so small."""
+
+
+def traced(
+    artwork: Artwork, *, flatten: float | None, gap: float | None, join: float | None, stop: Stop | None = None
+) -> Traced:
+    """Outlines that the strokes of a drawing make.
+
+    Parameters
+    ----------
+    artwork : Artwork
+        Only strokes that are cut.
+    flatten : float [mm], optional
+        Chord error of curves; by default `chord_error` of the gap.
+    gap : float [mm], optional
+    join : float [mm], optional
+        Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
+    stop : optional
+        Asked before every outline.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to trace, or its size cannot be worked with.
+    """
+    paths = [(path, row) for row, stroke in enumerate(artwork.strokes) for path in stroke.paths]
+    closed = [_is_closed(path) for path, _ in paths]
+    tolerance, at_no_gap, size = _chord_error(artwork, paths, closed, flatten, gap)
+    lengths = [longer_side(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
+    real = [length for length in lengths if length > 1e-6 * size]
+    within = join if join is not None else min([JOIN_DISTANCE, *(JOIN_SHARE * length for length in real)])
+    curved = Curved()
+    for path, _ in paths:
+        go_on(stop)
+        curved.add(path)
+    found = Traced(artwork.file, tolerance, within, at_no_gap if curved.bent else None, FINEST * size)
+    corners = curved.corners(tolerance)
+    rings: dict[int, list[Points]] = {}
+    lines: list[OpenLine] = []
+    short = 0
+    for (_, row), points, is_closed in zip(paths, corners, closed, strict=True):
+        if is_closed:
+            rings.setdefault(row, []).append(points)
+        elif float(np.ptp(points, axis=0).max()) > 1e-9 * size:
+            lines.append(OpenLine(points, artwork.strokes[row], row))
+        else:
+            short += 1
+    if short:
+        found.note(f"{short} elements of no length are left out")
+    for row, own in rings.items():
+        go_on(stop)
+        found.outlines += of_stroke(found, artwork.strokes[row], row, own)
+    if lines:
+        open_lines(found, lines, size)
+    found.outlines.sort(key=lambda outline: outline.row)
+    _without_copies(found)
+    return found
+
+
+def _is_closed(path: Subpath) -> bool:
+    ends = [path.start, *(segment.end for segment in path.segments)]
+    size = max(abs(end - path.start) for end in ends)
+    return path.closed or abs(ends[-1] - path.start) <= COINCIDENT_CORNERS * size
+
+
+def _chord_error(
+    artwork: Artwork,
+    paths: Sequence[tuple[Subpath, int]],
+    closed: Sequence[bool],
+    flatten: float | None,
+    gap: float | None,
+) -> tuple[float, float | None, float]:
+    """Chord error, that without a gap (None where it was given) and the longer side of the drawing [mm].
+
+    Refused is one of nothing, or of a size that cannot be worked with.
+    """
+    if not paths:
+        message = f"{artwork.file}: has no closed outline; every part must be closed"
+        raise InputError(artwork.findings or [message])
+    chosen = [pair for pair, is_closed in zip(paths, closed, strict=True) if is_closed] or list(paths)
+    curved = Curved()
+    for path, _ in chosen:
+        curved.add(path)
+    largest, size = curved.reach()
+    finding = ""
+    if not largest <= LARGEST:
+        finding = f"{artwork.file}: has coordinates beyond {LARGEST:g} mm; move or scale the drawing"
+    elif size < SMALLEST:
+        finding = f"{artwork.file}: is {size:.3g} mm large; it must be at least {SMALLEST:g} mm"
+    elif flatten and flatten < FINEST * size:
+        finding = f"{artwork.file}: flatten is {flatten:g}; here it must be at least {FINEST * size:.3g} mm"
+    if finding:
+        raise InputError([*artwork.findings, finding])
+    if flatten:
+        return max(flatten, FINEST * size), None, size
+    by_row: dict[int, list[Points]] = {}
+    for (_, row), points in zip(chosen, curved.corners(1e-3 * size), strict=True):
+        by_row.setdefault(row, []).append(points)
+    median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()]))
+    at_no_gap = max(median * NO_GAP_SHARE, FINEST * size)
+    return chord_error(gap or 0.0, at_no_gap, FINEST * size), at_no_gap, size
+
+
+def _without_copies(found: Traced) -> None:
+    """Drop outlines that were drawn before."""
+    outlines = found.outlines
+    if len(outlines) < 2:
+        return
+    polygons = np.array([outline.polygon for outline in outlines], dtype=object)
+    boxes = shapely.bounds(polygons)
+    slack = 2 * min(_COPY, _COPY_SHARE * float(np.ptp(boxes.reshape(-1, 2), axis=0).max()))
+    marks = shapely.points(boxes[:, 0] + boxes[:, 2], boxes[:, 1] + boxes[:, 3])
+    first, second = shapely.STRtree(marks).query(marks, predicate="dwithin", distance=4 * slack)
+    copies: set[int] = set()
+    for i, j in sorted(zip(first.tolist(), second.tolist(), strict=True)):
+        if i >= j or i in copies or j in copies or np.abs(boxes[i] - boxes[j]).max() > slack:
+            continue
+        a, b = outlines[i], outlines[j]
+        alike = a.stroke.hole == b.stroke.hole and len(a.region.holes) == len(b.region.holes)
+        if alike and shapely.hausdorff_distance(polygons[i].exterior, polygons[j].exterior) <= slack:
+            copies.add(i if b.stroke.fixed and not a.stroke.fixed else j)
+    if copies:
+        found.note(f"{len(copies)} lines or outlines are drawn twice; the copies are left out")
+        found.outlines = [outline for k, outline in enumerate(outlines) if k not in copies]

@@ -1,0 +1,186 @@
+"""What an assembly file may hold, and decoding errors as plain lines."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, Literal, TypeVar
+
+import msgspec
+
+from wiggleroom.drawing.readers.source import Source
+from wiggleroom.errors import InputError
+
+FORMAT = "wiggleroom/1"
+Point = tuple[float, float]
+T = TypeVar("T")
+
+
+class Entry(msgspec.Struct, forbid_unknown_fields=True):
+    """Base of everything in the file: nothing that is not known is let through."""
+
+
+class OutlineEntry(Entry):
+    """One outer outline and its holes."""
+
+    outline: list[Point]
+    holes: list[list[Point]] = []
+
+
+class ShapeEntry(Entry):
+    """Material by one outline or by several."""
+
+    outline: list[Point] | None = None
+    holes: list[list[Point]] = []
+    outlines: list[OutlineEntry] | None = None
+
+
+class PartEntry(Entry):
+    """One part: material of its own or that of a shape, and where it lies."""
+
+    name: str
+    shape: str | None = None
+    outline: list[Point] | None = None
+    holes: list[list[Point]] = []
+    outlines: list[OutlineEntry] | None = None
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    fixed: bool = False
+    offset: float = 0.0
+
+
+class GapEntry(Entry):
+    """The gap of one joint."""
+
+    parts: tuple[str, str]
+    gap: float
+
+
+class ToleranceEntry(Entry, omit_defaults=True):
+    """How far a part, one outline of it, or the gap of a joint may lie from where it should."""
+
+    plus: float
+    minus: float
+    part: str | None = None
+    parts: tuple[str, str] | None = None
+    outline: int | None = None
+    nominal: float | None = None
+
+
+class PullEntry(Entry, omit_defaults=True):
+    """One term of what is asked: a direction, a turn, or the paper's W."""
+
+    part: str
+    direction: Point | None = None
+    point: Point | None = None
+    turn: Literal["ccw", "cw"] | None = None
+    w: tuple[float, float, float] | None = None
+    weight: float = 1.0
+
+
+class HeadEntry(Entry):
+    """What files of every format hold; their parts are looked at one by one, so that every finding is told at once."""
+
+    format: str
+    parts: list[Any]
+    unit: str = "mm"
+    gap: float = 0.0
+    glue: list[Any] = []
+    ignore: list[Any] = []
+    gaps: list[Any] = []
+    pull: list[Any] = []
+
+
+class FileEntry(HeadEntry):
+    """The whole file in the plane."""
+
+    shapes: dict[str, Any] = {}
+    tolerances: list[Any] = []
+    objective: str | None = None
+
+
+class AssemblyFile(Entry, kw_only=True):
+    """The whole file with everything in it: what its published schema says."""
+
+    format: Literal["wiggleroom/1"]
+    unit: Literal["mm", "cm", "m", "in"] = "mm"
+    gap: float = 0.0
+    shapes: dict[str, ShapeEntry] = {}
+    parts: list[PartEntry]
+    glue: list[list[str]] = []
+    ignore: list[tuple[str, str]] = []
+    gaps: list[GapEntry] = []
+    tolerances: list[ToleranceEntry] = []
+    pull: list[PullEntry] = []
+    objective: Literal["translation", "closer"] | None = None
+
+
+def decode_json(source: Source) -> Any:
+    """JSON text as plain lists and dictionaries.
+
+    Raises
+    ------
+    InputError
+        With line and column, where the text is not JSON.
+
+    Examples
+    --------
+    >>> decode_json(Source("a.json", "[1]"))
+    [1]
+    """
+    try:
+        return msgspec.json.decode(source.text.encode())
+    except RecursionError:
+        message = f"{source.name}: lists are nested too deep; an assembly needs five levels"
+    except msgspec.DecodeError as error:
+        found = re.search(r"^(?:JSON is malformed: )?(.*?)(?: \(byte (\d+)\))?$", str(error), re.DOTALL)
+        reason, byte = (found.group(1), found.group(2)) if found else (str(error), None)
+        before = source.text.encode()[: int(byte)].decode(errors="ignore") if byte else source.text
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        where, reason = f"{source.name}: line {line}, column {column}", reason.partition(" - at ")[0].lower()
+        message = f"{where}: is not JSON ({reason}); it must be one JSON object"
+    raise InputError(message)
+
+
+def convert(value: Any, kind: type[T], where: str, findings: list[str]) -> T | None:
+    """Check and return an entry, or None and a finding that begins with `where`.
+
+    Examples
+    --------
+    >>> findings = []
+    >>> convert({"parts": ["a", "b"], "gap": "1"}, GapEntry, "x.json: gaps[0]", findings)
+    >>> findings
+    ['x.json: gaps[0]: gap must be a number, not text']
+    """
+    try:
+        return msgspec.convert(value, kind)
+    except msgspec.ValidationError as error:
+        findings.append(f"{where}: {plain_finding(str(error))}")
+        return None
+
+
+_WORDS = {
+    "array": "a list",
+    "object": "an object",
+    "float": "a number",
+    "int": "a number",
+    "str": "text",
+    "bool": "true or false",
+    "null": "nothing",
+}
+
+
+def plain_finding(text: str) -> str:
+    """Line of the schema library in the words of the file."""
+    text, _, path = text.partition(" - at `")
+    place = path.rstrip("`").removeprefix("$").removeprefix(".").replace("[...]", "") or "it"
+    if found := re.match(r"Expected `(.*?)` of length (\d+), got (\d+)", text):
+        return f"{place} must be a list of {found.group(2)}, not of {found.group(3)}"
+    if found := re.match(r"Expected `(.*?)`, got `(.*?)`", text):
+        wanted = [_WORDS.get(word.strip(), word.strip()) for word in found.group(1).split("|") if "null" not in word]
+        return f"{place} must be {' or '.join(wanted)}, not {_WORDS.get(found.group(2), found.group(2))}"
+    if found := re.match(r"Object contains unknown field `(.*?)`", text):
+        return f'field "{found.group(1)}" is not known here; leave it out or correct its name'
+    if found := re.match(r"Object missing required field `(.*?)`", text):
+        return f'field "{found.group(1)}" is missing; it is needed' + ("" if place == "it" else f" in {place}")
+    if found := re.match(r"Invalid enum value '(.*?)'", text):
+        return f'{place} is "{found.group(1)}"; it must be "ccw" or "cw"'
+    return f"{place}: {text[:1].lower()}{text[1:]}"

@@ -1,0 +1,135 @@
+"""Load a DXF with ezdxf, and say in plain words what is wrong with the file."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wiggleroom.drawing.readers.source import read_bytes
+from wiggleroom.drawing.units import UNITS, millimetres
+from wiggleroom.errors import InputError, require_extra
+
+_BINARY = b"AutoCAD Binary DXF\r\n\x1a\x00"
+_DWG = b"AC10"
+"""DWG files begin with this."""
+_UNITS = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 25.4e-3, 10: 914.4, 13: 1e-3, 14: 100.0}
+"""Length of the units of $INSUNITS that parts are drawn in [mm]."""
+
+
+@dataclass(frozen=True)
+class DxfFile:
+    """A DXF that was loaded.
+
+    Parameters
+    ----------
+    name : str
+    document : ezdxf document
+    unit : int
+        Code of its unit, 0 where it says none.
+    notes : tuple of str
+    """
+
+    name: str
+    document: Any
+    unit: int
+    notes: tuple[str, ...]
+
+
+def load_dxf(path: Path) -> DxfFile:
+    """Document of a DXF, text or binary, and notes.
+
+    Files with faults that can be mended without guessing at outlines are mended, which a note says.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is empty, cut short or no DXF.
+    MissingExtraError
+        If ezdxf is not installed.
+    """
+    ezdxf = import_ezdxf("read")
+    raw = read_bytes(path)
+    _check(raw, path.name)
+    try:
+        return _loaded(path.name, ezdxf.readfile(path), raw, ())
+    except Exception:  # whatever the fault is, the reader below knows more of them
+        pass
+    from ezdxf import recover
+
+    try:
+        document, audit = recover.readfile(path)
+    except Exception as error:
+        said = " ".join(str(error).split())[:120] or type(error).__name__
+        message = f"{path.name}: is damaged or not a DXF drawing ({said}); export it again"
+        raise InputError(message) from None
+    if audit.has_errors:
+        message = f"{path.name}: is damaged in {len(audit.errors)} places; export it again"
+        raise InputError(message)
+    note = f"{path.name}: has faults that were mended on reading; see that no part is missing"
+    return _loaded(path.name, document, raw, (note,))
+
+
+def _loaded(name: str, document: Any, raw: bytes, notes: tuple[str, ...]) -> DxfFile:
+    """With the unit that the file says: where it says none, ezdxf has a unit of its own."""
+    says = b"$INSUNITS" in raw
+    return DxfFile(name, document, int(document.header.get("$INSUNITS", 0)) if says else 0, notes)
+
+
+def import_ezdxf(done: str) -> Any:
+    """Give the module ezdxf.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    require_extra("dxf", f"DXF files are {done} with ezdxf, which is not installed", "ezdxf")
+    import ezdxf
+
+    logging.getLogger("ezdxf").setLevel(logging.CRITICAL)  # what matters is said in our own notes
+    return ezdxf
+
+
+def scale_of(file: DxfFile, unit: str | None) -> tuple[float, tuple[str, ...]]:
+    """Millimetres per unit of the drawing, and notes.
+
+    Raises
+    ------
+    InputError
+        If `unit` is not known.
+    """
+    if unit is not None:
+        try:
+            return millimetres(unit), ()
+        except InputError as error:
+            message = f"{file.name}: {error}"
+            raise InputError(message) from None
+    if file.unit in _UNITS:
+        return _UNITS[file.unit], ()
+    which = f"says no unit that is known here ($INSUNITS {file.unit})" if file.unit else "says no unit"
+    return UNITS["mm"], (f"{file.name}: {which}; 1 unit is taken as 1 mm",)
+
+
+def _check(raw: bytes, name: str) -> None:
+    """Refuse what is no whole DXF; ezdxf would read the first half of a file without a word."""
+    wrong = ""
+    if not raw.strip():
+        wrong = "is empty; a drawing with at least one part is needed"
+    elif raw.startswith(_BINARY):
+        if b"EOF\x00" not in raw[-64:]:
+            wrong = "is cut short, its end (EOF) is missing; export it again"
+    elif raw.startswith(_DWG):
+        wrong = "is a DWG drawing, not a DXF; export it as DXF"
+    else:
+        first = raw.removeprefix(b"\xef\xbb\xbf")[:4000].split(b"\n")
+        lines = [line.strip() for line in first]
+        lines = lines[next((i for i in range(0, len(lines) - 1, 2) if lines[i] != b"999"), 0) :]
+        if lines[:2] != [b"0", b"SECTION"]:
+            wrong = "is not a DXF drawing; it must begin with a section"
+        elif raw[-400:].split()[-1:] != [b"EOF"]:
+            wrong = "is cut short, its end (EOF) is missing; export it again"
+    if wrong:
+        message = f"{name}: {wrong}"
+        raise InputError(message)

@@ -1,0 +1,95 @@
+"""What both formats of assembly files have in common: their head, names of parts, and what is wrong with them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import Any, Generic, TypeVar
+
+from wiggleroom.drawing.readers.assembly_schema import HeadEntry, convert, decode_json
+from wiggleroom.drawing.readers.source import Source
+from wiggleroom.drawing.units import UNITS
+from wiggleroom.errors import InputError
+
+E = TypeVar("E", bound=HeadEntry)
+
+_FILE_UNITS = {unit: UNITS[unit] for unit in ("mm", "cm", "m", "in")}
+
+
+def entry_of(text: Source, kind: type[E]) -> E:
+    """Top level of an assembly file.
+
+    Raises
+    ------
+    InputError
+        If it is no JSON object, or a field is unknown, missing or of another type.
+    """
+    findings: list[str] = []
+    raw = decode_json(text)
+    if not isinstance(raw, dict):
+        message = f'{text.name}: must be one JSON object with "format" and "parts"'
+        raise InputError(message)
+    entry = convert(raw, kind, text.name, findings)
+    if entry is None:
+        raise InputError(findings)
+    return entry
+
+
+class EntryReader(Generic[E]):
+    """Goes through one assembly file and collects what is wrong with it.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file, for findings.
+    entry : HeadEntry
+        Its top level.
+    """
+
+    def __init__(self, file: str, entry: E) -> None:
+        self._file, self._entry = file, entry
+        self._findings: list[str] = []
+        self._mm = _FILE_UNITS.get(entry.unit, 1.0)
+        self._fixed: set[str] = set()
+        given = [value.get("name") for value in entry.parts if isinstance(value, dict)]
+        self._names = Counter(name for name in given if isinstance(name, str))
+
+    def _check_head(self, form: str) -> None:
+        entry = self._entry
+        if entry.format != form:
+            self._say("", f'format is "{entry.format[:40]}"; it must be "{form}"')
+        if entry.unit not in _FILE_UNITS:
+            self._say("", f'unit is "{entry.unit[:40]}"; it must be one of {", ".join(_FILE_UNITS)}')
+        if not entry.parts:
+            self._say("", "has no parts; at least one is needed")
+
+    def _check_names(self) -> None:
+        for name, count in self._names.items():
+            if count > 1:
+                self._say(f'part "{name}"', f"name is used {count} times; every part needs its own")
+
+    def _say(self, where: str, what: str) -> None:
+        self._findings.append(f"{self._file}: {where}: {what}" if where else f"{self._file}: {what}")
+
+    def _known(self, where: str, names: Iterable[str]) -> None:
+        for name in names:
+            if name not in self._names:
+                self._say(where, f'there is no part "{name}"; it must be the name of a part')
+
+    def _together(self, where: str, value: Any) -> tuple[str, ...]:
+        names = convert(value, list[str], f"{self._file}: {where}", self._findings)
+        if names is None:
+            return ()
+        self._known(where, names)
+        if len(set(names)) < max(2, len(names)):
+            self._say(where, "must name at least two different parts, each once")
+        return tuple(names)
+
+    def _pair(self, where: str, value: Any) -> tuple[str, str]:
+        names = convert(value, tuple[str, str], f"{self._file}: {where}", self._findings)
+        if names is None:
+            return ("", "")
+        self._known(where, names)
+        if names[0] == names[1]:
+            self._say(where, "must name two different parts")
+        return names

@@ -1,0 +1,85 @@
+"""XML text to a tree of plain elements; entities are refused before anything is expanded."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from wiggleroom.drawing.readers.source import Source
+from wiggleroom.errors import InputError
+
+_SVG = "http://www.w3.org/2000/svg"
+_ENTITY = re.compile(r"<!ENTITY\s+(?:%\s*)?([^\s>\"']*)", re.IGNORECASE)
+
+
+@dataclass(eq=False, slots=True)
+class Element:
+    """One element: its name without prefix, "" where it is not of SVG."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+
+def parse_xml(source: Source) -> Element:
+    """Root of the tree.
+
+    Prefixes are taken as written, because many generators leave the namespace declarations out.
+
+    Raises
+    ------
+    InputError
+        If the text is not well-formed, or its DOCTYPE declares entities.
+
+    Examples
+    --------
+    >>> parse_xml(Source("a.svg", "<svg><path id='a'/></svg>")).children[0].attributes
+    {'id': 'a'}
+    """
+    entity = _ENTITY.search(source.text)
+    if entity:
+        message = (
+            f'{source.name}: the DOCTYPE declares the entity "{entity.group(1)[:40]}"; '
+            "entities are not read, save the drawing as plain SVG"
+        )
+        raise InputError(message)
+    builder = _Builder()
+    try:
+        builder.parser.Parse(source.text, True)
+    except expat.ExpatError as error:
+        message = (
+            f"{source.name}: line {error.lineno}, column {error.offset + 1}: "
+            f"is not well-formed XML ({expat.ErrorString(error.code)}); save the drawing as plain SVG again"
+        )
+        raise InputError(message) from None
+    return builder.root.children[0]
+
+
+class _Builder:
+    def __init__(self) -> None:
+        self.parser = expat.ParserCreate()
+        self.parser.buffer_text = True
+        self.parser.StartElementHandler = self._start
+        self.parser.EndElementHandler = self._end
+        self.parser.CharacterDataHandler = self._data
+        self.root = Element("", {}, 0)
+        self._open = [self.root]
+        self._prefixes = {"", "svg"}
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        for key, value in attributes.items():
+            if key.startswith("xmlns:") and value == _SVG:
+                self._prefixes.add(key[6:])
+        prefix, _, local = name.rpartition(":")
+        element = Element(local if prefix in self._prefixes else "", attributes, self.parser.CurrentLineNumber)
+        self._open[-1].children.append(element)
+        self._open.append(element)
+
+    def _end(self, _name: str) -> None:
+        self._open.pop()
+
+    def _data(self, text: str) -> None:
+        self._open[-1].text += text

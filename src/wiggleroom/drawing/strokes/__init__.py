@@ -1,0 +1,1 @@
+"""What a drawing draws: strokes, curves, colours, layers."""

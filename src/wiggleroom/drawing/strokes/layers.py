@@ -1,0 +1,334 @@
+"""Which strokes are cut: engraving, guides, texts and backgrounds are left out, and said."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+
+import numpy as np
+import shapely
+
+from wiggleroom.drawing.strokes.colours import colour_of, is_light, name_of
+from wiggleroom.drawing.strokes.elements import Artwork, Stroke
+from wiggleroom.drawing.strokes.strokes import trace
+from wiggleroom.errors import InputError, Stop
+
+ENGRAVING_WORDS = (
+    "engrav", "etch", "raster", "scor", "gravur", "gravier", "gravure", "graver", "gravyr", "grabad", "grabar",
+    "gravac", "gravar", "incision", "incid", "ritz", "marquage", "marcad", "marcatur", "grawer", "gravirov",
+    "гравир", "雕刻", "刻字", "彫刻", "刻印", "각인", "kazima",
+)  # fmt: skip
+"""How words for what is engraved or scored begin; enough to leave out a single element that is called so."""
+AUXILIARY_WORDS = (
+    "mark", "fold", "crease", "bend", "falz", "falt", "rill", "pli", "plieg", "piega", "dobra", "gesto", "折",
+    "guide", "guia", "guida", "helper", "construct", "konstruktion", "hilfs", "hulp", "centerline", "centreline",
+    "mittellinie", "ガイド", "辅助", "參考", "参考",
+    "text", "texte", "texto", "testo", "tekst", "текст", "letter", "font", "schrift", "文字", "文本", "텍스트",
+    "label", "beschriftung", "annot", "note", "notiz", "comment", "kommentar", "info", "etiquet", "etichett",
+    "dimension", "dim", "dims", "bemas", "bemass", "masse", "cote", "cotes", "cota", "cotas", "acotad", "quote",
+    "maat", "kota", "寸法", "标注", "치수",
+    "hidden", "verdeckt", "cache", "oculto", "nascost", "invisible", "background", "hintergrund", "fond", "fondo",
+    "sfondo", "reference", "referenz", "watermark", "title block", "titleblock", "schriftfeld", "nocut", "ignore",
+    "defpoints",
+)  # fmt: skip
+"""How words for layers of guides, folds, texts, dimensions and the like begin."""
+_WHOLE = {"mark", "fold", "bend", "pli", "note", "dim", "dims", "cote", "cotes", "cota", "cotas", "quote", "masse",
+          "info", "font", "cache", "fond", "guide", "text", "texte", "texto", "letter", "label"}  # fmt: skip
+"""Those that must be the whole word, or its plural or its number: "marks", "text12"."""
+HOLE_WORDS = (
+    "hole",
+    "loch",
+    "locher",
+    "bohrung",
+    "trou",
+    "agujero",
+    "foro",
+    "fori",
+    "furo",
+    "gat",
+    "gaten",
+    "otwor",
+    "отверст",
+    "孔",
+    "穴",
+)
+REFERENCE_LINE_TYPES = (
+    "center", "centre", "hidden", "phantom", "dashdot", "divide", "axis", "axes", "mitte", "achse", "verdeckt", "strichpunkt",
+)  # fmt: skip
+"""How names of line types for centre lines and hidden edges begin in CAD programs."""
+LABELS = "labels"
+"""Names for people to read stand in a layer of this name; nothing is said about it."""
+CUT_WORDS = ("inner", "outer", "cut", "through")
+"""Words that say that a line is cut whatever stands beside them, as in "text cut"."""
+PAGE_TOLERANCE = 0.01
+"""A rectangle that misses the sheet by less than this share of its size is the sheet."""
+_REFERENCE = re.compile(r"burn:\s*[\d.]+\s*mm")
+"""What stands in the bar by which the scale of a boxes.py sheet is checked."""
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """How a drawing is read, besides what it says itself.
+
+    Parameters
+    ----------
+    only, skip : tuple of str
+        Layers, colours or names that alone are read, or that are left out.
+    join : float, optional [mm]
+        Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
+    solid : tuple of str
+        Names, or points as "@x,y", of outlines inside others that are parts, not holes; "all" for all of them.
+    stop : optional
+        Anything with `is_set()`, asked after every element and every outline.
+    """
+
+    only: tuple[str, ...] = ()
+    skip: tuple[str, ...] = ()
+    join: float | None = None
+    solid: tuple[str, ...] = ()
+    stop: Stop | None = field(default=None, compare=False)
+
+
+def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[tuple[str, Stroke], ...]]:
+    """Artwork with the strokes that are cut, and those left out, each with the reason.
+
+    Raises
+    ------
+    InputError
+        Where an option names nothing that is in the file.
+    """
+    wanted = _chosen(artwork, options)
+    reasons: list[str] = []
+    notes: list[str] = []
+    drawn = [bool(s.colour or s.fill) for s in artwork.strokes]
+    for stroke, visible in zip(artwork.strokes, drawn, strict=True):
+        reasons.append(wanted(stroke) or _usual(artwork, stroke, visible or not any(drawn)))
+    if all(reasons) and not options.only and not options.skip:
+        reasons = [reason if reason == _SILENT else "" for reason in reasons]
+        notes.append(f"{artwork.file}: everything stands in layers that are usually not cut; all of it is read")
+    if not options.only:
+        _reference_lines(artwork, reasons)
+        _sheet(artwork, reasons)
+        _reference_bar(artwork, reasons)
+        _filled(artwork, reasons, options)
+    kept = tuple(s for s, reason in zip(artwork.strokes, reasons, strict=True) if not reason)
+    out = tuple((reason, s) for s, reason in zip(artwork.strokes, reasons, strict=True) if reason and reason != _SILENT)
+    counts = Counter(reason for reason, _ in out)
+    notes += [f"{artwork.file}: left out: {_count(n)} {reason}" for reason, n in counts.items()]
+    colours = Counter(name_of(s.colour) for s in kept if s.colour and not s.hole and not s.fixed)
+    if len(colours) > 1 and not options.only and not options.skip:
+        listed = ", ".join(f"{colour} {n}" for colour, n in colours.most_common(6))
+        notes.append(f"{artwork.file}: lines of all colours are cut ({listed}); --skip COLOUR leaves one out")
+    return replace(artwork, strokes=kept, notes=(*artwork.notes, *notes)), out
+
+
+_SILENT = "labels"
+
+
+def is_engraved(word: str) -> bool:
+    """Whether a word says that something is engraved or scored.
+
+    Examples
+    --------
+    >>> is_engraved("Gravur 2"), is_engraved("lid")
+    (True, False)
+    """
+    return any(token.startswith(ENGRAVING_WORDS) for token in _tokens(word))
+
+
+def is_auxiliary_layer(word: str) -> bool:
+    """Whether a layer of this name holds what is not cut.
+
+    Examples
+    --------
+    >>> [is_auxiliary_layer(word) for word in ("Engraving", "Hilfslinien", "text-12", "文字", "textile", "cut", "Text cut")]
+    [True, True, True, True, False, False, False]
+    """
+    tokens = _tokens(word)
+    if set(tokens) & set(CUT_WORDS):
+        return False
+    phrase = " ".join(tokens)
+    return is_engraved(word) or any(
+        (token in (stem, f"{stem}s", f"{stem}n") if stem in _WHOLE else token.startswith(stem))
+        for stem in AUXILIARY_WORDS
+        for token in (*tokens, phrase)
+    )
+
+
+def is_hole_layer(word: str) -> bool:
+    """Whether outlines on a layer of this name are holes.
+
+    Examples
+    --------
+    >>> [is_hole_layer(word) for word in ("Hole_3mm", "Löcher", "whole")]
+    [True, True, False]
+    """
+    return any(token.startswith(HOLE_WORDS) for token in _tokens(word)[:1])
+
+
+def _tokens(word: str) -> list[str]:
+    """Words in small letters without accents; numbers part them."""
+    plain = unicodedata.normalize("NFKD", word.lower().replace("ß", "ss").replace("ø", "o"))
+    bare = "".join(letter for letter in plain if not unicodedata.combining(letter))
+    return re.findall(r"[^\W\d_]+", bare)
+
+
+def _words(stroke: Stroke) -> set[str]:
+    """Everything that `--only` and `--skip` may call a stroke."""
+    marks = [mark for group in stroke.groups for mark in (group.name, *group.marks)]
+    colours = [c for colour in (stroke.colour, stroke.fill) if colour for c in (colour, name_of(colour))]
+    return {
+        word.casefold()
+        for word in (stroke.layer, stroke.name, stroke.label, stroke.line_type, *stroke.marks, *marks, *colours)
+        if word
+    }
+
+
+def _chosen(artwork: Artwork, options: ReadOptions) -> Callable[[Stroke], str]:
+    """Say why the options leave a stroke out, or nothing."""
+    known: Counter[str] = Counter(word for stroke in artwork.strokes for word in _words(stroke))
+    wrong = []
+    asked: dict[str, set[str]] = {}
+    for option, names in (("only", options.only), ("skip", options.skip)):
+        found = {name.casefold() for name in names} | {colour_of(name) for name in names}
+        asked[option] = found
+        for name in names:
+            if not {name.casefold(), colour_of(name)} & set(known):
+                shown = [w for w, _ in known.most_common() if not w.startswith("#") or name_of(w) == w]
+                near = get_close_matches(name.casefold(), shown, n=3) or shown[:8]
+                wrong.append(
+                    f"{artwork.file}: --{option} {name}: no layer, colour or name is called so; there is {', '.join(near)}"
+                )
+    if wrong:
+        raise InputError(wrong)
+
+    def reason(stroke: Stroke) -> str:
+        words = _words(stroke)
+        if asked["skip"] & words:
+            return f"of {', '.join(options.skip)} (--skip)"
+        if asked["only"] and not asked["only"] & words:
+            return f"not of {', '.join(options.only)} (--only)"
+        return ""
+
+    return reason
+
+
+def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
+    """Why a stroke is not cut, by the names and colours around it, or nothing."""
+    if any(mark.lower() == LABELS for group in stroke.groups for mark in (group.name, *group.marks)):
+        return _SILENT
+    if artwork.program == "boxes.py" and stroke.colour in _BOXES_COLOURS:
+        return f"{_BOXES_COLOURS[stroke.colour]} (colour {name_of(stroke.colour)} of boxes.py); --only {name_of(stroke.colour)} reads it"
+    for group in stroke.groups:
+        for mark in dict.fromkeys((group.name, *group.marks)):
+            if mark and is_auxiliary_layer(mark):
+                return f'in "{mark}", by its name not cut; --only "{mark}" reads it'
+    for mark in (stroke.label, stroke.name, *stroke.marks):
+        if mark and is_engraved(mark):
+            return f'called "{mark}", by its name not cut'
+    return "" if visible else "without line or fill"
+
+
+_BOXES_COLOURS = {"#ff0000": "annotations", "#00ff00": "etching", "#00ffff": "deep etching"}
+"""What boxes.py draws in these colours."""
+
+
+def _reference_lines(artwork: Artwork, reasons: list[str]) -> None:
+    """Leave out centre lines and hidden edges by their line type, where lines without gaps are there to be cut."""
+    rows = [i for i, reason in enumerate(reasons) if not reason]
+    if all(artwork.strokes[i].line_type for i in rows):
+        return
+    for i in rows:
+        name = artwork.strokes[i].line_type
+        if name and _tokens(name) and _tokens(name)[0].startswith(REFERENCE_LINE_TYPES):
+            reasons[i] = f'drawn with line type "{name}", not cut; --only "{name}" reads it'
+
+
+def _sheet(artwork: Artwork, reasons: list[str]) -> None:
+    """Leave out a rectangle as large as the sheet that is no line to cut."""
+    if artwork.view is None:
+        return
+    x, y, width, height = artwork.view
+    others = [s for s, reason in zip(artwork.strokes, reasons, strict=True) if not reason]
+    for i, stroke in enumerate(artwork.strokes):
+        if reasons[i] or len(others) < 2 or stroke.fixed or stroke.label or len(stroke.paths) != 1:
+            continue
+        if stroke.colour and stroke.colour != stroke.fill and not is_light(stroke.colour):
+            continue
+        points = np.array(trace(stroke.paths[0], 2))
+        low, high = np.array([points.real.min(), points.imag.min()]), np.array([points.real.max(), points.imag.max()])
+        slack = PAGE_TOLERANCE * np.array([width, height])
+        covers = bool(
+            (low <= np.array([x, y]) + slack).all() and (high >= np.array([x + width, y + height]) - slack).all()
+        )
+        box = shapely.Polygon(np.column_stack([points.real, points.imag])) if len(points) > 3 else shapely.Polygon()
+        square = box.is_valid and box.area > (1 - 1e-6) * float(np.prod(high - low))
+        lined = any(other.colour for other in others if other is not stroke)
+        if covers and square and (not stroke.fill or is_light(stroke.fill) or lined):
+            reasons[i] = "rectangle as large as the page, a background"
+
+
+def _reference_bar(artwork: Artwork, reasons: list[str]) -> None:
+    """Leave out the bar by which the scale of a boxes.py sheet is checked."""
+    for lettering in artwork.texts:
+        if not _REFERENCE.search(lettering.text):
+            continue
+        point = shapely.Point(lettering.at.real, lettering.at.imag)
+        for i, stroke in enumerate(artwork.strokes):
+            if reasons[i] or len(stroke.paths) != 1 or len(stroke.paths[0].segments) > 4:
+                continue
+            points = np.array(trace(stroke.paths[0], 2))
+            box = shapely.box(points.real.min(), points.imag.min(), points.real.max(), points.imag.max())
+            if shapely.intersects(box, point):
+                reasons[i] = "reference bar of boxes.py"
+                break
+
+
+def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
+    """Leave out what is filled without a line inside outlines that are lines without a fill."""
+    rows = [i for i, reason in enumerate(reasons) if not reason]
+    lines = [i for i in rows if artwork.strokes[i].colour and not artwork.strokes[i].fill]
+    fills = [
+        i
+        for i in rows
+        if artwork.strokes[i].fill and not artwork.strokes[i].colour and not artwork.strokes[i].fixed
+        and not _called(artwork.strokes[i], options)
+    ]  # fmt: skip
+    if not lines or not fills:
+        return
+    boxes = [_box(artwork.strokes[i]) for i in lines]
+    tree = shapely.STRtree(boxes)
+    for i in fills:
+        inner = _box(artwork.strokes[i])
+        if any(boxes[k].area > inner.area for k in tree.query(inner, predicate="covered_by").tolist()):
+            reasons[i] = "filled without a line, among lines: engraving; --solid NAME|all reads it as a part"
+
+
+def _called(stroke: Stroke, options: ReadOptions) -> bool:
+    """Whether a person gave a stroke its name, or asked for it as a part."""
+    own = {stroke.label, stroke.name}
+    return bool(stroke.label) or "all" in options.solid or bool(own & set(options.solid)) or has_own_name(stroke)
+
+
+_AUTOMATIC = re.compile(
+    r"(?i)(?:path|rect|circle|ellipse|poly(?:gon|line)|line|g|use|svg|layer|group|shape|object|element|patch|arc|"
+    r"curve|compound|clone|xmlid|id|_x?)*[-_ ]*\d[-_\d]*(?:[-_]\d+)*|[0-9a-f]{8}-[0-9a-f-]+|\W*"
+)
+
+
+def has_own_name(stroke: Stroke) -> bool:
+    """Whether the id of a stroke is one that a program would not have given."""
+    return not _AUTOMATIC.fullmatch(stroke.name)
+
+
+def _box(stroke: Stroke) -> shapely.Polygon:
+    points = np.array([point for path in stroke.paths for point in trace(path, 4)] or [0j])
+    return shapely.box(points.real.min(), points.imag.min(), points.real.max(), points.imag.max())
+
+
+def _count(n: int) -> str:
+    return "1 element" if n == 1 else f"{n} elements"

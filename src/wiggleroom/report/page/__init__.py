@@ -1,0 +1,1 @@
+"""What the page reads, live and in one file."""

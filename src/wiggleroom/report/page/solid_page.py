@@ -1,0 +1,208 @@
+"""An answer in space as one HTML file: parts to turn by hand, their path, what holds them, and how sure it is."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.drawing.writers.plain_json import json_bytes
+from wiggleroom.report.page.standalone_page import hashed, shipped
+from wiggleroom.report.pictures.text import escape
+from wiggleroom.report.results.answer_words import assembly_lines, certainty, few, number, short, spatial_towards
+from wiggleroom.report.results.table import fixed
+from wiggleroom.report.solids.exploded_view import exploded_offsets
+from wiggleroom.report.solids.solid_colours import Colour, part_colours
+from wiggleroom.report.solids.spatial_path import waypoint_times, with_quaternions
+from wiggleroom.report.solids.spatial_table import (
+    check_sentence,
+    last_direction,
+    spatial_headline,
+    spatial_sentence,
+)
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+
+Floats = NDArray[np.float64]
+
+MAX_ROWS = 200
+"""Rows of a table."""
+STYLE = """
+:root { color-scheme: light dark; --ink: #1f2933; --quiet: #5b6774; --paper: #fbfaf7; --line: #d9d5cc; --accent: #a85800; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e8edf2; --quiet: #a3aeba; --paper: #161b21; --line: #39424d; --accent: #ffb04d; } }
+* { box-sizing: border-box; }
+body { margin: 0; font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); display: grid;
+  grid-template-columns: minmax(0, 1fr) minmax(300px, 26rem); height: 100vh; }
+main { display: flex; flex-direction: column; min-width: 0; min-height: 0; }
+#view { flex: 1; min-height: 240px; position: relative; overflow: hidden; }
+#view canvas { position: absolute; inset: 0; width: 100% !important; height: 100% !important; display: block; }
+.bar { display: flex; gap: 1rem; align-items: center; padding: .6rem 1rem; border-top: 1px solid var(--line); flex-wrap: wrap; }
+.bar label { display: flex; gap: .5rem; align-items: center; flex: 1 1 12rem; }
+.bar input { flex: 1; accent-color: var(--accent); min-width: 5rem; }
+button { font: inherit; color: inherit; background: none; border: 1px solid var(--quiet); border-radius: 6px;
+  padding: .25rem .9rem; cursor: pointer; }
+aside { overflow: auto; padding: 1rem 1.2rem; border-left: 1px solid var(--line); }
+h1 { font-size: 1.25rem; line-height: 1.3; margin: 0 0 .4rem; overflow-wrap: anywhere; }
+h2 { font-size: 1rem; margin: 1.2rem 0 .3rem; }
+p { margin: .2rem 0; } .quiet { color: var(--quiet); } .verdict { font-weight: 600; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: 13px; }
+th, td { text-align: right; padding: .15rem .3rem; border-bottom: 1px solid var(--line); }
+th:first-child, td:first-child { text-align: left; }
+td:first-child { overflow-wrap: anywhere; } td label { display: flex; gap: .4rem; align-items: center; }
+code { font-size: 12px; overflow-wrap: anywhere; }
+@media (max-width: 800px) { body { grid-template-columns: 1fr; height: auto; } main { height: 75vh; }
+  aside { border-left: 0; border-top: 1px solid var(--line); } }
+"""
+
+
+def page_of_spatial_answer(
+    answer: SpatialAnswer, command: str = "", colours: Sequence[Colour] | None = None, facts: Sequence[str] = ()
+) -> str:
+    """Answer as a page: orbit, the path from rest by a slider, contacts at its end; `facts` stand first."""
+    sure = [
+        *(f"<p>{escape(line)}</p>" for line in facts),
+        f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(spatial_sentence(answer))}</p>',
+        f"<p>gap {number(answer.assembly.gap)} mm; {escape(certainty(answer))}; "
+        f"deepest overlap {number(answer.deepest_overlap, 2)} mm</p>",
+    ]
+    if answer.leaves:
+        sure.append(f"<p>leaves: {escape(few(answer.leaves))}</p>")
+    if answer.turns:
+        sure.append(f"<p>turns without limit: {escape(few(answer.turns))}</p>")
+    rows = _motion_rows(answer.assembly, answer.motion)
+    held = [
+        [" | ".join(short(n) for n in c.parts), *(fixed(x, answer.assembly.size) for x in c.point), number(c.force, 3)]
+        for c in answer.contacts[:MAX_ROWS]
+    ]
+    body = "".join(sure) + _table("Motion", ("part", "dx mm", "dy mm", "dz mm", "turn °"), rows, ticks=True)
+    if held:
+        body += _table("Held by", ("contact", "x mm", "y mm", "z mm", "force"), held)
+    foot = f"{answer.solver} on {answer.model}, {answer.iterations} iterations"
+    return _page(
+        spatial_headline(answer), body, foot, command, answer.assembly, answer.waypoints, answer.contacts, colours
+    )
+
+
+def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
+    """How it comes apart as a page: which parts leave, in which order, along which path."""
+    body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(check_sentence(found))}</p>'
+    body += f"<p>gap {number(found.assembly.gap)} mm</p>"
+    rows = [
+        [f"{k + 1}. {few(e.parts)}", spatial_towards(last_direction(found, e))] for k, e in enumerate(found.escapes)
+    ]
+    if rows:
+        body += _table("Leaves", ("parts", "last in"), rows)
+    waypoints = (
+        np.concatenate([e.path for e in found.escapes])
+        if found.escapes
+        else np.zeros((1, len(found.assembly.parts), 6))
+    )
+    body += _table("Parts", ("part",), [[n] for n in found.assembly.names[:MAX_ROWS]], ticks=True)
+    title = f"{found.verdict.value} at gap {number(found.assembly.gap)} mm"
+    return _page(title, body, f"{found.questions} questions", command, found.assembly, waypoints, ())
+
+
+def page_of_spatial_assembly(assembly: SpatialAssembly) -> str:
+    """Assembly in space as a page: the parts at rest, to be turned and taken apart, and what the file asks."""
+    title, *more = assembly_lines(assembly)
+    still = np.zeros((1, len(assembly.parts), 6))
+    rows = [[part.name, "stands" if part.fixed else ""] for part in assembly.parts[:MAX_ROWS]]
+    body = "".join(f"<p>{escape(line)}</p>" for line in more) + _table("Parts", ("part", ""), rows, ticks=True)
+    return _page(title, body, "", "", assembly, still, ())
+
+
+def _motion_rows(assembly: SpatialAssembly, motion: Floats) -> list[list[str]]:
+    farthest = float(np.linalg.norm(motion[:, :3], axis=1).max(initial=0.0))
+    return [
+        [name, *(fixed(x, farthest) for x in m[:3].tolist()), f"{math.degrees(float(np.linalg.norm(m[3:]))):.3f}"]
+        for name, m in list(zip(assembly.names, motion, strict=True))[:MAX_ROWS]
+    ]
+
+
+def _table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], ticks: bool = False) -> str:
+    """Table under its heading; with `ticks` every first cell shows or hides a part."""
+    out = [f"<h2>{escape(title)}</h2><table><tr>", *(f"<th>{escape(h)}</th>" for h in heads), "</tr>"]
+    for k, row in enumerate(rows):
+        first = escape(short(row[0]))
+        if ticks:
+            first = f'<label><input type="checkbox" checked data-part="{k}">{first}</label>'
+        out.append(f"<tr><td>{first}</td>" + "".join(f"<td>{escape(cell)}</td>" for cell in row[1:]) + "</tr>")
+    return "".join([*out, "</table>"])
+
+
+def _page(
+    title: str,
+    body: str,
+    foot: str,
+    command: str,
+    assembly: SpatialAssembly,
+    waypoints: Floats,
+    contacts: Sequence[SpatialContact],
+    colours: Sequence[Colour] | None = None,
+) -> str:
+    data = json_bytes(_scene(assembly, waypoints, contacts, colours)).decode().replace("<", "\\u003c")
+    script = shipped("space-view.js")
+    policy = f"default-src 'none'; img-src data:; style-src {hashed(STYLE)}; script-src {hashed(script)}"
+    asked = f"<h2>Command</h2><p><code>{escape(command)}</code></p>" if command else ""
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}"><link rel="icon" href="data:,">'
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head>\n<body><main>"
+        '<div id="view"><noscript>This page needs JavaScript.</noscript></div>'
+        '<div class="bar"><button id="play" type="button">Play</button>'
+        '<label>path <input id="path" type="range" min="0" max="1" step="0.001" value="1"></label>'
+        '<label>exploded <input id="explode" type="range" min="0" max="1.5" step="0.01" value="0"></label></div></main>'
+        f'<aside><h1>{escape(title)}</h1>{body}{asked}<p class="quiet">{escape(foot)}</p></aside>'
+        f'<script type="application/json" id="solid">{data}</script>\n<script type="module">{script}</script></body></html>\n'
+    )
+
+
+def _scene(
+    assembly: SpatialAssembly,
+    waypoints: Floats,
+    contacts: Sequence[SpatialContact],
+    colours: Sequence[Colour] | None,
+) -> dict[str, object]:
+    """What the view shows, as data."""
+    reference = assembly.reference
+    parts = []
+    corners = []
+    shown = colours or part_colours(assembly)
+    for part, made, at, colour, aside in zip(
+        assembly.parts, assembly.made, reference, shown, exploded_offsets(assembly).tolist(), strict=True
+    ):
+        world = made.surface.vertices @ part.R.T + part.at
+        corners.append(world)
+        parts.append(
+            {
+                "name": part.name,
+                "colour": list(colour),
+                "vertices": packed(world - at, "<f4"),
+                "triangles": packed(made.surface.faces, "<u4"),
+                "reference": at.tolist(),
+                "aside": aside,
+            }
+        )
+    everything = np.vstack(corners)
+    size = float(np.ptp(everything, axis=0).max())
+    strongest = max((c.force for c in contacts), default=1.0)
+    return {
+        "parts": parts,
+        "times": waypoint_times(assembly, waypoints, size).tolist(),
+        "motions": packed(with_quaternions(waypoints), "<f4"),
+        "contacts": [
+            {"point": list(c.point), "normal": list(c.normal), "share": c.force / strongest} for c in contacts
+        ],
+        "centre": ((everything.min(axis=0) + everything.max(axis=0)) / 2).tolist(),
+        "size": size,
+    }
+
+
+def packed(values: NDArray[np.generic], kind: str) -> str:
+    """Base64 of numbers as little-endian bytes of a kind such as "<f4"."""
+    return base64.b64encode(np.ascontiguousarray(values.astype(kind)).tobytes()).decode()

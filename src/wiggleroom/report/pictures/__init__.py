@@ -1,0 +1,1 @@
+"""Still pictures as SVG text, and what they are made of."""

@@ -1,0 +1,1 @@
+"""What was found, in words, as tables and as JSON."""

@@ -1,0 +1,219 @@
+"""Whether it comes apart, as JSON (`wiggleroom.check/1`), as a page for the terminal, and as an answer that can be drawn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+from msgspec import UNSET
+
+from wiggleroom.assembly.inner_point import inner_point
+from wiggleroom.disassembly.interlock import Escape, Interlock
+from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
+from wiggleroom.drawing.model import Pull
+from wiggleroom.report.results.answer_words import few, number, towards
+from wiggleroom.report.results.search_extent import extent_text, search_entry
+from wiggleroom.report.results.table import SEPARABILITY_COLOURS
+from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
+from wiggleroom.schema.fields import PartMotion
+from wiggleroom.search.answer import Answer, witnessed
+from wiggleroom.verdict import Certainty, Separability, Verdict
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+MAX_ESCAPES = 12
+"""Escapes that the table lists."""
+MIN_MOTION = 1e-12
+"""Parts that never move further are left out of paths [mm, rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """What `check` found, with the largest gap where that was asked for."""
+
+    found: Interlock
+    border: LargestGap | None = None
+
+
+def check_result(found: Interlock, border: LargestGap | None = None, command: str = "") -> CheckResult:
+    """Everything `check --json` says; lengths in mm, angles in degrees."""
+    largest_gap = UNSET if border is None else _largest_gap(border)
+    said = msgspec.structs.asdict(_separability(found))
+    return CheckResult(
+        **said,
+        gap=found.assembly.gap,
+        largest_gap=largest_gap,
+        seconds=round(found.seconds, 4),
+        notes=list(found.assembly.drawing.notes),
+        command=command,
+    )
+
+
+def _largest_gap(border: LargestGap) -> LargestGapEntry:
+    return LargestGapEntry(
+        interlocked_at=border.holds,
+        comes_apart_at=border.parts_at,
+        interlocked=None if border.interlocked is None else _separability(border.interlocked),
+        comes_apart=None if border.apart is None else _separability(border.apart),
+    )
+
+
+def _separability(found: Interlock) -> SeparabilityEntry:
+    names = found.assembly.names
+    return SeparabilityEntry(
+        verdict=found.verdict,
+        certainty=found.certainty,
+        at_most=found.at_most,
+        escapes=[EscapeEntry(list(e.parts), _waypoints(names, e)) for e in found.escapes],
+        spins=list(found.spins),
+        remains=list(found.remains),
+        search=search_entry(found),
+    )
+
+
+def _waypoints(names: tuple[str, ...], escape: Escape) -> list[dict[str, PartMotion]]:
+    """Waypoints; each says only the parts that are not at rest anywhere on the path."""
+    moved = np.flatnonzero((np.abs(escape.path) > MIN_MOTION).any(axis=(0, 2)))
+    return [
+        {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in moved}
+        for m in escape.path
+    ]
+
+
+def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
+    """Page that `check` prints: verdict, who leaves in which order, what spins, what remains; fits into 80 columns."""
+    from rich.console import Group
+    from rich.text import Text
+
+    verdict = (found.verdict, f"bold {SEPARABILITY_COLOURS[found.verdict]}")
+    lines = [Text.assemble(verdict, f" at gap {number(found.assembly.gap)} mm: {why(found)}")]
+    for k, escape in enumerate(found.escapes[:MAX_ESCAPES]):
+        lines.append(Text(f"{k + 1:3}. {leaves(found, escape)}"))
+    if len(found.escapes) > MAX_ESCAPES:
+        lines.append(Text(f"     ... and {len(found.escapes) - MAX_ESCAPES} more"))
+    if found.escapes and len(found.remains) > 1:
+        lines.append(Text(_remains(found)))
+    if found.spins:
+        lines.append(Text(f"turns in place without limit: {few(found.spins)}"))
+    if border is not None:
+        lines.append(Text(border_sentence(border), style="bold"))
+    spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
+    searched = f", {extent_text(found)}" if found.questions or found.states > 1 else ""
+    lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
+    return Group(*lines)
+
+
+def _remains(found: Interlock) -> str:
+    """Say what stays; several fixed parts hold others, but are not interlocked with each other."""
+    fixed = {p.name for p in found.assembly.parts if p.fixed}
+    held = [name for name in found.remains if name not in fixed]
+    if len(fixed) < 2 or not held:
+        return f"remains interlocked: {few(found.remains)}"
+    return f"remains interlocked with what is fixed: {few(held)}"
+
+
+def why(found: Interlock) -> str:
+    """What the verdict rests on."""
+    if found.verdict is Separability.COMES_APART:
+        if found.certainty is Certainty.SEARCHED:
+            return "parts touch at rest; with a little gap this is a path out, every step checked for overlap"
+        return "every step of the path checked for overlap"
+    if found.tight:
+        return "parts touch at rest and lock each other to first order" + (
+            ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
+        )
+    if found.verdict is Separability.UNKNOWN:
+        return f"the search was cut short, or found no end that is certain: {extent_text(found)}"
+    if found.at_most is not None:
+        return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
+    if found.certainty is Certainty.PROVEN:
+        return "proven, free spaces are closed"
+    if found.states > 1:
+        return (
+            f"searched, nothing leaves from {found.states:,} states to which slides and turns of single parts lead, nor along "
+            f"{found.questions:,} largest motions"
+        )
+    return f"searched, no path out was found along {found.questions:,} largest motions"
+
+
+def further(distance: float) -> str:
+    """A distance in three digits, rounded up.
+
+    >>> further(0.12341)
+    '0.124'
+    """
+    unit = 10.0 ** (math.floor(math.log10(distance)) - 2)
+    return number(math.ceil(distance / unit) * unit)
+
+
+def leaves(found: Interlock, escape: Escape) -> str:
+    """Who leaves, and how."""
+    verb = "leaves" if len(escape.parts) == 1 else "leave together"
+    return f"{few(escape.parts)} {verb} {direction_text(found, escape)}"
+
+
+def check_title(found: Interlock) -> str:
+    """Verdict and gap in one line."""
+    return f"{found.verdict} at gap {number(found.assembly.gap)} mm"
+
+
+def check_facts(found: Interlock, border: LargestGap | None) -> list[str]:
+    """Facts under the title."""
+    gone = [name for escape in found.escapes for name in escape.parts]
+    said = [f"{len(found.assembly.parts)} parts", why(found)]
+    said += [f"leaves: {few(gone)}"] if gone else []
+    return said + ([border_sentence(border)] if border is not None else [])
+
+
+def check_sure(found: Interlock) -> list[tuple[str, str]]:
+    """What a verdict rests on and what it took: a word and a sentence each."""
+    return [
+        ("verdict", f"{found.verdict}: {why(found)}"),
+        ("certainty", found.certainty),
+        ("took", f"{found.seconds:.2f} seconds, {extent_text(found)}"),
+    ]
+
+
+def direction_text(found: Interlock, escape: Escape) -> str:
+    """How the parts go."""
+    if len(escape.path) == 2:
+        return f"straight in {towards(last_directions(found, escape)[0])}"
+    return f"on a path of {len(escape.path)} points, at last in {towards(last_directions(found, escape)[0])}"
+
+
+def last_directions(found: Interlock, escape: Escape) -> tuple[tuple[float, float], ...]:
+    """Unit vectors along which the parts leave at last, one a part."""
+    rows = [found.assembly.names.index(name) for name in escape.parts]
+    steps = np.diff(escape.path[:, rows], axis=0)
+    last = steps[np.hypot(steps[..., 0], steps[..., 1]).max(axis=1).argmax(), :, :2]
+    return tuple((float(x / np.hypot(x, y)), float(y / np.hypot(x, y))) for x, y in last)
+
+
+def border_sentence(border: LargestGap) -> str:
+    """Say at which gap it comes apart."""
+    if border.holds is None:
+        return "largest gap: none was found" if border.parts_at is None else "largest gap: no gap holds it together"
+    if border.parts_at is None:
+        return f"largest gap: it holds up to {number(border.holds)} mm; beyond that parts fall to pieces"
+    between = (
+        ""
+        if border.parts_at - border.holds <= RELATIVE_TOLERANCE * border.parts_at
+        else "; between them it was not decided"
+    )
+    return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm{between}"
+
+
+def as_answer(found: Interlock) -> Answer:
+    """The paths of all that leave, one after the other, as an answer that can be drawn and filmed."""
+    n = len(found.assembly.names)
+    waypoints = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
+    gone = tuple(name for e in found.escapes for name in e.parts)
+    goals = tuple(
+        Pull(e.parts[0], last_directions(found, e)[0], inner_point(found.assembly, e.parts[0])) for e in found.escapes
+    )
+    verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
+    return witnessed(found.assembly, goals, verdict, objective, waypoints, "checked", leaves=gone, turns=found.spins)

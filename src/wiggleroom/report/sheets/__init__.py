@@ -1,0 +1,1 @@
+"""Cutting sheets that were put together: JSON, tables, pictures."""

@@ -1,0 +1,1 @@
+"""Answers in space: tables, pictures, films, models."""

@@ -1,0 +1,62 @@
+"""Paths in space followed evenly: positions go straight between waypoints, turns about one constant axis."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.spatial.rotations import exponential, logarithm, quaternion
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+
+Floats = NDArray[np.float64]
+
+MAX_SHARE = 0.5
+"""A piece of the path counts no longer than this share of the size, so that parts that fly off do not use up the time."""
+
+
+def waypoint_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
+    """When each waypoint (k,) is reached, from 0 to 1, by how far corners move."""
+    reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
+    step = np.linalg.norm(np.diff(waypoints[:, :, :3], axis=0), axis=2)
+    turn = np.linalg.norm(np.diff(waypoints[:, :, 3:], axis=0), axis=2) * reach
+    length = np.minimum((step + turn).max(axis=1, initial=0.0), MAX_SHARE * size)
+    passed = np.concatenate([[0.0], np.cumsum(length)])
+    return passed / passed[-1] if passed[-1] > 0 else np.linspace(0, 1, len(passed))
+
+
+def along_path(assembly: SpatialAssembly, waypoints: Floats, shares: Floats) -> Floats:
+    """Motions (m, n, 6) [mm, rad] after some shares (m,) of a path (k, n, 6); its first and last point as they are."""
+    if len(waypoints) == 1:
+        return np.repeat(waypoints, len(shares), axis=0)
+    times = waypoint_times(assembly, waypoints, assembly.size)
+    found = np.empty((len(shares), *waypoints.shape[1:]))
+    for k, t in enumerate(shares.tolist()):
+        i = int(np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2))
+        span = times[i + 1] - times[i]
+        share = float((t - times[i]) / span) if span > 0 else 1.0
+        if share in (0.0, 1.0):
+            found[k] = waypoints[i + int(share)]
+        else:
+            found[k] = between_motions(waypoints[i], waypoints[i + 1], share)
+    return found
+
+
+def between_motions(one: Floats, other: Floats, share: float) -> Floats:
+    """Motions (n, 6) between two.
+
+    >>> half = between_motions(np.zeros((1, 6)), np.array([[2.0, 0, 0, 0, 0, 1]]), 0.5)
+    >>> half.round(12).tolist()
+    [[1.0, 0.0, 0.0, 0.0, 0.0, 0.5]]
+    """
+    R0, R1 = exponential(one[:, 3:]), exponential(other[:, 3:])
+    turn = logarithm(np.einsum("nji,njk->nik", R0, R1))
+    out = np.empty_like(one)
+    out[:, :3] = one[:, :3] + share * (other[:, :3] - one[:, :3])
+    out[:, 3:] = logarithm(np.einsum("nij,njk->nik", R0, exponential(share * turn)))
+    return out
+
+
+def with_quaternions(motions: Floats) -> Floats:
+    """Motions (..., 7) with quaternions x, y, z, w in place of the rotation vectors of (..., 6)."""
+    q = quaternion(exponential(motions[..., 3:]))
+    return np.concatenate([motions[..., :3], q[..., 1:], q[..., :1]], axis=-1)

@@ -1,0 +1,1 @@
+"""Whether parts overlap at a pose or on a path; shares nothing with the program."""

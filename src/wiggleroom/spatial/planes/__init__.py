@@ -1,0 +1,1 @@
+"""The program over bodies and separating planes, and its interior-point method."""

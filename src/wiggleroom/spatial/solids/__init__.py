@@ -1,0 +1,1 @@
+"""Solids as drawn and as made: files, gaps, convex pieces."""

@@ -1,0 +1,194 @@
+"""Read a mesh from a file: closed, outward, in millimetres; small faults are mended and said."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError
+from wiggleroom.spatial.solids.solid_boolean import is_sound, solid_of, surface_of, union_of, volume_of
+from wiggleroom.spatial.solids.spatial_model import Surface
+from wiggleroom.spatial.solids.step_file import step_bodies
+
+ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
+OWN_UNIT = {".glb": 1000.0, ".3mf": None}
+"""Millimetres to a unit of the formats that say their own; 3MF says it in the file."""
+UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+STEP = (".step", ".stp")
+"""Read by the extra `step`, in the file's own unit."""
+LARGEST_FILE = 100_000_000
+"""Larger files are refused [bytes]."""
+LARGEST_UNPACKED = 400_000_000
+"""And so are archives that hold more [bytes]."""
+MAX_FACES = 200_000
+"""And meshes of more faces."""
+MERGED = 1e-6
+"""Corners nearer than this share of the size are one."""
+OPEN_SHARE = 0.02
+"""Largest share of the edges that may lie at tiny holes that are closed."""
+
+
+def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[str]]:
+    """Closed surface [mm] of a mesh file, or of one body of it, and notes about what was mended.
+
+    Parameters
+    ----------
+    path : Path
+    unit : float [mm]
+        One unit of formats that say none: STL, OBJ, PLY.
+    body : str
+        Name of a body of a file with several.
+
+    Raises
+    ------
+    InputError
+        If there is no such file or body, or the mesh encloses no volume.
+    """
+    ending = path.suffix.lower()
+    if ending not in (*ENDINGS, *STEP):
+        message = f"{path.name}: no mesh format that is read; it must be one of {', '.join((*ENDINGS, *STEP))}"
+        raise InputError(message)
+    _check_size(path, ending)
+    name = f"{path.name}#{body}" if body else path.name
+    if ending in STEP:
+        corners, triangles, flattened = _chosen(path.name, step_bodies(path), body)
+        surface, mended = _closed(name, corners, triangles)
+        return surface, ([f"{name}: curved faces are flattened to {flattened:.3g} mm"] if flattened else []) + mended
+    bodies, scale = _bodies(path, ending)
+    mesh = _chosen(path.name, bodies, body)
+    factor = unit if ending not in OWN_UNIT else OWN_UNIT[ending] or scale
+    return _closed(name, np.asarray(mesh.vertices, dtype=float) * factor, np.asarray(mesh.faces, dtype=np.int64))
+
+
+def _check_size(path: Path, ending: str) -> None:
+    try:
+        size = path.stat().st_size
+    except OSError:
+        message = f"{path.name}: there is no such file beside the assembly file; put the mesh there"
+        raise InputError(message) from None
+    if not path.is_file():
+        message = f"{path.name}: is not a file; give the name of a mesh file"
+        raise InputError(message)
+    if size == 0:
+        message = f"{path.name}: is empty; a mesh is needed"
+        raise InputError(message)
+    if size > LARGEST_FILE:
+        message = f"{path.name}: has {size / 1e6:.0f} MB; at most {LARGEST_FILE / 1e6:.0f} MB are read"
+        raise InputError(message)
+    if ending == ".3mf":
+        try:
+            with zipfile.ZipFile(path) as archive:
+                unpacked = sum(entry.file_size for entry in archive.infolist())
+        except (zipfile.BadZipFile, OSError):
+            message = f"{path.name}: is not a 3MF archive; save it again"
+            raise InputError(message) from None
+        if unpacked > LARGEST_UNPACKED:
+            message = (
+                f"{path.name}: unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_UNPACKED / 1e6:.0f} MB are read"
+            )
+            raise InputError(message)
+
+
+def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
+    """Meshes of a file by name, placed as the file places them, and the file's unit [mm]."""
+    import trimesh
+
+    try:
+        scene = trimesh.load_scene(path, file_type=ending[1:], process=False)
+    except Exception as problem:  # the library raises whatever its readers raise
+        reason = " ".join(str(problem).split())[:80] or type(problem).__name__
+        message = f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again"
+        raise InputError(message) from None
+    found: dict[str, Any] = {}
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
+            continue
+        label = str(name)
+        while label in found:
+            label = f"{label}'"
+        found[label] = mesh.copy().apply_transform(transform)
+    if not found:
+        message = f"{path.name}: has no faces; a closed mesh is needed"
+        raise InputError(message)
+    return found, UNITS_3MF.get(str(scene.units or "millimeter").rstrip("s"), 1.0)
+
+
+def _chosen(file: str, bodies: dict[str, Any], body: str) -> Any:
+    names = ", ".join(f'"{name}"' for name in list(bodies)[:8])
+    if body:
+        if body not in bodies:
+            message = f'{file}: there is no body "{body}"; the bodies are {names}'
+            raise InputError(message)
+        return bodies[body]
+    if len(bodies) > 1:
+        message = f'{file}: has {len(bodies)} bodies; name one as "{file}#NAME": {names}'
+        raise InputError(message)
+    return next(iter(bodies.values()))
+
+
+def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[Surface, list[str]]:
+    """Merge corners, drop faces without area, close tiny holes, turn the surface outward; refuse what is left open."""
+    import trimesh
+
+    if not np.isfinite(vertices).all():
+        message = f"{name}: has coordinates that are no numbers; save it again"
+        raise InputError(message)
+    if len(faces) > MAX_FACES:
+        message = f"{name}: has {len(faces)} faces; at most {MAX_FACES} are worked with, so make it coarser"
+        raise InputError(message)
+    size = float(np.ptp(vertices[np.unique(faces)], axis=0).max()) if len(faces) else 0.0
+    if not 1e-6 < size < 1e9:
+        message = f"{name}: is {size:.3g} mm large; it must be between 1e-6 and 1e9 mm"
+        raise InputError(message)
+    notes = []
+    keys = np.round(vertices / (MERGED * size)).astype(np.int64)
+    _, first, merged = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    faces, vertices = merged.ravel()[faces], vertices[first]
+    a, b, c = faces.T
+    whole = faces[(a != b) & (b != c) & (c != a)]
+    ring = np.sort(whole, axis=1)
+    _, once = np.unique(ring, axis=0, return_index=True)
+    if len(once) < len(whole):
+        notes.append(f"{name}: {len(whole) - len(once)} faces were there twice; each is taken once")
+    mesh = trimesh.Trimesh(vertices, whole[np.sort(once)], process=False)
+    open_edges = len(trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1))
+    if open_edges:
+        closed = open_edges <= max(4, OPEN_SHARE * len(mesh.edges_unique)) and mesh.fill_holes()
+        if not closed:
+            message = f"{name}: is not closed: {open_edges} edges belong to one face only; close the mesh"
+            raise InputError(message)
+        notes.append(f"{name}: holes with {open_edges} open edges were closed")
+    if not mesh.is_winding_consistent:
+        trimesh.repair.fix_winding(mesh)
+        notes.append(f"{name}: faces looked different ways; they all look outward now")
+    if mesh.is_watertight and volume_of(Surface(mesh.vertices, mesh.faces)) < 0:
+        mesh.invert()
+        notes.append(f"{name}: all faces looked inward; they look outward now")
+    surface = Surface(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64))
+    solid = solid_of(surface)
+    if not is_sound(solid) or solid.volume() <= 1e-12 * size**3:
+        message = f"{name}: does not enclose a volume: its surface crosses itself or is folded; mend the mesh"
+        raise InputError(message)
+    whole_solid, said = _united(name, solid)
+    return surface_of(whole_solid), notes + said
+
+
+def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
+    """One solid of closed surfaces that overlap or share faces, and notes about it; unchanged where some of them are hollows."""
+    shells = solid.decompose()
+    if len(shells) < 2 or min(shell.volume() for shell in shells) <= 0:
+        return solid, []
+    whole = union_of(shells)
+    left = len(whole.decompose())
+    notes = []
+    if left < len(shells):
+        notes.append(f"{name}: {len(shells)} closed surfaces overlap or touch; the part is their union")
+    if left > 1:
+        notes.append(f"{name}: has {left} pieces that share no face; they move as one")
+    return whole, notes

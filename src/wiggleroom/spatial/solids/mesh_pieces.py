@@ -1,0 +1,196 @@
+"""Meshes: faces moved inward by half the gap, and exact convex pieces by cuts along faces at reflex edges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from wiggleroom.spatial.solids.convex import ConvexPiece, convex_piece
+from wiggleroom.spatial.solids.face_triangulation import triangulated_anew
+from wiggleroom.spatial.solids.solid_boolean import centroid_of, is_sound, solid_of, surface_of, union_of
+from wiggleroom.spatial.solids.spatial_model import MadeSolid, Surface
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FLAT = 1e-7
+"""Faces whose normals differ by less and that share an edge lie in one plane [rad]."""
+CONVEX = 1e-9
+"""A piece whose hull has no more than this share of additional volume is convex."""
+INEXACT = 1e-7
+"""Share of the volume by which all pieces together may miss a mesh: cuts of curved faces of many triangles leave films behind."""
+SPLIT = 1e-9
+"""Where the volumes of both sides of a cut miss that of the piece by more than this share of the whole, the cut went wrong."""
+FILM = 1e-7
+"""A piece thinner than this share of its length is made so thick: its faces would be rounding."""
+HOLLOW = 1e-9
+"""A surface inside a solid that encloses more than this share of its volume is the wall of a hollow."""
+OFF_PLANE = 1e-6
+"""A moved corner may miss its planes by this share of the displacement."""
+MAX_PIECES = 2000
+"""A mesh that needs more pieces is refused."""
+CANDIDATES = 10
+"""Number of cuts that are compared each time; more where none of them is of use."""
+
+
+def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
+    """A mesh with every face moved inward by gap / 2 [mm], in convex pieces; and what is wrong with it."""
+    volume, centroid = centroid_of(drawn)
+    surface, wrong = (drawn, "") if gap == 0 else _moved_inward(drawn, gap / 2)
+    if surface is None:
+        return None, [f"{wrong} at gap {gap:g}: draw the gap into the mesh and ask with gap 0"]
+    pieces = convex_pieces(solid_of(surface))
+    if pieces is None:
+        return None, ["cannot be cut into convex pieces exactly: a mesh of fewer, flat faces would do"]
+    return MadeSolid(tuple(pieces), surface, volume, centroid), []
+
+
+def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
+    """Unit normals (f, 3) and offsets (f,) [mm] of the planes of all faces, and the plane of each face."""
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    normal = cross / np.maximum(area, 1e-300)[:, None]
+    sides = np.sort(np.vstack([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]]), axis=1)
+    face = np.tile(np.arange(len(surface.faces)), 3)
+    order = np.lexsort(sides.T)
+    pairs = face[order].reshape(-1, 2)
+    flat = np.linalg.norm(normal[pairs[:, 0]] - normal[pairs[:, 1]], axis=1) < FLAT
+    links = sp.coo_matrix((np.ones(flat.sum()), pairs[flat].T), shape=(len(area), len(area)))
+    count, label = connected_components(links, directed=False)
+    total = np.zeros((count, 3))
+    np.add.at(total, label, cross)
+    unit = total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
+    level = np.full(count, -np.inf)
+    np.maximum.at(level, label, np.einsum("ij,ij->i", unit[label], a))
+    return unit, level, label
+
+
+def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
+    """The surface with every plane moved inward (outward where negative); None and the reason where corners cannot follow."""
+    normal, level, label = face_planes(drawn)
+    hull_volume = solid_of(drawn).hull().volume()
+    if hull_volume - centroid_of(drawn)[0] <= CONVEX * hull_volume:
+        return _convex_inward(normal, level, inward)
+    vertices = drawn.vertices.copy()
+    touch = [set() for _ in vertices]  # type: list[set[int]]
+    for face, plane in zip(drawn.faces.tolist(), label.tolist(), strict=True):
+        for v in face:
+            touch[v].add(plane)
+    for v, planes in enumerate(touch):
+        N = normal[sorted(planes)]
+        shift = np.linalg.lstsq(N, np.full(len(N), -inward), rcond=1e-9)[0]
+        if np.abs(N @ shift + inward).max() > OFF_PLANE * abs(inward):
+            x, y, z = drawn.vertices[v]
+            return (
+                None,
+                f"the {len(N)} faces at ({x:g}, {y:g}, {z:g}) cannot all move inward and still meet in one corner",
+            )
+        vertices[v] += shift
+    moved = triangulated_anew(Surface(vertices, drawn.faces), normal, label)
+    if moved is None:
+        return None, "faces are used up and the moved ones cross each other"
+    solid, before = solid_of(moved), solid_of(drawn)
+    more, less = (solid, before) if inward > 0 else (before, solid)
+    outside = (more - less).volume() if is_sound(solid) else np.inf
+    if outside > 1e-9 * before.volume():
+        return None, "faces are used up and the moved ones cross each other"
+    return surface_of(solid), ""
+
+
+def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surface | None, str]:
+    """A convex solid: what is behind all planes once they have moved."""
+    from scipy.optimize import linprog
+    from scipy.spatial import HalfspaceIntersection
+
+    rows = np.column_stack([normal, np.ones(len(normal))])
+    deepest = linprog([0, 0, 0, -1], A_ub=rows, b_ub=level - inward, bounds=[(None, None)] * 3 + [(0, None)])
+    if deepest.status != 0 or deepest.x[3] <= 0:
+        return None, "vanishes"
+    cut = HalfspaceIntersection(np.column_stack([normal, inward - level]), deepest.x[:3])
+    import manifold3d
+
+    return surface_of(manifold3d.Manifold.hull_points(cut.intersections)), ""
+
+
+def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
+    """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
+
+    Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
+    """
+    todo = _lumps(solid)
+    whole, hulls = solid.volume(), []
+    while todo:
+        part = todo.pop()
+        if part.volume() <= 1e-12 * whole:
+            continue
+        hull = part.hull()
+        if hull.volume() - part.volume() <= CONVEX * hull.volume():
+            hulls.append(hull)
+        else:
+            cuts = _cuts(surface_of(part))
+            best, enough = np.inf, hull.volume() * (1 - CONVEX)
+            halves: list[Any] = []
+            for k, (n0, n1, n2, offset) in enumerate(cuts.tolist()):
+                if k >= CANDIDATES and halves:
+                    break
+                both = [h for half in part.split_by_plane((n0, n1, n2), offset) for h in _lumps(half)]
+                hollow = sum(h.hull().volume() for h in both)
+                useful = len(both) > 1 or hollow < enough  # also where only a film without a volume falls off
+                sound = abs(sum(h.volume() for h in both) - part.volume()) <= SPLIT * whole
+                if useful and sound and both and hollow < best:
+                    best, halves = hollow, both
+            if not halves:
+                hulls.append(hull)
+            todo += halves
+        if len(hulls) + len(todo) > MAX_PIECES:
+            return None
+    together = union_of(hulls)
+    if (together - solid).volume() + (solid - together).volume() > INEXACT * whole:
+        return None
+    return [convex_piece(_thick(surface_of(hull).vertices)) for hull in hulls]
+
+
+def _lumps(solid: Any) -> list[Any]:
+    """Pieces of a solid that do not hang together; one with hollows inside stays whole."""
+    shells = [(shell, shell.volume()) for shell in solid.decompose()]
+    if min((volume for _, volume in shells), default=0.0) < -HOLLOW * solid.volume():
+        return [solid]
+    return [shell for shell, volume in shells if volume > 0]
+
+
+def _thick(corners: Floats) -> Floats:
+    """Corners of a film (k, 3) moved apart on both sides, others as they are."""
+    axes, length = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[:0:-1]
+    thin = axes[length < FILM * length[0]]
+    for axis in thin:
+        corners = np.vstack([corners - FILM * length[0] * axis, corners + FILM * length[0] * axis])
+    return corners
+
+
+def _cuts(surface: Surface) -> Floats:
+    """Planes (k, 4), unit normal and offset, of faces at reflex edges and at folds, those with the longest such edges first."""
+    normal, level, label = face_planes(surface)
+    faces = surface.faces
+    sides = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    face = np.tile(np.arange(len(faces)), 3)
+    order = np.lexsort(np.sort(sides, axis=1).T)
+    pair, side = face[order].reshape(-1, 2), sides[order][::2]
+    one, other = label[pair[:, 0]], label[pair[:, 1]]
+    along = surface.vertices[side[:, 1]] - surface.vertices[side[:, 0]]
+    bend = np.einsum("ij,ij->i", np.cross(normal[one], normal[other]), along)
+    length = np.linalg.norm(along, axis=1)
+    folded = (
+        np.einsum("ij,ij->i", normal[one], normal[other]) < FLAT - 1
+    )  # a cut beside it left a fin without thickness
+    reflex = (bend < -FLAT * length) | folded
+    gain = np.zeros(len(normal))
+    for who in (one, other):
+        np.add.at(gain, who[reflex], length[reflex])
+    best = np.argsort(-gain, kind="stable")
+    best = best[gain[best] > 0]
+    return np.column_stack([normal[best], level[best]])

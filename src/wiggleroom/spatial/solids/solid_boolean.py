@@ -1,0 +1,86 @@
+"""Booleans of solids by the library manifold3d."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import require_extra
+from wiggleroom.spatial.solids.spatial_model import Surface
+
+Floats = NDArray[np.float64]
+
+
+def require_solid_library() -> None:
+    """Check that the libraries for solids are installed.
+
+    Raises
+    ------
+    MissingExtraError
+        If they are not.
+    """
+    require_extra("solid", "assemblies in space need trimesh and manifold3d", "trimesh", "manifold3d")
+
+
+def solid_of(surface: Surface) -> Any:
+    """Solid of the library from a closed surface; `status()` tells whether it is one."""
+    import manifold3d
+
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.ascontiguousarray(surface.vertices),
+        tri_verts=np.ascontiguousarray(surface.faces, dtype=np.uint64),
+    )
+    return manifold3d.Manifold(mesh)
+
+
+def surface_of(solid: Any) -> Surface:
+    """Surface of a solid of the library."""
+    mesh = solid.to_mesh64()
+    vertices = np.array(mesh.vert_properties, dtype=float)[:, :3]
+    return Surface(np.ascontiguousarray(vertices), np.array(mesh.tri_verts, dtype=np.int64))
+
+
+def union_of(solids: Sequence[Any]) -> Any:
+    """Union of solids."""
+    import manifold3d
+
+    return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
+
+
+def behind_planes(normals: Floats, levels: Floats, far: float) -> Any | None:
+    """Solid of the library behind planes (k, 3), (k,) [mm], at most `far` [mm] from the origin along the axes; None where there is none."""
+    import manifold3d
+
+    solid = manifold3d.Manifold.cube((2 * far, 2 * far, 2 * far), center=True)
+    for normal, level in zip(normals, levels.tolist(), strict=True):
+        solid = solid.trim_by_plane(tuple((-normal).tolist()), -level)
+    return solid if solid.volume() > 0 else None
+
+
+def is_sound(solid: Any) -> bool:
+    """True for a closed, oriented solid with a volume."""
+    import manifold3d
+
+    return solid.status() == manifold3d.Error.NoError and not solid.is_empty()
+
+
+def centroid_of(surface: Surface) -> tuple[float, Floats]:
+    """Volume [mm3] and centroid (3,) [mm] inside a closed surface, by tetrahedra from its middle."""
+    middle, corners, six = _tetrahedra(surface)
+    volume = float(six.sum()) / 6
+    return volume, middle + (six[:, None] * corners.sum(axis=0)).sum(axis=0) / (24 * volume)
+
+
+def volume_of(surface: Surface) -> float:
+    """Volume [mm3] inside a closed surface; negative where its faces look inward."""
+    return float(_tetrahedra(surface)[2].sum()) / 6
+
+
+def _tetrahedra(surface: Surface) -> tuple[Floats, Floats, Floats]:
+    """Middle (3,) of a surface, corners (3, f, 3) of its faces from there, and six times the volume (f,) of the tetrahedra between."""
+    middle = surface.vertices.mean(axis=0)
+    corners = np.array([surface.vertices[surface.faces[:, k]] - middle for k in range(3)])
+    return middle, corners, np.einsum("ij,ij->i", corners[0], np.cross(corners[1], corners[2]))

@@ -1,0 +1,115 @@
+"""From a spatial drawing to an assembly: gap applied, roles set, everything checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from wiggleroom.assembly.statements import unknown
+from wiggleroom.drawing.writers.glue_groups import glued_names
+from wiggleroom.errors import InputError
+from wiggleroom.spatial.solids.joint_gap_solid import patched_solids, with_joint_gaps
+from wiggleroom.spatial.solids.made_solids import made_solid
+from wiggleroom.spatial.solids.spatial_file import read_spatial
+from wiggleroom.spatial.solids.spatial_model import MadeSolid, SpatialAssembly, SpatialDrawing, SpatialGoal, Weight
+
+
+def assemble_spatial(
+    drawing: SpatialDrawing,
+    *,
+    gap: float | None = None,
+    fix: Sequence[str] = (),
+    goals: Sequence[SpatialGoal] = (),
+    inward: Mapping[str, float] | None = None,
+) -> SpatialAssembly:
+    """Parts as they are made, with their roles.
+
+    Parameters
+    ----------
+    drawing : SpatialDrawing [mm]
+    gap : float, optional [mm]
+        In place of the drawing's.
+    fix : sequence of names
+        Parts that stand, besides those the drawing fixes.
+    goals : sequence of SpatialPull, SpatialTurn or Weight
+        In place of the drawing's, where there are any.
+    inward : mapping of names to float, optional [mm]
+        How much further in than the gap says all faces of a part lie; negative: further out.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong, one line each.
+    """
+    names = {p.name: None for p in drawing.parts}
+    wrong = [f"fix: {unknown(name, names)}" for name in fix if name not in names]
+    used_gap = drawing.gap if gap is None else gap
+    if not 0 <= used_gap < np.inf:
+        message = f"gap is {used_gap:g}: it must be 0 or more"
+        raise InputError(message)
+    parts = tuple(replace(p, fixed=p.fixed or p.name in fix) for p in drawing.parts)
+    used = replace(drawing, parts=parts, gap=used_gap, goals=tuple(goals) or drawing.goals)
+    wrong += goal_findings(used, used.goals) + _joint_findings(used)
+    patched, findings = ({}, []) if wrong else patched_solids(used)
+    wrong += [f"{drawing.source or 'assembly'}: {line}" for line in findings]
+    made: list[MadeSolid] = []
+    known: dict[tuple[int, str, float, float], MadeSolid] = {}
+    for part in parts:
+        further = (inward or {}).get(part.name, 0.0)
+        own = patched.get(part.name)
+        key = (id(part.solid), part.name if own else "", part.offset, further)
+        if key not in known:
+            found, findings = made_solid(part, used_gap, further)
+            if found is not None and own is not None:
+                found, findings = with_joint_gaps(part, found, own, used_gap, further)
+            wrong += [f'{drawing.source or "assembly"}: part "{part.name}" {line}' for line in findings]
+            if found is None:
+                continue
+            known[key] = found
+        made.append(known[key])
+    if wrong:
+        raise InputError(wrong)
+    return SpatialAssembly(used, tuple(made))
+
+
+def _joint_findings(drawing: SpatialDrawing) -> list[str]:
+    """What is wrong with gaps of single joints: unknown parts, sizes that make no sense."""
+    names = {p.name: None for p in drawing.parts}
+    found = [f"gaps: {unknown(name, names)}" for joint in drawing.gaps for name in joint.parts if name not in names]
+    for joint in drawing.gaps:
+        if joint.parts[0] == joint.parts[1]:
+            found.append(f'gaps: "{joint.parts[0]}" is named twice: a joint lies between two parts')
+        if not 0 <= joint.gap < np.inf:
+            found.append(f"gap of {joint.parts[0]} and {joint.parts[1]} is {joint.gap:g}: it must be 0 or more")
+    return found
+
+
+def goal_findings(drawing: SpatialDrawing, goals: Sequence[SpatialGoal]) -> list[str]:
+    """What is wrong with goals: unknown parts, parts that stand, numbers that make no sense."""
+    names = {p.name: None for p in drawing.parts}
+    still = {p.name for p in drawing.parts if p.fixed}
+    for group in glued_names(drawing.glue):
+        if still & set(group):
+            still |= set(group)
+    found = []
+    for goal in goals:
+        vector = goal.axis if hasattr(goal, "axis") else goal.direction
+        if not (np.isfinite(vector).all() and np.any(vector)):
+            found.append(f"pull: direction {vector} must be finite and not all zero")
+        if isinstance(goal, Weight):
+            continue
+        if goal.part not in names:
+            found.append(f"pull: {unknown(goal.part, names)}")
+        elif goal.part in still:
+            found.append(f'"{goal.part}" cannot be moved, for it is fixed: fix it or move it, not both')
+    return found
+
+
+def read_spatial_assembly(
+    path: str | Path, gap: float | None = None, fix: Sequence[str] = (), goals: Sequence[SpatialGoal] = ()
+) -> SpatialAssembly:
+    """Assembly of a file of format wiggleroom/2; see `wiggleroom.read`."""
+    return assemble_spatial(read_spatial(path), gap=gap, fix=fix, goals=goals)
