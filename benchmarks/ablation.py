@@ -21,7 +21,7 @@ from tests.oracle.blocks import JOINTS
 from tests.oracle.chain import GAPS
 
 import wiggleroom as wr
-from benchmarks.attack.families import draw
+from benchmarks.attack.families import MEASURED_FAMILIES, draw
 from benchmarks.chains import chain
 from wiggleroom import flex_walls, maximise
 from wiggleroom.search import global_search, moves
@@ -49,7 +49,7 @@ def without(left_out: Move) -> Iterator[None]:
 def problems(first: int, count: int) -> Iterator[tuple[str, wr.Assembly]]:
     """Families of `attack`, each by its name and number, and chains."""
     for number in range(first, first + count):
-        family, made = draw(number)
+        family, made = draw(number, MEASURED_FAMILIES)
         if made is None:
             continue
         assembly = read(json.dumps(made))
