@@ -213,10 +213,15 @@ def test_an_option_of_reading_drawings_is_refused_in_space(options: dict[str, An
         wr.read(JOINT, **options)
 
 
-@pytest.mark.parametrize("question", [wr.flex, wr.check, wr.sweep, wr.largest_gap, wr.allowable_gap, wr.rank])
+@pytest.mark.parametrize("question", [wr.flex, wr.check, wr.sweep, wr.largest_gap, wr.allowable_gap])
 def test_a_misspelt_option_is_refused_in_space(question: Callable[..., Any]) -> None:
     with pytest.raises(TypeError, match="secnds"):
         question(wr.read(JOINT), secnds=1.0)
+
+
+def test_a_misspelt_option_of_rank_is_refused_in_space() -> None:
+    with pytest.raises(TypeError, match="secnds"):
+        wr.rank(wr.read(JOINT), wr.Pull("rail", (0, 0, 1)), secnds=1.0)
 
 
 def test_a_check_in_space_ends_when_its_time_is_over() -> None:
