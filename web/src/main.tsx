@@ -14,7 +14,7 @@ import { listen } from "./keys.ts";
 import { Panel } from "./panels/Panel.tsx";
 import { inSpace } from "./design.ts";
 import { start } from "./session.ts";
-import { assembled } from "./sheet.ts";
+import { assembled } from "./sheetState.ts";
 import { isDark } from "./stage/colours.ts";
 import { Beside } from "./stage/Beside.tsx";
 import { SheetStage } from "./stage/SheetStage.tsx";

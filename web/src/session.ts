@@ -10,7 +10,7 @@ import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
-import { assembled, forgetSheet, laid, ofSheet } from "./sheet.ts";
+import { assembled, forgetSheet, laid, ofSheet } from "./sheetState.ts";
 import * as state from "./state.ts";
 
 let socket: Socket | null = null;
@@ -266,7 +266,7 @@ function take(reply: Reply, paths: Frames[]): void {
     case "prove": return proved(about(reply));
     case "bound": return bounded(about(reply));
     case "assembled": assembled.value = reply; if (ofSheet(state.trouble.value)) state.findings.value = []; return;
-    case "lay": return laid(reply);
+    case "lay": laid.value = reply; return;
     case "saved": return download(reply);
     case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }

@@ -1,47 +1,14 @@
-/** A cutting sheet that is put together: what was found, what was clicked as hints, and what is asked of the server. */
+/** A cutting sheet that is put together: hints are given by clicks, and the server is asked anew. */
 
-import { computed, signal } from "@preact/signals";
-import type { Assembled, LayReply, PlateHint, Point, SheetHints, SheetPanel } from "./protocol.ts";
+import { computed, effect, untracked } from "@preact/signals";
+import type { Point, SheetHints, SheetPanel } from "./protocol.ts";
 import { toBase64 } from "./protocol.ts";
 import { download } from "./save.ts";
 import { ask, openAs } from "./session.ts";
+import { assembled, burn, hints, laid, past, picked, poses, thickness, tool, type Picked, type Tool } from "./sheetState.ts";
 import { drawing, notice } from "./state.ts";
 
-/** What the next click on the sheet says. */
-export type Tool = "join" | "flush" | "lay" | "body" | "skip";
-
-const NONE: SheetHints = { join: [], flush: [], groups: [], plate: [], skip: [] };
-
-/** Requests about sheets. */
-export const ofSheet = (kind: string): boolean => kind === "assemble" || kind === "lay";
-
-export const thickness = signal(3);
-/** By how much outlines are drawn larger; null: as the sheet says. */
-export const burn = signal<number | null>(null);
-export const hints = signal<SheetHints>(NONE);
-const past = signal<SheetHints[]>([]);
-export const assembled = signal<Assembled | null>(null);
-export const tool = signal<Tool>("join");
-/** Edges, or points of panels, that were pressed for the hint that is being made. */
-export const picked = signal<readonly Picked[]>([]);
-export interface Picked { panel: string; edge: string; at: Point }
-/** Poses of the panel that was laid last, and which one is taken. */
-export const poses = signal<{ plates: PlateHint[]; taken: number } | null>(null);
-export const chosen = signal<string | null>(null);
-
-export const panels = computed(() => new Map((assembled.value?.panels ?? []).map((panel) => [panel.name, panel])));
-export const count = computed(() => Object.values(hints.value).reduce((sum, rows) => sum + rows.length, 0));
-export const canUndo = computed(() => past.value.length > 0);
-
-/** Forgets what was of the drawing before. */
-export function forgetSheet(): void {
-  hints.value = NONE;
-  past.value = [];
-  assembled.value = null;
-  picked.value = [];
-  poses.value = null;
-  chosen.value = null;
-}
+export * from "./sheetState.ts";
 
 const request = () => ({ thickness: thickness.peek(), ...(burn.peek() !== null && { burn: burn.peek() }), hints: hints.peek() });
 
@@ -109,10 +76,12 @@ export function layOn(a: Picked, b: Picked): void {
   ask("lay", { ...request(), hints: { ...hints.peek(), plate: others }, panel: a.panel, at: a.at, onto: b.panel, there: b.at });
 }
 
-export function laid(reply: LayReply): void {
+effect(() => {
+  const reply = laid.value;
+  if (!reply) return;
   poses.value = { plates: reply.poses, taken: 0 };
-  take(0);
-}
+  untracked(() => take(0));
+});
 
 /** Takes one of the poses the panel that was laid last. */
 export function take(which: number): void {

@@ -3,7 +3,7 @@
 import { asks, design, goals, inSpace } from "../design.ts";
 import { factor, shown } from "../motion.ts";
 import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, notice, running, selected, tab, unsure } from "../state.ts";
-import { assembled } from "../sheet.ts";
+import { assembled } from "../sheetState.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";

@@ -3,7 +3,7 @@
 import { computed } from "@preact/signals";
 import { inSpace } from "../design.ts";
 import type { ComponentType } from "preact";
-import { ofSheet } from "../sheet.ts";
+import { ofSheet } from "../sheetState.ts";
 import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab, trouble } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
