@@ -26,7 +26,7 @@ from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress, silent
 from wiggleroom.solve import solver_named
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +216,7 @@ def witness(
         )
     except StoppedError:
         rest = np.zeros((1, len(its.parts), 3))
-        none = witnessed(its, asked, Verdict.STOPPED, 0.0, rest, "checked")
+        none = witnessed(its, asked, Verdict.STOPPED, 0.0, rest, PathState.CHECKED)
         return replace(none, model=wanted.name, solver=solver, seconds={"total": time.perf_counter() - began})
     if isinstance(ready, Approximation):
         if search:

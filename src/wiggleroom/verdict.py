@@ -38,6 +38,22 @@ _SENTENCES = {
 }
 
 
+class PathState(StrEnum):
+    """Whether no two parts overlap anywhere on the path from rest."""
+
+    CHECKED = "checked"
+    NOT_CHECKED = "not checked"
+
+    @classmethod
+    def of(cls, free: bool) -> PathState:
+        """`CHECKED` where the whole path was judged and is free.
+
+        >>> PathState.of(False)
+        <PathState.NOT_CHECKED: 'not checked'>
+        """
+        return cls.CHECKED if free else cls.NOT_CHECKED
+
+
 class Separability(StrEnum):
     """Whether parts can be moved without limit away from the others."""
 

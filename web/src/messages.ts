@@ -324,7 +324,7 @@ export interface FlexReply {
   turns: string[]; // names of parts
   contacts: ContactEntry[]; // the strongest first
   collision_free: boolean;
-  path: string;
+  path: "checked" | "not checked";
   seconds: number;
   command: string; // the command that answers the same
   settled: boolean; // false where a fuller answer is to come

@@ -32,7 +32,7 @@ from wiggleroom.schema.requests import (
     WiggleRequest,
 )
 from wiggleroom.search.answer import Answer, witnessed
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_live import SpatialLive
@@ -217,7 +217,7 @@ def quick(assembly: Assembly, goals: tuple[Goal, ...], result: LiveResult) -> An
         Verdict.UNBOUNDED if result.objective is None else Verdict.STOPPED,
         result.objective,
         result.motion[None],
-        "not checked",
+        PathState.NOT_CHECKED,
         contacts=result.contacts,
         seconds={"total": result.seconds},
         leaves=result.leaves,

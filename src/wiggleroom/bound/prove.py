@@ -24,6 +24,7 @@ from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.prepare import Survey, survey
 from wiggleroom.search.progress import Progress
+from wiggleroom.verdict import PathState
 
 Ints = NDArray[np.int64]
 
@@ -131,7 +132,7 @@ def prove(
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
         return _not_proven(answer, clock, "no bound was found in the time given")
-    if most < witness and answer.path == "checked":
+    if most < witness and answer.path == PathState.CHECKED:
         wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
         raise WiggleroomError(wrong)
     if answer.at_most is not None and answer.at_most < most and not certify:

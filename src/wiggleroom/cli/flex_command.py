@@ -9,6 +9,7 @@ from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import Outputs, command_line, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
 from wiggleroom.cli.sheet_options import SheetOptions
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.freespace.models.pair_models import PairModel
@@ -128,7 +129,7 @@ def flex(
 
         write_whole(arrays, npz(answer))
         note(f"arrays: {arrays}")
-    return 3 if answer.verdict == "stopped" else 0
+    return 3 if answer.verdict is Verdict.STOPPED else 0
 
 
 def _answer(

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from wiggleroom.cli.options import RESULTS, QuestionOptions, read
 from wiggleroom.cli.outputs import FilmOutputs, command_line, tell
 from wiggleroom.cli.running import TimeLimit
+from wiggleroom.verdict import Separability
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), FilmOutputs(), TimeLimit()
 
@@ -105,4 +106,4 @@ def plan(
 
         count = write_stills(found, stills, command=command)
         note(f"pictures: {count} in {stills}")
-    return 3 if found.verdict == "unknown" else 0
+    return 3 if found.verdict is Separability.UNKNOWN else 0

@@ -31,7 +31,7 @@ from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import unlimited
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, survey
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -153,7 +153,7 @@ def answer_from(
         motion=waypoints[-1],
         waypoints=waypoints,
         contacts=(),
-        path="checked" if free else "not checked",
+        path=PathState.of(free),
         collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
         deepest_overlap=deepest,
         model=ready.model.name,

@@ -38,7 +38,7 @@ from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.prepare import Prepared, Survey
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress
-from wiggleroom.verdict import Certainty, Separability
+from wiggleroom.verdict import Certainty, PathState, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -300,7 +300,7 @@ def _from_tilt(
             break
         answer = answer_or_none(ready, (Turn(name, sense),), None, stop)
         asked += 1
-        if answer is None or answer.path != "checked":
+        if answer is None or answer.path != PathState.CHECKED:
             continue
         path = of_bodies(moved, ready.bodies, answer.waypoints)
         out = escape_path(ready, ground, group, path, EXIT_TESTS, stop)

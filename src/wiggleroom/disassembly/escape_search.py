@@ -20,7 +20,7 @@ from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.search.progress import Progress
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -111,7 +111,7 @@ def search_for_escape(
             questions += 1
             tell(Progress("search", questions))
             answer = answer_or_none(ready, goals, start, stop)
-            if answer is None or answer.path != "checked":
+            if answer is None or answer.path != PathState.CHECKED:
                 unanswered += 1
                 continue
             unanswered += answer.verdict is Verdict.STOPPED
@@ -135,7 +135,7 @@ def escape_by_goals(
     answer: Answer | None = None
     for goals in asked:
         answer = answer_or_none(ready, goals, answer, stop)
-        if answer is None or answer.path != "checked":
+        if answer is None or answer.path != PathState.CHECKED:
             return None
     if answer is None:
         return None

@@ -28,7 +28,7 @@ from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.maximise import witness
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress, silent
-from wiggleroom.verdict import Certainty, Separability, Tightness
+from wiggleroom.verdict import Certainty, PathState, Separability, Tightness
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -288,7 +288,7 @@ def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]
         if name in found or (stop is not None and stop.is_set()):
             continue
         answer = witness(ready, Turn(name), stop=stop)
-        if answer.path == "checked":
+        if answer.path == PathState.CHECKED:
             found |= set(answer.turns)
     return tuple(n for n in names if n in found)
 

@@ -132,7 +132,7 @@ def largest_gap_over(
                 verdict = look(made)
             except TouchingError:
                 return "unknown"
-            if verdict.verdict == "unknown":
+            if verdict.verdict is Separability.UNKNOWN:
                 go_on(stop)  # a check that was cut short says nothing about its gap
             tried[gap] = verdict
         found = tried[gap]

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
+from wiggleroom.verdict import PathState
+
 Point = tuple[float, float]
 Place = Annotated[tuple[float, ...], Meta(min_length=2, max_length=3)]
 """A point or a direction, of two numbers in the plane and of three in space."""
@@ -25,9 +27,7 @@ AtMost = Annotated[
 ]
 Command = Annotated[str, Meta(description="the command that answers the same")]
 Notes = Annotated[list[str], Meta(description="what was assumed or left out when the file was read, one line each")]
-PathState = Annotated[
-    Literal["checked", "not checked"], Meta(description="whether no two parts overlap anywhere on the path from rest")
-]
+PathChecked = Annotated[PathState, Meta(description="whether no two parts overlap anywhere on the path from rest")]
 Seconds = Annotated[float, Meta(description="[s]")]
 StageSeconds = Annotated[dict[str, float], Meta(description="time by stage, and in total [s]")]
 LeavingParts = Annotated[list[str], Meta(description="parts that move away without limit; of unbounded answers")]

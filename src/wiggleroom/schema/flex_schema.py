@@ -17,7 +17,7 @@ from wiggleroom.schema.fields import (
     Notes,
     Objective,
     PartMotion,
-    PathState,
+    PathChecked,
     Rounds,
     Seconds,
     StageSeconds,
@@ -72,7 +72,7 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     parts: Annotated[dict[str, PartMotion], Meta(description="motion of every part by its name")]
     collision_free: CollisionFree
     deepest_overlap: Mm
-    path: PathState
+    path: PathChecked
     contacts: list[ContactEntry]
     model: Annotated[str, Meta(description="what stands for the free space of a pair: walls, hull or halfplane")]
     solver: str

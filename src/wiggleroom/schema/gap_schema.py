@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import AtMost, Command, InSpace, Mm, Objective, PathState, Percent
+from wiggleroom.schema.fields import AtMost, Command, InSpace, Mm, Objective, PathChecked, Percent
 from wiggleroom.verdict import Certainty, Verdict
 
 
@@ -21,7 +21,7 @@ class GapTrial(Struct, kw_only=True):
     overlap: Annotated[float | UnsetType | None, Meta(description="deepest overlap at rest [mm]; of fits")] = UNSET
     at_most: AtMost
     verdict: Annotated[str, Meta(description="that of the motion or the check; fits or overlaps")]
-    path: PathState
+    path: PathChecked
 
 
 class GapResult(Struct, tag_field="format", tag="wiggleroom.gap/1", kw_only=True):
@@ -68,7 +68,7 @@ class CornerEntry(Struct, kw_only=True):
     objective: Objective
     at_most: AtMost
     verdict: Verdict
-    path: PathState
+    path: PathChecked
 
 
 class TolerancesResult(Struct, tag_field="format", tag="wiggleroom.tolerances/1", kw_only=True):

@@ -31,7 +31,7 @@ from wiggleroom.schema.study_replies import (
     StudyReply,
     SweepReply,
 )
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 
 class UploadLimits(Struct):
@@ -126,7 +126,7 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     turns: Names
     contacts: Annotated[list[ContactEntry], Meta(description="the strongest first")]
     collision_free: bool
-    path: str
+    path: PathState
     seconds: float
     command: Command
     settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True

@@ -18,7 +18,7 @@ from wiggleroom.schema.fields import (
     Names,
     Notes,
     Objective,
-    PathState,
+    PathChecked,
     Remains,
     Rounds,
     Seconds,
@@ -51,7 +51,7 @@ class SpatialFlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_
     parts: Annotated[dict[str, SpatialMotion], Meta(description="motion of every part by its name")]
     collision_free: CollisionFree
     deepest_overlap: Mm
-    path: PathState
+    path: PathChecked
     contacts: list[ContactEntry]
     model: Annotated[str, Meta(description="what keeps two parts apart: planes between their pieces")]
     solver: str

@@ -7,7 +7,7 @@ from typing import Annotated
 import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import Command, InSpace, Mm, Notes, Objective, Pair, PathState, Percent
+from wiggleroom.schema.fields import Command, InSpace, Mm, Notes, Objective, Pair, PathChecked, Percent
 from wiggleroom.verdict import Verdict
 
 
@@ -84,7 +84,7 @@ class SweepEntry(Struct):
     gap: Mm
     objective: Objective
     verdict: Verdict
-    path: PathState
+    path: PathChecked
     at_most: Annotated[
         float | UnsetType | None,
         Meta(description="a value that no motion exceeds at this gap; where it was asked to be proven"),

@@ -13,7 +13,7 @@ from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.global_search import SearchEffort
 from wiggleroom.search.incumbent import Incumbent
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 PROVEN_WITHIN = 1.001
 """An answer is proven where no motion is worth more than this multiple of it."""
@@ -128,7 +128,7 @@ class Answer(Drawable):
     motion: NDArray[np.float64]
     waypoints: NDArray[np.float64]
     contacts: tuple[Contact, ...]
-    path: str
+    path: PathState
     collision_free: bool
     deepest_overlap: float
     model: str
@@ -150,7 +150,7 @@ def with_bound(answer: Answer, bound: Bound) -> Answer:
     """The answer with a bound, its verdict `proven` where that is near enough."""
     value, most = answer.objective, bound.at_most
     near = value is not None and most is not None and 0 < value <= most <= PROVEN_WITHIN * value
-    verdict = Verdict.PROVEN if near and answer.verdict.ends and answer.path == "checked" else answer.verdict
+    verdict = Verdict.PROVEN if near and answer.verdict.ends and answer.path == PathState.CHECKED else answer.verdict
     return replace(answer, at_most=most, bound=bound, verdict=verdict)
 
 
@@ -160,7 +160,7 @@ def witnessed(
     verdict: Verdict,
     objective: float | None,
     waypoints: NDArray[np.float64],
-    path: str,
+    path: PathState,
     **more: Any,
 ) -> Answer:
     """Return an answer for a motion, the last of `waypoints` (k, n, 3), that is free of overlap without a search of its own."""

@@ -24,7 +24,7 @@ from wiggleroom.search.periodic_motion import PeriodicMotion
 from wiggleroom.search.progress import Progress
 from wiggleroom.search.recession import recession_direction, turns_for_ever
 from wiggleroom.solve.kkt_conditions import conditions
-from wiggleroom.verdict import SolverStatus, Verdict
+from wiggleroom.verdict import PathState, SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def answer_of(
         motion=waypoints[-1],
         waypoints=waypoints,
         contacts=held,
-        path="checked" if checked.certain or repeats is not None else "not checked",
+        path=PathState.of(checked.certain > 0 or repeats is not None),
         collision_free=deepest <= safe,
         deepest_overlap=deepest,
         model="walls",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ Found = TypeVar("Found", bound=FoundMotion)
 
 def is_checked(answer: FoundMotion) -> bool:
     """True where the path from rest to the end of the motion was checked."""
-    return answer.path == "checked" and answer.collision_free
+    return answer.path == PathState.CHECKED and answer.collision_free
 
 
 def endless(answer: FoundMotion) -> InputError:

@@ -56,6 +56,7 @@ from wiggleroom.sensitivity.perturbation import (
 )
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
+from wiggleroom.verdict import PathState
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -281,7 +282,11 @@ def _continued(smaller: Answer, ready: Prepared, goals: tuple[Goal, ...], stop: 
 
 def _larger(one: Answer, other: Answer) -> Answer:
     """The answer with the larger motion, of which that of the second is checked; the first where nothing can go on from the second."""
-    if one.objective is None or other.path != "checked" or (other.objective is not None and not can_be_ranked(other)):
+    if (
+        one.objective is None
+        or other.path != PathState.CHECKED
+        or (other.objective is not None and not can_be_ranked(other))
+    ):
         return one
     return other if other.objective is None or other.objective > one.objective else one
 

@@ -26,7 +26,7 @@ from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.rank import Ranking, rank
-from wiggleroom.verdict import Certainty, Verdict
+from wiggleroom.verdict import Certainty, PathState, Verdict
 
 PROOF_SECONDS = 20.0
 """Time that the proof of a limit may take [s]."""
@@ -92,7 +92,9 @@ class WorstCase(Drawable):
         most, found = self.loosest.at_most, self.loosest.objective
         if self.limit is not None and most is not None and most <= self.limit:
             return Certainty.PROVEN
-        broken = self.limit is not None and (found is None or found > self.limit) and self.loosest.path == "checked"
+        broken = (
+            self.limit is not None and (found is None or found > self.limit) and self.loosest.path == PathState.CHECKED
+        )
         return Certainty.PROVEN if broken else Certainty.SEARCHED
 
     @property

@@ -23,7 +23,7 @@ from wiggleroom.search.answer import PROVEN_WITHIN
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def with_cross_section_bound(answer: SpatialAnswer, stop: Stop | None = None) ->
     seconds = answer.seconds | {"bound": spent, "total": answer.seconds["total"] + spent}
     if most is None or not value <= most <= MAX_BOUND_RATIO * value:
         return replace(answer, seconds=seconds)
-    near = most <= PROVEN_WITHIN * value and answer.path == "checked"
+    near = most <= PROVEN_WITHIN * value and answer.path == PathState.CHECKED
     return replace(answer, at_most=most, seconds=seconds, verdict=Verdict.PROVEN if near else answer.verdict)
 
 

@@ -13,7 +13,7 @@ from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePr
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_bodies import Grouping
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class SpatialAnswer(Drawable):
     motion: NDArray[np.float64]
     waypoints: NDArray[np.float64]
     contacts: tuple[SpatialContact, ...]
-    path: str
+    path: PathState
     collision_free: bool
     deepest_overlap: float
     solver: str

@@ -22,7 +22,7 @@ from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial,
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts
 from wiggleroom.spatial.turning_in_place import turn_in_place
-from wiggleroom.verdict import SolverStatus, Verdict
+from wiggleroom.verdict import PathState, SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -82,7 +82,7 @@ def flex_spatial(
     value = None if verdict is Verdict.UNBOUNDED else climb.value(done)
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
-        path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
+        path=PathState.of(whole or bool(done.leaving)), collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip

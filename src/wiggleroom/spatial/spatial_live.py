@@ -24,7 +24,7 @@ from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
-from wiggleroom.verdict import SolverStatus
+from wiggleroom.verdict import PathState, SolverStatus
 
 Floats = NDArray[np.float64]
 
@@ -142,7 +142,7 @@ class SpatialLive:
         """
         answer = with_cross_section_bound(flex_spatial(self.ready, tuple(goals), stop=stop, progress=progress), stop)
         go_on(stop)
-        if answer.path == "checked" and answer.collision_free:
+        if answer.path == PathState.CHECKED and answer.collision_free:
             self._end = (self.ready, tuple(goals), answer.motion)
         return answer
 

@@ -40,6 +40,7 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
+from wiggleroom.verdict import PathState
 
 
 def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
@@ -104,7 +105,7 @@ def page_of_sweep(found: Sweep, *, command: str = "") -> str:
         value = float("nan") if s.objective is None else float(s.objective)
         rate = value / s.gap if s.gap > 0 else float("nan")
         most = [float("nan") if s.at_most is None else s.at_most] if has_band(found) else []
-        rows.append([float(s.gap), value, *most, rate, str(s.verdict), "checked" if s.checked else "not checked"])
+        rows.append([float(s.gap), value, *most, rate, str(s.verdict), PathState.of(s.checked)])
     band = ["at most"] if has_band(found) else []
     heads = ["gap mm", f"motion {what}".rstrip(), *band, "per mm of gap", "verdict", "path"]
     sure = [

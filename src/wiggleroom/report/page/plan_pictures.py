@@ -31,7 +31,7 @@ from wiggleroom.report.results.plan_results import (
 from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.schema.study_replies import CheckReply, Title
 from wiggleroom.search.answer import witnessed
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 SECONDS_PER_STEP, MAX_SECONDS = 0.8, 20.0
 """Time of each step in the film of a plan, and of the whole film at most [s]."""
@@ -105,7 +105,7 @@ def still(found: Plan, k: int, *, command: str = "") -> str:
     shown = _within(path, begin.size) if step.leaves else path
     answer = witnessed(
         begin, tuple(_arrow(begin, step, name, found) for name in step.parts), Verdict.STATIONARY,
-        0.0, shown, "checked", command=command,
+        0.0, shown, PathState.CHECKED, command=command,
     )  # fmt: skip
     title = f"step {k + 1} of {len(found.steps)}: {step_sentence(step)}"
     said = [f"hold: {', '.join(step.all_held)}"] if step.all_held else []

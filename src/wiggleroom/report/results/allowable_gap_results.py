@@ -12,7 +12,7 @@ from wiggleroom.report.results.json_results import dimension
 from wiggleroom.report.results.table import columns
 from wiggleroom.schema.gap_schema import GapResult, GapTrial
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
-from wiggleroom.verdict import Certainty
+from wiggleroom.verdict import Certainty, PathState
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -46,7 +46,7 @@ def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None
                 overlap=t.value if fits else UNSET,
                 at_most=t.at_most,
                 verdict=str(t.verdict),
-                path="checked" if t.checked else "not checked",
+                path=PathState.of(t.checked),
             )
             for t in found.trials
         ],

@@ -10,7 +10,7 @@ import numpy as np
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
 from wiggleroom.spatial.solids.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
@@ -271,7 +271,9 @@ def certainty(answer: Answer | SpatialAnswer) -> str:
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
     return (
-        "no overlap, path from rest checked" if answer.path == "checked" else "no overlap, path from rest not checked"
+        "no overlap, path from rest checked"
+        if answer.path == PathState.CHECKED
+        else "no overlap, path from rest not checked"
     )
 
 

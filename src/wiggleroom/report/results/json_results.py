@@ -37,7 +37,7 @@ def flex_result(answer: Answer) -> FlexResult:
         parts=_motions(answer, answer.motion, set(answer.assembly.names)),
         collision_free=bool(answer.collision_free),
         deepest_overlap=float(answer.deepest_overlap),
-        path=answer.path,  # type: ignore[arg-type]
+        path=answer.path,
         contacts=[contact_entry(c) for c in answer.contacts],
         model=answer.model,
         solver=answer.solver,

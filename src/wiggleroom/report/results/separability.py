@@ -20,7 +20,7 @@ from wiggleroom.report.results.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.search.answer import Answer, witnessed
-from wiggleroom.verdict import Certainty, Separability, Verdict
+from wiggleroom.verdict import Certainty, PathState, Separability, Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -216,4 +216,6 @@ def as_answer(found: Interlock) -> Answer:
         Pull(e.parts[0], last_directions(found, e)[0], inner_point(found.assembly, e.parts[0])) for e in found.escapes
     )
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
-    return witnessed(found.assembly, goals, verdict, objective, waypoints, "checked", leaves=gone, turns=found.spins)
+    return witnessed(
+        found.assembly, goals, verdict, objective, waypoints, PathState.CHECKED, leaves=gone, turns=found.spins
+    )

@@ -25,7 +25,7 @@ from wiggleroom.schema.study_schema import (
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -117,7 +117,7 @@ def sweep_result(found: Sweep, command: str = "") -> SweepResult:
                 s.gap,
                 s.objective,
                 s.verdict,
-                "checked" if s.checked else "not checked",
+                PathState.of(s.checked),
                 s.at_most if proven else UNSET,
             )
             for s in found.steps

@@ -22,6 +22,7 @@ from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+from wiggleroom.verdict import PathState
 
 
 def csv_of(
@@ -157,7 +158,7 @@ def _draws(found: Sample) -> list[tuple[Any, ...]]:
 
 
 def _trials(found: AllowableGap) -> list[tuple[Any, ...]]:
-    return [(t.gap, t.value, t.at_most, t.verdict, "checked" if t.checked else "not checked") for t in found.trials]
+    return [(t.gap, t.value, t.at_most, t.verdict, PathState.of(t.checked)) for t in found.trials]
 
 
 def _contributions(found: WorstCase) -> list[tuple[Any, ...]]:

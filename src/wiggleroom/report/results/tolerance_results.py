@@ -55,7 +55,7 @@ def _corner(answer: Answer) -> CornerEntry:
         objective=answer.objective,
         at_most=answer.at_most,
         verdict=answer.verdict,
-        path=answer.path,  # type: ignore[arg-type]
+        path=answer.path,
     )
 
 

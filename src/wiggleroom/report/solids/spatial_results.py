@@ -36,7 +36,7 @@ def spatial_flex_result(answer: SpatialAnswer) -> SpatialFlexResult:
         parts={n: _motion(m) for n, m in zip(answer.assembly.names, answer.motion, strict=True)},
         collision_free=bool(answer.collision_free),
         deepest_overlap=float(answer.deepest_overlap),
-        path=answer.path,  # type: ignore[arg-type]
+        path=answer.path,
         contacts=[ContactEntry(c.parts, c.point, c.normal, c.force) for c in answer.contacts],
         model=answer.model,
         solver=answer.solver,
