@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -16,6 +17,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
+from wiggleroom.report.results.answer_words import searched
 from wiggleroom.report.results.json_results import flex_result
 from wiggleroom.search.incumbent import start_at_rest
 from wiggleroom.search.prepare import prepare_as_drawn
@@ -157,3 +159,10 @@ def test_an_answer_in_the_assemblys_own_frame_starts_the_next_question():
     first = ready.flex()
     again = ready.flex(start=first)
     assert again.objective == pytest.approx(first.objective, abs=1e-6 * unit)
+
+
+def test_only_what_is_not_proven_may_have_a_better_optimum() -> None:
+    answer = wr.flex(wr.patterns.chain(2, joint="tee"), search=0)
+    assert "a better local optimum" in searched(replace(answer, verdict=Verdict.OPTIMAL))
+    for verdict in (Verdict.PROVEN, Verdict.UNBOUNDED):
+        assert searched(replace(answer, verdict=verdict)) == "from rest only"

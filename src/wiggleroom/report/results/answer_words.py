@@ -15,7 +15,6 @@ from wiggleroom.verdict import PathState, Verdict
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.search.answer import Answer, Contact
-    from wiggleroom.search.global_search import SearchEffort
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
@@ -230,14 +229,22 @@ def bound_sentence(answer: Answer) -> str:
     return between + near + spent + (f"; no nearer one: {bound.why}" if bound is not None and bound.why else "")
 
 
-def searched(effort: SearchEffort | None) -> str:
+def searched(answer: Answer | SpatialAnswer) -> str:
     """Say how many starts were made, how many ended at the value reported, and the best value but one."""
+    effort = answer.search
     if effort is None:
-        return "from rest only; a better local optimum may remain unfound"
+        largest = answer.verdict in (Verdict.PROVEN, Verdict.UNBOUNDED)
+        return "from rest only" if largest else "from rest only; a better local optimum may remain unfound"
     if effort.starts == 1:
         return "1 start"
     ends = f"{effort.starts} starts, {effort.at_value} ended at this value"
     return ends if effort.next_best is None else f"{ends}; the best of the others at {number(effort.next_best, 4)}"
+
+
+def solved(answer: Answer | SpatialAnswer) -> str:
+    """Say which solver answered, on which model, and what it took."""
+    rounds = f"{answer.rounds} round{'s' * (answer.rounds != 1)}"
+    return f"{answer.solver} on {answer.model}, {rounds}, {answer.iterations} iteration{'s' * (answer.iterations != 1)}"
 
 
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:
@@ -255,8 +262,8 @@ def sure_rows(answer: Answer | SpatialAnswer, verdict: str, bound: str) -> list[
         ("verdict", f"{answer.verdict.value}: {verdict}"),
         ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
         ("at most", bound),
-        ("search", searched(answer.search)),
-        ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
+        ("search", searched(answer)),
+        ("solved", solved(answer)),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
     ]
 

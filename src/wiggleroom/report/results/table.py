@@ -17,6 +17,7 @@ from wiggleroom.report.results.answer_words import (
     proven,
     searched,
     short,
+    solved,
     verdict_sentence,
 )
 from wiggleroom.verdict import Separability, Verdict
@@ -113,9 +114,9 @@ def _sure(answer: Answer) -> list[str]:
         most = [f"truth:    {proven(answer)}, a quick bound; --prove 0.01 brings it nearer"]
     return [
         *most,
-        *([f"search:   {searched(answer.search)}"] if answer.search is not None else []),
+        *([f"search:   {searched(answer)}"] if answer.search is not None else []),
         f"checked:  {certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm",
-        f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
+        f"solved:   {solved(answer)}",
         *([f"seconds:  {spent}"] if spent else []),
     ]
 

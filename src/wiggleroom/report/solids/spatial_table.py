@@ -14,6 +14,7 @@ from wiggleroom.report.results.answer_words import (
     rounded_up,
     searched,
     short,
+    solved,
     spatial_goal_text,
     spatial_towards,
     unit,
@@ -109,9 +110,9 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     most = [] if answer.at_most is None else [f"at most:  {spatial_bound_sentence(answer)}"]
     sure = [
         *most,
-        *([f"search:   {searched(answer.search)}"] if answer.objective is not None else []),
+        *([f"search:   {searched(answer)}"] if answer.objective is not None else []),
         f"checked:  {certainty(answer)}; {overlap}",
-        f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
+        f"solved:   {solved(answer)}",
         f"seconds:  {spent}",
     ]
     return Group(*page, *[Text(line) for line in sure])
