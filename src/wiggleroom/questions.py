@@ -469,7 +469,7 @@ def _in_space(question: Any) -> bool:
 
 
 def _study(question: Any, goals: AnyGoal | Sequence[AnyGoal] | None) -> Any:
-    """What a study asks: an assembly of the plane itself, of space its model."""
+    """What a study asks: an assembly of the plane itself, of space its study."""
     if not _in_space(question):
         return question
     from wiggleroom.spatial.spatial_study import SpatialStudy, spatial_study_of

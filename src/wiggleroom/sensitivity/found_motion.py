@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError
+from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, StoppedError, TouchingError
 from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]
@@ -60,8 +60,8 @@ class FoundMotion(Protocol):
         """Where every part is at its end."""
 
     @property
-    def path(self) -> str:
-        """Whether the whole path is free: "checked" or "not checked"."""
+    def path(self) -> PathState:
+        """Whether the whole path is free."""
 
     @property
     def collision_free(self) -> bool:
@@ -78,6 +78,17 @@ Found = TypeVar("Found", bound=FoundMotion)
 def is_checked(answer: FoundMotion) -> bool:
     """True where the path from rest to the end of the motion was checked."""
     return answer.path == PathState.CHECKED and answer.collision_free
+
+
+def verdict_of(error: InputError | StoppedError) -> Verdict:
+    """What is said of a gap at which there is no answer: parts overlap or touch, it was not decided, or they cannot be made.
+
+    >>> verdict_of(OverlapError("a and b overlap"))
+    <Verdict.TOUCHING: 'touching'>
+    """
+    if isinstance(error, OverlapError | TouchingError):
+        return Verdict.TOUCHING
+    return Verdict.STOPPED if isinstance(error, FreeSpaceError | StoppedError) else Verdict.NOT_MAKEABLE
 
 
 def endless(answer: FoundMotion) -> InputError:

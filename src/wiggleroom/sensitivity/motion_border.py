@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Generic
 
 from wiggleroom.deadline import Deadline
-from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, StoppedError, TouchingError
+from wiggleroom.errors import FreeSpaceError, InputError, StoppedError, TouchingError
 from wiggleroom.search.progress import Progress
-from wiggleroom.sensitivity.found_motion import Found, is_checked
+from wiggleroom.sensitivity.found_motion import Found, is_checked, verdict_of
 from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.verdict import Certainty, Verdict
@@ -204,16 +204,12 @@ class MotionBorder(Generic[Found]):
     def _solved(self, gap: float, search: int | None) -> Trial:
         try:
             made = self.study.at_gap(gap)
-        except OverlapError:
-            return Trial(gap, None, Verdict.TOUCHING, False)
-        except InputError:
-            return Trial(gap, None, Verdict.NOT_MAKEABLE, False)
+        except InputError as why:
+            return Trial(gap, None, verdict_of(why), False)
         try:
             answer = made.flexed(search, self.deadline, self.progress)
-        except (StoppedError, FreeSpaceError):
-            return Trial(gap, None, Verdict.STOPPED, False)
-        except TouchingError:
-            return Trial(gap, None, Verdict.TOUCHING, False)
+        except (StoppedError, FreeSpaceError, TouchingError) as why:
+            return Trial(gap, None, verdict_of(why), False)
         value = math.inf if answer.objective is None else answer.objective
         trial = Trial(gap, value, answer.verdict, is_checked(answer), answer.at_most, answer)
         smaller = [t for t in self.trials.values() if t.gap < gap and t.checked and t.value is not None]

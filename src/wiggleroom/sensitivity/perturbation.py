@@ -19,7 +19,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, Stop, TouchingError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.maximise import witness
@@ -32,7 +32,7 @@ from wiggleroom.search.incumbent import Incumbent, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.sensitivity.found_motion import endless
+from wiggleroom.sensitivity.found_motion import endless, verdict_of
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -204,12 +204,8 @@ def perturbed_objective_anew(
     look = searched_answer if search else witness
     try:
         answer = look(varied(assembly, inward), goals)
-    except (OverlapError, TouchingError):
-        return PerturbedObjective(np.nan, Verdict.TOUCHING)
-    except FreeSpaceError:
-        return PerturbedObjective(np.nan, Verdict.STOPPED)
-    except InputError:
-        return PerturbedObjective(np.nan, Verdict.NOT_MAKEABLE)
+    except InputError as why:
+        return PerturbedObjective(np.nan, verdict_of(why))
     if answer.objective is None:
         return PerturbedObjective(np.inf, Verdict.UNBOUNDED)
     return PerturbedObjective(answer.objective, answer.verdict)

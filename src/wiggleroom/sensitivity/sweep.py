@@ -16,8 +16,8 @@ from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, Stop, StoppedError, TouchingError
-from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, is_checked
+from wiggleroom.errors import FreeSpaceError, InputError, Stop, StoppedError, TouchingError
+from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, is_checked, verdict_of
 from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.solve.dual_linear_program import need_highs
@@ -131,15 +131,13 @@ def sweep(
         need_highs()
     asked = given_goals(goals, assembly.goals)
     wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
-    if prove is None:
-        return sweep_over(PlanarStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
 
     def told(done: int, total: int) -> None:
         if progress is not None:
-            progress(done, 2 * total)
+            progress(done, total if prove is None else 2 * total)
 
     found = sweep_over(PlanarStudy(assembly, asked), gaps, wrong, stop=stop, progress=told, each=each)
-    return _with_band(found, prove, seconds, stop, progress)
+    return found if prove is None else _with_band(found, prove, seconds, stop, progress)
 
 
 def _with_band(
@@ -236,17 +234,13 @@ def _step(
     """One gap, from the answer of a smaller one where there is one; and what the next gap may start from."""
     try:
         made = study.at_gap(gap)
-    except OverlapError:
-        return SweepStep(gap, None, Verdict.TOUCHING, False), last
-    except InputError:
-        return SweepStep(gap, None, Verdict.NOT_MAKEABLE, False), last
+    except InputError as why:
+        return SweepStep(gap, None, verdict_of(why), False), last
     try:
         smaller = None if last is None else (last.study, last.answer)
         made, answer = made.answer_onward(smaller, gap == study.assembly.gap, stop)
-    except (StoppedError, FreeSpaceError):
-        return SweepStep(gap, None, Verdict.STOPPED, False), last
-    except TouchingError:
-        return SweepStep(gap, None, Verdict.TOUCHING, False), None
+    except (StoppedError, FreeSpaceError, TouchingError) as why:
+        return SweepStep(gap, None, verdict_of(why), False), None if isinstance(why, TouchingError) else last
     checked = is_checked(answer)
     step = SweepStep(gap, answer.objective, answer.verdict, checked, replace(answer, warm_start=None))
     good = answer.verdict.ends and checked and study.can_be_ranked(answer)

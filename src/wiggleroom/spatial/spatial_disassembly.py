@@ -210,9 +210,7 @@ class _Stage:
                     continue
                 far = self._room(path[-1], mine, direction)
                 if NEW_PLACE * ready.clearance < far < ready.size:
-                    end = path[-1].copy()
-                    end[mine, :3] += (far - ready.clearance) * direction
-                    self._add_place(np.concatenate([path, end[None]]), places)
+                    self._add_slide(path, mine, direction, far, places)
 
     def _turn(self, path: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
         """A path out along the axis of a turn in place of a body alone; places to which it leads otherwise are added."""
@@ -232,10 +230,14 @@ class _Stage:
                     before = room.setdefault(tuple(direction), self._room(path[-1], mine, direction))
                     far = self._room(turned[-1], mine, direction)
                     if before + NEW_PLACE * ready.clearance < far < ready.size:
-                        end = turned[-1].copy()
-                        end[mine, :3] += (far - ready.clearance) * direction
-                        self._add_place(np.concatenate([whole, end[None]]), places)
+                        self._add_slide(whole, mine, direction, far, places)
         return None
+
+    def _add_slide(self, path: Floats, mine: Ints, direction: Floats, far: float, places: list[Floats]) -> None:
+        """Note the place where some parts have gone straight from the end of a path, their clearance short of how far they can."""
+        end = path[-1].copy()
+        end[mine, :3] += (far - self.ready.clearance) * direction
+        self._add_place(np.concatenate([path, end[None]]), places)
 
     def _room(self, motion: Floats, mine: Ints, direction: Floats) -> float:
         """How far some parts can go straight [mm], to a tenth of the clearance; the size where that is further."""

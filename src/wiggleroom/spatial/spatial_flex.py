@@ -55,7 +55,7 @@ def flex_spatial(
     solver_named(solver)
     its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
     asked = given_goals(goals, its.goals)
-    wrong = goal_findings(its.drawing, asked) + lacking(its, asked)
+    wrong = spatial_question_findings(its, asked)
     if search is not None and search < 0:
         wrong.append(f"search is {search}: it must be a number of starts, 0 for none")
     if wrong:
@@ -86,6 +86,11 @@ def flex_spatial(
         deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip
+
+
+def spatial_question_findings(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str]:
+    """List what is wrong with a question about motion: with its goals, and what it lacks."""
+    return goal_findings(assembly.drawing, goals) + lacking(assembly, goals)
 
 
 def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str]:

@@ -14,24 +14,24 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.statements import given_goals
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
-from wiggleroom.errors import InputError, Stop, TouchingError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
+from wiggleroom.sensitivity.found_motion import verdict_of
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
-from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, goal_findings
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import check_spatial
-from wiggleroom.spatial.spatial_flex import flex_spatial, lacking
+from wiggleroom.spatial.spatial_flex import flex_spatial, spatial_question_findings
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
-from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -144,7 +144,7 @@ def spatial_study_of(assembly: SpatialAssembly, goals: Sequence[SpatialGoal] | N
         If nothing is fixed or pulled, or a goal names an unknown part.
     """
     asked = given_goals(goals, assembly.goals)
-    wrong = goal_findings(assembly.drawing, asked) + lacking(assembly, asked)
+    wrong = spatial_question_findings(assembly, asked)
     if wrong:
         raise InputError(wrong)
     return SpatialStudy(assembly, asked)
@@ -210,10 +210,8 @@ def one_spatial_draw(shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...]], in
     assembly, goals = shared
     try:
         answer = flex_spatial(_moved_inward(assembly, inward), goals)
-    except TouchingError:
-        return PerturbedObjective(np.nan, Verdict.TOUCHING)
-    except InputError:
-        return PerturbedObjective(np.nan, Verdict.NOT_MAKEABLE)
+    except InputError as why:
+        return PerturbedObjective(np.nan, verdict_of(why))
     return PerturbedObjective(np.inf if answer.objective is None else answer.objective, answer.verdict)
 
 

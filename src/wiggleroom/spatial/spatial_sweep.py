@@ -8,9 +8,8 @@ from typing import Any
 from wiggleroom.assembly.statements import given_goals
 from wiggleroom.errors import Stop
 from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
-from wiggleroom.spatial.solids.spatial_assembly import goal_findings
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
-from wiggleroom.spatial.spatial_flex import lacking
+from wiggleroom.spatial.spatial_flex import spatial_question_findings
 from wiggleroom.spatial.spatial_study import SpatialStudy
 
 
@@ -25,5 +24,5 @@ def sweep_spatial(
 ) -> Sweep:
     """Largest motion for several gaps; see `wiggleroom.sweep`."""
     asked = given_goals(goals, assembly.goals)
-    wrong = goal_findings(assembly.drawing, asked) + lacking(assembly, asked)
+    wrong = spatial_question_findings(assembly, asked)
     return sweep_over(SpatialStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
