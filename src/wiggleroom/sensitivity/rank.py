@@ -169,11 +169,12 @@ def rank(
     study: GapStudy[Any] = study_of(question, goals)
     answer = study.answer(stop)
     check_end(study, answer)
-    derivatives = study.derivatives(answer)
-    ranking = ranking_of(answer, derivatives, stop=stop)
-    slides = derivatives.part_elsewhere.shape[1] > 0 and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
-    if by == "duals" and not exact and not slides:
-        return ranking
+    if by == "duals" and not exact:
+        derivatives = study.derivatives(answer)
+        ranking = ranking_of(answer, derivatives, stop=stop)
+        slides = derivatives.part_elsewhere.shape[1] > 0 and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
+        if not slides:
+            return ranking
     found = study.quotients(answer)
     ranking = ranking_of(answer, found.derivatives, stop=stop)
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
