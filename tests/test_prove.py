@@ -425,6 +425,21 @@ def test_parts_side_by_side_in_a_tray(count):
     assert count * gap * (1 - 1e-6) <= proven.objective <= proven.at_most <= 1.02 * count * gap
 
 
+@pytest.mark.filterwarnings("error")
+def test_parts_that_fly_off_together_do_not_spoil_the_bound_of_others():
+    """Two parts in a tray, and two far away that hold each other and nothing else."""
+    gap = 0.2
+    tray = shapely.box(-5, -5, 24, 15).difference(shapely.box(0, 0, 19, 10))
+    away = [
+        replace(p, name=f"far {p.name}", at=(100.0 + p.at[0], 0.0, 0.0), fixed=False)
+        for p in wr.patterns.chain(2, joint="swallowtail", gap=gap / 10, pitch=10.0).drawing.parts
+    ]
+    near = [box("b0", 0, 0, 12, 10), box("b1", 12, 0, 19, 10)]
+    parts = assemble(Drawing((part_at("tray", tray, (0.0, 0.0, 0.0), True), *near, *away)), gap=gap)
+    proven = wr.prove(wr.flex(parts, wr.Pull("b0", (1, 0)), search=0), 0.02, seconds=600.0)
+    assert 2 * gap * (1 - 1e-6) <= proven.objective <= proven.at_most <= 1.02 * 2 * gap
+
+
 @pytest.mark.parametrize(("within", "seconds"), [(0, 1), (-1, 1), (math.nan, 1), (0.1, 0), (0.1, math.inf)])
 def test_numbers_that_make_no_sense(within, seconds):
     answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02))

@@ -166,6 +166,7 @@ def confined_pairs(
     fixed = them.fixed
     ranges = replace(ranges, low=np.where(fixed, 0.0, ranges.low), high=np.where(fixed, 0.0, ranges.high))
     known = np.isfinite(np.where(fixed, 0.0, ranges.far)) & np.isfinite(ranges.high - ranges.low)
+    joints = joints.some(known[joints.a] & known[joints.b])  # parts that fly off together bound nothing
     pairs = _open_pairs(surveyed, joints, known, over)
     boxes = shift_boxes(fixed, joints, regions, ranges)
     shifts = [_first_shift(pair, boxes, ranges) for pair in pairs]
