@@ -89,10 +89,12 @@ def _usage(problem: CycloptsError, app: App) -> str:
         command = app
         for name in problem.command_chain:
             command = command[name]
-        known = [name for argument in command.assemble_argument_collection() for name in argument.names]
-        odd = next((word for word in unused if word.startswith("--")), "").partition("=")[0]
-        said = f"unexpected: {' '.join(unused)}"
-        said += f". {meant(odd, known)}" if odd and odd not in known else ""
+        names = [name for argument in command.assemble_argument_collection() for name in argument.names]
+        takes = " ".join(name for name in names if name[0] not in "-*")
+        odd = next((word.partition("=")[0] for word in unused if word.startswith("-")), "")
+        unknown = odd and odd not in names
+        wrong = f"there is no option {odd}" if unknown else f"unexpected: {' '.join(unused)}"
+        said = f"{wrong}; {problem.command_chain[-1]} takes {takes} and options. {meant(odd, names) if unknown else ''}"
     return f"{said.strip().rstrip('.')} (wiggleroom --help says more)"
 
 
