@@ -112,11 +112,12 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
     peg = shapely.box(-half, -half, half, half)
     boxes = MotionBoxes(1, room, peg, d, np.zeros(2), 0.0, 100_000)
     truth = (0.5 - half) * np.abs(d).sum()
-    closed, path = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
-    assert closed
+    at_most, path = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
+    assert truth <= at_most <= truth * 1.0009
     assert path is None
-    closed, path = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
-    assert not closed
+    assert boxes.beyond(truth * 1.2, truth * 1.5, 5_000_000) == (at_most, None)  # what is known already is said, not what was asked
+    at_most, path = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
+    assert at_most is None
     assert d @ path[-1, :2] > truth * 0.5
 
 

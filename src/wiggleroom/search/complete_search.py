@@ -87,9 +87,9 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
         else:
             asked = value * (reach / value) ** MIN_SHARE, value * (reach / value) ** MAX_SHARE
         allowed = visits if last else min(boxes.visits + VISITS_OF_A_QUESTION, visits)
-        closed, path = boxes.beyond(*asked, allowed, first.stop)
-        if closed:
-            at_most = most = reach = asked[1]
+        bound, path = boxes.beyond(*asked, allowed, first.stop)
+        if bound is not None:
+            at_most = most = reach = max(bound, value)
             continue
         if path is None:
             if last:

@@ -232,8 +232,9 @@ def search_boxes(
     Goals are boxes at the rim of the window and those that may hold motions worth more than asked[5]; a free one must hold a motion worth
     more than asked[6]. `goals` paths are looked at in every round.
 
-    Returns how it ended, the number of boxes, and how many boxes of `path` are filled, from rest to the goal. Above `pause` boxes it
-    returns too; called again, it goes on. visits[0] counts the boxes gone over and what splitting them takes; above visits[1] it gives up.
+    Returns how it ended, the number of boxes, how many boxes of `path` are filled, from rest to the goal, and, where no goal is reached, a
+    value that nothing reached exceeds. Above `pause` boxes it returns too; called again, it goes on. visits[0] counts the boxes gone over
+    and what splitting them takes; above visits[1] it gives up.
     """
     most = len(level)
     cost, before = np.empty(most), np.empty(most, dtype=np.int64)
@@ -250,23 +251,25 @@ def search_boxes(
         )  # fmt: skip
     start = leaf_at(x, y, z, middle, first)
     if state[start] != FREE:
-        return SPENT, count, 0
+        return SPENT, count, 0, np.inf
     while True:
         if count > pause:
-            return PAUSED, count, 0
+            return PAUSED, count, 0, np.inf
         if visits[0] > visits[1]:
-            return SPENT, count, 0
+            return SPENT, count, 0, np.inf
         visits[0] += count
         found = cheapest_paths(
             start, middle, level, state, first, upper, wrap, turning, asked, count, cost, before, heap_cost, heap, out, ends,
         )  # fmt: skip
         if found < 0:
-            return SPENT, count, 0
+            return SPENT, count, 0, np.inf
         if found == 0:
-            given_up = False
+            given_up, largest = False, -np.inf
             for n in range(count):
                 given_up = given_up or state[n] == TINY
-            return (SPENT if given_up else CLOSED), count, 0
+                if cost[n] < np.inf:
+                    largest = max(largest, upper[n])
+            return (SPENT if given_up else CLOSED), count, 0, largest
         for e in range(found):
             length, cut, n = 0, 0, ends[e]
             while n >= 0:
@@ -294,7 +297,7 @@ def search_boxes(
                     if (state[m] != MIXED and m != n) or first[m] >= 0 or level[m] > level[n] or level[m] >= deepest:
                         continue
                     if count + 8 > most:
-                        return SPENT, count, 0
+                        return SPENT, count, 0, np.inf
                     visits[0] += SPLIT_VISITS
                     count = split_box(
                         m, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid,
@@ -302,7 +305,7 @@ def search_boxes(
                     )  # fmt: skip
             if cut == 0:
                 path[:length] = path[:length][::-1].copy()
-                return FOUND, count, length
+                return FOUND, count, length, np.inf
 
 
 @njit(**COMPILED_CALLERS_ONLY)

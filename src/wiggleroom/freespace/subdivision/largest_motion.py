@@ -103,7 +103,9 @@ class MotionBoxes:
         swing = abs(self._origin[2]) + self._scale[1]
         return float(np.abs(self.pull) @ (x, y) + 2 * abs(alpha) + abs(beta) + abs(turn) * swing)
 
-    def beyond(self, least: float, most: float, visits: int, stop: Stop | None = None) -> tuple[bool, Floats | None]:
+    def beyond(
+        self, least: float, most: float, visits: int, stop: Stop | None = None
+    ) -> tuple[float | None, Floats | None]:
         """Look for a motion worth more than `least`, or a proof that none is worth more than `most`.
 
         Parameters
@@ -116,8 +118,8 @@ class MotionBoxes:
 
         Returns
         -------
-        closed : bool
-            True where that is proven.
+        at_most : float or None
+            A value that no motion exceeds, no larger than `most`, where that is proven.
         path : (k, 3) float64 [mm, mm, rad] or None
             Free motions about `pivot` from rest to one that is worth more, or out of the window; straight about it between them.
         """
@@ -126,24 +128,24 @@ class MotionBoxes:
         self._state[: self.count][self._state[: self.count] == 3] = 0
         how = PAUSED
         while how == PAUSED and not (stop is not None and stop.is_set()):
-            how, self.count, length = search_boxes(
+            how, self.count, length, largest = search_boxes(
                 self._middle, self._level, self._state, self._first, self._upper, self.count, self.count + STOP_CHECK_BOXES, self._origin,
                 self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._path, self._visits,
             )  # fmt: skip
         if how != FOUND:
-            return how == CLOSED, None
+            return (largest if how == CLOSED else None), None
         path = self._path[:length]
         points = waypoints_through(path, self._middle, self._level, self._origin, self._scale)
         reach = np.abs(self._middle[path[-1]]) + 0.5 ** self._level[path[-1]]
         if reach[:2].max() >= 1.0:
-            return False, np.vstack([points, self._round(rim_point(self._middle[path[-1]], self._origin, self._scale))])
+            return None, np.vstack([points, self._round(rim_point(self._middle[path[-1]], self._origin, self._scale))])
         if not self._wrap and reach[2] >= 1.0:
-            return False, points
+            return None, points
         half = 0.5 ** self._level[path[-1]] * self._scale
         x, y, turn = points[-1]
         _, turn = best_corner(self._asked, x, y, turn, *half)
         corner = [x + np.copysign(half[0], self.pull[0]), y + np.copysign(half[0], self.pull[1]), turn]
-        return False, np.vstack([points, corner])
+        return None, np.vstack([points, corner])
 
     def straightened(self, path: Floats, spot: Floats) -> Floats:
         """The same path (k, 3) as motions about another point (2,) [mm], with as few pieces straight about that point as are free."""

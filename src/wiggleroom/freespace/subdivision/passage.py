@@ -82,7 +82,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
             if stop is not None and stop.is_set():
                 return Passage(False, False, None, pivot)
             began, before = time.perf_counter(), count
-            how, count, length = search_boxes(
+            how, count, length, _ = search_boxes(
                 middle, level, state, first, upper, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
                 NOTHING_ASKED, 1, *pair, path, unlimited,
             )  # fmt: skip
