@@ -115,7 +115,8 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
     at_most, path = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
     assert truth <= at_most <= truth * 1.0009
     assert path is None
-    assert boxes.beyond(truth * 1.2, truth * 1.5, 5_000_000) == (at_most, None)  # what is known already is said, not what was asked
+    again, _ = boxes.beyond(truth * 1.2, truth * 1.5, 5_000_000)
+    assert again == at_most  # not what was asked about
     at_most, path = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
     assert at_most is None
     assert d @ path[-1, :2] > truth * 0.5

@@ -26,7 +26,7 @@ MIN_IMPROVEMENT, PROVEN_GAP = 1e-4, 9e-4
 """Motions better by the first share are looked for in the end, until none better by the second is left."""
 MIN_SHARE, MAX_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
 """Once a better motion was found, one between the best value and the bound is asked for, at these shares of their ratio's logarithm."""
-MAX_VISITS, VISITS_OF_A_QUESTION = 5_000_000, 800_000
+MAX_VISITS, VISITS_OF_A_QUESTION = 8_000_000, 800_000
 """Boxes that all searches for paths go over at most, and those of one question about such a value."""
 VISITS_OF_ONE_OF_SEVERAL, MAX_SEVERAL = 1_000_000, 12
 """The same where the body is one of several free ones, and of how many at most."""
