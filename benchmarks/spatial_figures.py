@@ -18,7 +18,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 import wiggleroom as wr
 from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
-from benchmarks.spatial_overlaps import finger_box
+from benchmarks.spatial_overlaps import Judge, finger_box, voxel_judge, worst_on
 from wiggleroom.drawing.model import Region
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_model import (
@@ -34,6 +34,7 @@ from wiggleroom.spatial.solids.spatial_model import (
 )
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.verdict import Verdict
 
 PLANAR = frozenset({"z", "rx", "ry"})
 
@@ -153,18 +154,30 @@ def carried(parts: list[set], first: int, step: tuple[int, int, int]) -> set[int
 
 
 def burr(gap: float = 0.05) -> None:
-    """Six-piece burr with a key: every piece pulled along all axes. Only the key has a way out on the grid, at its first move along x."""
-    assembly = assemble_spatial(assembled(keyed_burr(1), gap).drawing, fix=("p1",))
+    """Six-piece burr with a key: every piece pulled along all axes, and all ways out judged by python-fcl.
+
+    At rest only the key can go a whole step, along x. Without it p3 goes straight up and out, so there are ways out of other pulls too.
+    """
+    cells = keyed_burr(1)
+    assembly = assemble_spatial(assembled(cells, gap).drawing, fix=("p1",))
+    judge = Judge(
+        [voxel_judge(v, gap / 2) for v in cells], assembly.reference, [p.fixed for p in assembly.drawing.parts]
+    )
     seen: Counter = Counter()
-    iterations, began = [], time.process_time()
+    iterations, ways, began = [], [], time.process_time()
     for k, step in itertools.product((0, 2, 3, 4, 5), STEPS):
         answer = flex_spatial(assembly, SpatialPull(f"p{k}", tuple(map(float, step))))
         seen[f"{'key' if k == 0 else 'others'} {answer.verdict}, path {answer.path}"] += 1
         iterations.append(answer.iterations)
+        if answer.verdict is Verdict.UNBOUNDED:
+            ways.append((f"p{k} along {step}", answer.waypoints))
     print("six-piece burr, 30 pulls: " + "; ".join(f"{n} {what}" for what, n in sorted(seen.items())))
     print(
         f"  iterations: median {np.median(iterations):g}, most {max(iterations)}; {time.process_time() - began:.1f} s"
     )
+    for who, path in ways:
+        key_out = int(np.argmax(np.abs(path[:, 0, 0]) > 6)) or None  # its length is 6
+        print(f"  {who} leaves, the key is out from waypoint {key_out} of {len(path)}: overlaps {worst_on(judge, path):g}")
 
 
 def tetrahedron(even: bool, lean: float = np.sqrt(0.5)) -> Surface:
