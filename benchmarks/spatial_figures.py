@@ -177,7 +177,9 @@ def burr(gap: float = 0.05) -> None:
     )
     for who, path in ways:
         key_out = int(np.argmax(np.abs(path[:, 0, 0]) > 6)) or None  # its length is 6
-        print(f"  {who} leaves, the key is out from waypoint {key_out} of {len(path)}: overlaps {worst_on(judge, path):g}")
+        print(
+            f"  {who} leaves, the key is out from waypoint {key_out} of {len(path)}: overlaps {worst_on(judge, path):g}"
+        )
 
 
 def tetrahedron(even: bool, lean: float = np.sqrt(0.5)) -> Surface:
