@@ -73,11 +73,11 @@ def predictor_corrector_step(
     s, lam, at = state.s, state.lam, state.at
     settings = settings_for(len(state.u))
     data = at.condensed(lam / s, lam, retraction.balance(dual_residual, at), 1.0 / state.unit)
-    shift = MIN_SHIFT if state.shift <= settings.min_kept_shift else state.shift / SETTINGS.shift_decay
+    shift = MIN_SHIFT if state.shift <= SETTINGS.min_kept_shift else state.shift / SETTINGS.shift_decay
     found, goal = None, np.empty_like(s)
     for attempt in range(SETTINGS.max_factorisations):
         if not matrix.update(data, shift + state.proximal_weight):
-            shift = max(settings.shift_growth * shift, settings.definite_shift)
+            shift = max(SETTINGS.shift_growth * shift, SETTINGS.definite_shift)
             continue
         np.negative(np.multiply(s, lam, out=goal), out=goal)
         predictor = newton(state, matrix, dual_residual, goal)
@@ -96,7 +96,7 @@ def predictor_corrector_step(
         found = NewtonStep.to_boundary(direction, shift)
         if found.primal_step > SETTINGS.min_step_length or attempt >= SETTINGS.max_lengthenings:
             break
-        shift = max(settings.shift_growth * shift, settings.longer_step_shift)
+        shift = max(SETTINGS.shift_growth * shift, SETTINGS.longer_step_shift)
     stuck = found is not None and found.shift > SETTINGS.hopeless_shift and found.primal_step < SETTINGS.min_step_length
     return None if stuck else found
 
