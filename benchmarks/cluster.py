@@ -42,7 +42,7 @@ def main() -> None:
     print("| where | wall s | times as quick as one process | largest difference |\n| --- | ---: | ---: | ---: |")
     print(f"| this process | {one:.1f} | 1 | 0 |", flush=True)
     for count in asked.workers:
-        with LocalCluster(count, threads_per_worker=1, dashboard_address=None) as cluster:
+        with LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster:
             with Client(cluster) as client:
                 client.wait_for_workers(count)
             address = cluster.scheduler_address

@@ -187,11 +187,12 @@ def test_solutions_on_two_threads_are_those_of_the_matrix():
     x = matrix.solve(right)
     assert np.abs(whole @ x - right).max() < 1e-9 * np.abs(right).max()
     # rows eliminated in batches on two threads: the same sums as by the Jacobian as a matrix
-    s, lam, primal, goal = rng.random((4, program.rows)) + 0.1
-    assert np.allclose(at.eliminated_product(s, lam, primal, goal), jacobian.T @ ((lam * primal + goal) / s))
-    few, none = np.where(rng.random(program.rows) < 0.01, goal, 0.0), np.zeros(program.rows)  # as of a corrector
-    assert np.allclose(at.eliminated_product(s, lam, none, few), jacobian.T @ (few / s))
-    ds, dlam, far, dfar = at.eliminated_changes(x, s, lam, primal, goal)
+    s, lam, goal = rng.random((3, program.rows)) + 0.1
+    primal = s - at.h
+    assert np.allclose(at.eliminated_product(s, lam, goal, 1.0), jacobian.T @ ((lam * primal + goal) / s))
+    few = np.where(rng.random(program.rows) < 0.01, goal, 0.0)  # as of a corrector
+    assert np.allclose(at.eliminated_product(s, lam, few, 0.0), jacobian.T @ (few / s))
+    ds, dlam, far, dfar = at.eliminated_changes(x, s, lam, goal, 1.0)
     assert np.allclose(ds, jacobian @ x - primal)
     assert np.allclose(dlam, (goal - lam * ds) / s)
     assert min(1.0, *(s / -ds)[ds < 0]) == pytest.approx(far)

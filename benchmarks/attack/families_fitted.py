@@ -341,7 +341,10 @@ def glued_packings(rng: Random) -> Json:
                 glue.append(names)
     made[0]["fixed"] = True
     free = [p["name"] for p in made if not any(made[0]["name"] in g and p["name"] in g for g in glue)][1:]
-    free = [n for n in free if n != made[0]["name"]] or [made[-1]["name"]]
+    free = [n for n in free if n != made[0]["name"]]
+    if not free:  # all that is left hangs together: nothing stands
+        del made[0]["fixed"]
+        free = [made[-1]["name"]]
     return draw.assembly(made, [draw.goal(rng, free)], **({"glue": glue} if glue else {}))
 
 

@@ -15,6 +15,7 @@ from wiggleroom.assembly.assembly import place
 from wiggleroom.assembly.facing import Stretch, facing_stretches, joint_reach, split_ring
 from wiggleroom.assembly.loops import (
     Loops,
+    are_valid,
     chained,
     cleaned,
     placed_regions,
@@ -190,7 +191,7 @@ def _moved_regions(
     new, forward = offset_ring(loops, amounts)
     forward_regions = np.ones(len(shapes.owner), dtype=bool)
     np.logical_and.at(forward_regions, shapes.region, forward)
-    fine = forward_regions & shapely.is_valid(polygons(new, shapes.region))
+    fine = forward_regions & are_valid(polygons(new, shapes.region))
     rings = new.rings()
     members = np.searchsorted(shapes.region, np.arange(len(fine) + 1))
     regions: list[Region | None] = []

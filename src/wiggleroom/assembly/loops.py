@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Part, Points, Region
 from wiggleroom.drawing.outlines.rings import CORNERS_AT_ONCE
+from wiggleroom.parallel.batches import THREADS, in_batches
 
 SAME = 1e-9
 """Corners closer than this, or off a straight line by less, are not corners [part size]."""
@@ -98,9 +99,15 @@ def polygons(loops: Loops, region: Sequence[int] | NDArray[np.int64]) -> NDArray
 
 def placed_regions(parts: Sequence[Part]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
     """Every region as a shapely polygon in assembly coordinates at rest, and the index of its part."""
+    loops, region, owners = placed_loops(parts)
+    return polygons(loops, region), owners
+
+
+def placed_loops(parts: Sequence[Part]) -> tuple[Loops, NDArray[np.int64], NDArray[np.int64]]:
+    """Outlines of all regions in assembly coordinates at rest, the region of each, and the index of each region's part."""
     owners = np.repeat(np.arange(len(parts)), [len(p.regions) for p in parts])
-    rings, region = region_rings([r for p in parts for r in p.regions])
-    loops = chained(rings)
+    rings, of = region_rings([r for p in parts for r in p.regions])
+    loops, region = chained(rings), np.array(of)
     x, y, angle = np.array([p.at for p in parts], dtype=float)[owners[region]].T
     at = np.column_stack([x, y, np.cos(angle), np.sin(angle)])
     placed = np.empty_like(loops.points)
@@ -108,7 +115,12 @@ def placed_regions(parts: Sequence[Part]) -> tuple[NDArray[np.object_], NDArray[
         (x, y), (right, up, cosine, sine) = some.points.T, np.repeat(at[which], some.counts, axis=0).T
         placed[corners, 0] = cosine * x - sine * y + right
         placed[corners, 1] = sine * x + cosine * y + up
-    return polygons(Loops(placed, loops.counts), region), owners
+    return Loops(placed, loops.counts), region, owners
+
+
+def are_valid(shapes: NDArray[np.object_]) -> NDArray[np.bool_]:
+    """Whether shapely polygons (k,) are valid, looked at on both cores."""
+    return np.concatenate(in_batches(len(shapes), THREADS, lambda some: shapely.is_valid(shapes[some])))
 
 
 def cleaned(loops: Loops, size: NDArray[np.float64]) -> Loops:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from wiggleroom.assembly.loops import chained, placed_regions, region_rings, signed_areas
+from wiggleroom.assembly.loops import are_valid, chained, placed_regions, region_rings, signed_areas
 from wiggleroom.assembly.statements import numbers_text
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import Drawing, Part, Points
@@ -92,7 +92,7 @@ def _crossing(parts: Sequence[Part]) -> dict[int, str]:
         return {}
     shapes, owner = placed_regions(parts)
     found: dict[int, str] = {}
-    for k in np.flatnonzero(~shapely.is_valid(shapes)):
+    for k in np.flatnonzero(~are_valid(shapes)):
         found.setdefault(int(owner[k]), _reason(str(shapely.is_valid_reason(shapes[k]))))
     return found
 

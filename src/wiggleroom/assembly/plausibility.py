@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.loops import placed_regions
+from wiggleroom.assembly.loops import placed_loops, polygons
 from wiggleroom.drawing.model import Drawing
 
 LARGE_GAP = 0.1
@@ -37,19 +37,18 @@ def doubts(drawing: Drawing, *, drawn: bool = True) -> tuple[str, ...]:
     >>> print(*doubts(Drawing(two)), sep="; ")
     these look like parts on a cutting sheet: 2 of 2 touch nothing; wiggleroom assemble puts a sheet's parts together
     """
-    shapes, owner = placed_regions(drawing.parts)
-    box = shapely.bounds(shapes)
+    loops, region, owner = placed_loops(drawing.parts)
     low = np.full((len(drawing.parts), 2), np.inf)
     high = -low
-    np.minimum.at(low, owner, box[:, :2])
-    np.maximum.at(high, owner, box[:, 2:])
+    np.minimum.at(low, owner[region], np.minimum.reduceat(loops.points, loops.starts))
+    np.maximum.at(high, owner[region], np.maximum.reduceat(loops.points, loops.starts))
     sizes = (high - low).min(axis=1)
     if not drawn:
         return tuple(_gap_doubts(drawing, sizes))
     return (
         *_size_doubts(float((high.max(axis=0) - low.min(axis=0)).max())),
         *_gap_doubts(drawing, sizes),
-        *_sheet_doubts(drawing, shapes, owner, (high - low).max(axis=1)),
+        *_sheet_doubts(drawing, polygons(loops, region), owner, (high - low).max(axis=1)),
     )
 
 

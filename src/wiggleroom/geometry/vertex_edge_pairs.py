@@ -15,6 +15,8 @@ from wiggleroom.geometry.row_kinds import A_EDGE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Shorts = NDArray[np.int32]
+Kinds = NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +29,10 @@ class VertexEdgePairs:
         Bodies.
     row : (P + 1,) int64
         Rows of pair p are row[p] .. row[p + 1].
-    kind, edge, corner : (R,) int64
-        Edge and corner as rows of `BodyShapes`; kind A_EDGE or B_EDGE of `row_kinds`.
+    kind : (R,) int8
+        A_EDGE or B_EDGE of `row_kinds`.
+    edge, corner : (R,) int32
+        Rows of `BodyShapes`.
     seed : (P, 3) float64 [mm, mm, rad]
         Relative poses at which they were listed.
     """
@@ -36,9 +40,9 @@ class VertexEdgePairs:
     a: Ints
     b: Ints
     row: Ints
-    kind: Ints
-    edge: Ints
-    corner: Ints
+    kind: Kinds
+    edge: Shorts
+    corner: Shorts
     seed: Floats
 
     @property
@@ -70,16 +74,21 @@ def near_vertices(
         np.column_stack([congruent, reach, beside]), axis=0, return_index=True, return_inverse=True
     )
     label = label.ravel()
-    one, other, none = bodies.shape[a[first]], bodies.shape[b[first]], np.zeros(0, dtype=np.int64)
+    one, other = bodies.shape[a[first]], bodies.shape[b[first]]
     row = np.zeros(len(first) + 1, dtype=np.int64)
     table = shapes.first, shapes.corner, shapes.normal, shapes.length, reach[first], beside[first], behind
-    near_pairs(seed[first], one, other, *table, row, none, none, none, False)
-    kind, edge, corner = np.empty((3, row[-1]), dtype=np.int64)
+    near_pairs(seed[first], one, other, *table, row, *_lists(0), False)
+    kind, edge, corner = _lists(int(row[-1]))
     near_pairs(seed[first], one, other, *table, row, kind, edge, corner, True)
     count = np.diff(row)[label]
     start = np.concatenate([[0], np.cumsum(count)])
     take = np.repeat(row[label] - start[:-1], count) + np.arange(start[-1])
     return VertexEdgePairs(a, b, start, kind[take], edge[take], corner[take], seed)
+
+
+def _lists(rows: int) -> tuple[Kinds, Shorts, Shorts]:
+    """Room for kind, edge and corner of so many rows."""
+    return np.empty(rows, dtype=np.int8), np.empty(rows, dtype=np.int32), np.empty(rows, dtype=np.int32)
 
 
 @njit(**NO_ALLOCATION)

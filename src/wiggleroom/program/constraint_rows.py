@@ -17,6 +17,7 @@ from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Kinds = NDArray[np.int8]
 
 
 class Regions(Protocol):
@@ -43,7 +44,7 @@ class Regions(Protocol):
 class Rows:
     """Geometry of rows, see `wiggleroom.program.contact_functions`: kind (R,), normal (R, 2), per_turn (R,), off (R,), corner (R, 2)."""
 
-    kind: Ints
+    kind: Kinds
     normal: Floats
     per_turn: Floats
     off: Floats
@@ -74,7 +75,7 @@ def face_rows(_: Bodies, faces: Halfspaces) -> Rows:
     """Flat faces: h = -(N g + D)."""
     pair = faces.pair
     return Rows(
-        np.full(len(pair), FACE, dtype=np.int64),
+        np.full(len(pair), FACE, dtype=np.int8),
         -faces.normal[:, :2],
         -faces.normal[:, 2],
         faces.offset - (faces.normal * faces.rest[pair]).sum(1),

@@ -128,15 +128,15 @@ def transposed_jacobian_product(g, turn, a, b, row, d, scale, slot, y, out):
 
 
 @njit(**NO_ALLOCATION)
-def eliminated_product(g, turn, a, b, row, d, scale, slot, s, lam, primal, goal, out):
-    """Add J^T ((lam * primal + goal) / s) to out: what rows ask of the variables once slacks and multipliers are eliminated.
+def eliminated_product(g, turn, a, b, row, d, scale, slot, h, s, lam, goal, share, out):
+    """Add J^T ((lam * share * (s - h) + goal) / s) to out: what rows ask of the variables once slacks and multipliers are eliminated.
 
     Of the rows of a corrector hardly any asks for anything.
     """
     for p in range(len(a)):
         fx, fy, ft, idle = 0.0, 0.0, 0.0, True
         for k in range(row[p], row[p + 1]):
-            asked = lam[k] * primal[k] + goal[k]
+            asked = lam[k] * (share * (s[k] - h[k])) + goal[k]
             if asked == 0.0:
                 continue
             y, idle = asked / s[k], False
@@ -148,8 +148,8 @@ def eliminated_product(g, turn, a, b, row, d, scale, slot, s, lam, primal, goal,
 
 
 @njit(**NO_ALLOCATION)
-def eliminated_changes(g, turn, a, b, row, d, scale, slot, u, s, lam, primal, goal, ds, dlam):
-    """Fill in the changes of slacks, J u - primal, and multipliers, (goal - lam * ds) / s, that belong to a change u.
+def eliminated_changes(g, turn, a, b, row, d, scale, slot, u, h, s, lam, goal, share, ds, dlam):
+    """Fill in the changes of slacks, J u - share * (s - h), and multipliers, (goal - lam * ds) / s, that belong to a change u.
 
     Returns the largest ratios -ds / s and -dlam / lam, at least 1: the reciprocals of the longest steps.
     """
@@ -157,7 +157,7 @@ def eliminated_changes(g, turn, a, b, row, d, scale, slot, u, s, lam, primal, go
     for p in range(len(a)):
         ex, ey, et = _relative_change(p, g, turn, slot[a[p]], slot[b[p]], scale, u)
         for k in range(row[p], row[p + 1]):
-            change = d[k, 0] * ex + d[k, 1] * ey + d[k, 2] * et - primal[k]
+            change = d[k, 0] * ex + d[k, 1] * ey + d[k, 2] * et - share * (s[k] - h[k])
             other = (goal[k] - lam[k] * change) / s[k]
             ds[k], dlam[k] = change, other
             if -change > fastest * s[k]:

@@ -38,15 +38,13 @@ class DistanceProgram(Program):
         in_batches(len(g), self.batches, fill)
         return h
 
-    def rows_at(self, g: Floats) -> tuple[Floats, Floats]:
-        """Distances (R,) and their derivatives (R, 3) with respect to (q, psi), in units of `length`."""
-        h, d = np.empty(self.rows), np.empty((self.rows, 3))
+    def rows_at(self, g: Floats, h: Floats, d: Floats) -> None:
+        """Fill in distances h (R,) and their derivatives d (R, 3) with respect to (q, psi), in units of `length`."""
 
         def fill(some: slice) -> None:
             kernel.distance_gradients(g[some], row_of(self.cells.row, some), *self._listed, self.length, h, d)
 
         in_batches(len(g), self.batches, fill)
-        return h, d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), made positive semidefinite, and D^T lam (P, 2) by q."""

@@ -31,7 +31,7 @@ def carried(cells: Cells, before: Bodies, after: Bodies) -> Cells:
     checks the motion by exact geometry.
     """
     edge_of, corner_of = _owners(cells)
-    shift = after.shapes.first[after.shape] - before.shapes.first[before.shape]
+    shift = (after.shapes.first[after.shape] - before.shapes.first[before.shape]).astype(np.int32)
     wall = cells.is_wall
     return replace(
         cells,

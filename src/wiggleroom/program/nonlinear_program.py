@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Kinds = NDArray[np.int8]
 T = TypeVar("T")
 
 MIN_PARALLEL_ROWS = 20_000
@@ -53,14 +54,14 @@ class Program:
     length : float [mm]
         Rows are compared with this length.
     pattern : Pattern
-    coupled_at : (k, 9) int64
+    coupled_at : (k, 9) int32
         Where the blocks of pairs of bodies live that the objective couples, in the order of its `couples`; -1 where one is fixed.
     """
 
     bodies: Bodies
     objective: Objective
     cells: Any
-    kind: Ints
+    kind: Kinds
     normal: Floats
     per_turn: Floats
     off: Floats
@@ -70,7 +71,7 @@ class Program:
     scale: Floats
     length: float
     pattern: Pattern
-    coupled_at: Ints
+    coupled_at: NDArray[np.int32]
 
     @property
     def rows(self) -> int:
@@ -116,15 +117,13 @@ class Program:
         in_batches(len(g), self.batches, fill)
         return h
 
-    def rows_at(self, g: Floats) -> tuple[Floats, Floats]:
-        """Rows h (R,) and their derivatives (R, 3) with respect to (q, psi), in units of `length`."""
-        h, d = np.empty(self.rows), np.empty((self.rows, 3))
+    def rows_at(self, g: Floats, h: Floats, d: Floats) -> None:
+        """Fill in rows h (R,) and their derivatives d (R, 3) with respect to (q, psi), in units of `length`."""
 
         def fill(some: slice) -> None:
             kernel.wall_gradients(g[some], row_of(self.cells.row, some), *self._walls, self.length, h, d)
 
         in_batches(len(g), self.batches, fill)
-        return h, d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), and D^T lam (P, 2) by q."""
@@ -144,12 +143,14 @@ class Program:
         """Geometry of the rows, as kernels take it."""
         return self.kind, self.normal, self.per_turn, self.off, self.corner
 
-    def linearise(self, u: Floats) -> Linearised:
-        """Rows, their derivatives, and products with them, at u."""
+    def linearise(self, u: Floats, over: Linearised | None = None) -> Linearised:
+        """Rows, their derivatives, and products with them, at u; in the arrays of `over` where that is no longer of use."""
+        h, d = (np.empty(self.rows), np.empty((self.rows, 3))) if over is None else (over.h, over.d)
         motion = self.motion(u)
         g, turn = self.relative(motion)
         gradient = self.objective.gradient(motion)[self.free].ravel() * self.scale
-        return Linearised(self, motion, g, turn, *self.rows_at(g), self.objective.value(motion), gradient)
+        self.rows_at(g, h, d)
+        return Linearised(self, motion, g, turn, h, d, self.objective.value(motion), gradient)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,16 +176,18 @@ class Linearised:
         """J^T y (3F,)."""
         return self._summed(lambda pairs, out: kernel.transposed_jacobian_product(*pairs, y, out))
 
-    def eliminated_product(self, s: Floats, lam: Floats, primal: Floats, goal: Floats) -> Floats:
-        """J^T ((lam * primal + goal) / s) (3F,): what rows ask of the variables once slacks and multipliers are eliminated."""
-        return self._summed(lambda pairs, out: kernel.eliminated_product(*pairs, s, lam, primal, goal, out))
+    def eliminated_product(self, s: Floats, lam: Floats, goal: Floats, share: float) -> Floats:
+        """J^T ((lam * share * (s - h) + goal) / s) (3F,): what rows ask of the variables once slacks and multipliers are eliminated."""
+        return self._summed(lambda pairs, out: kernel.eliminated_product(*pairs, self.h, s, lam, goal, share, out))
 
     def eliminated_changes(
-        self, u: Floats, s: Floats, lam: Floats, primal: Floats, goal: Floats
+        self, u: Floats, s: Floats, lam: Floats, goal: Floats, share: float
     ) -> tuple[Floats, Floats, float, float]:
         """Changes of slacks and multipliers (R,) that belong to a change u, and the longest steps in [0, 1] that keep them positive."""
         ds, dlam = np.empty_like(s), np.empty_like(s)
-        found = self._in_batches(lambda pairs: kernel.eliminated_changes(*pairs, u, s, lam, primal, goal, ds, dlam))
+        found = self._in_batches(
+            lambda pairs: kernel.eliminated_changes(*pairs, u, self.h, s, lam, goal, share, ds, dlam)
+        )
         fastest, dual_fastest = np.array(found).max(axis=0).tolist()
         return ds, dlam, 1.0 / fastest, 1.0 / dual_fastest
 

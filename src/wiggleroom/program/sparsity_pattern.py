@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Shorts = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,23 +18,24 @@ class Pattern:
 
     Parameters
     ----------
-    indptr, indices : column pointers and row indices
-    diagonal_at : (F, 6) int64
+    indptr, indices : int32
+        Column pointers and row indices.
+    diagonal_at : (F, 6) int32
         Entries (0,0) (0,1) (1,1) (0,2) (1,2) (2,2) of each free body's own block.
-    block_at : (P, 9) int64
+    block_at : (P, 9) int32
         Entries of each pair's block, column by column; -1 where one of the two is fixed.
     at : (F, 2) float64 [mm]
         Where the free bodies lie at rest.
     """
 
-    indptr: Ints
-    indices: Ints
-    diagonal_at: Ints
-    block_at: Ints
+    indptr: Shorts
+    indices: Shorts
+    diagonal_at: Shorts
+    block_at: Shorts
     at: Floats
 
     @property
-    def diagonal(self) -> Ints:
+    def diagonal(self) -> Shorts:
         """Where the diagonal lives."""
         return self.diagonal_at[:, [0, 2, 5]].ravel()
 
@@ -52,17 +54,17 @@ def pattern(a: Ints, b: Ints, slot: Ints, at: Floats) -> Pattern:
     height = 3 * count[:, None] + np.arange(1, 4)  # entries of the three columns of each block column
     indptr = np.concatenate([[0], np.cumsum(height.ravel())])
     top = indptr[:-1].reshape(-1, 3)
-    indices = np.empty(indptr[-1], dtype=np.int64)
+    indices = np.empty(indptr[-1], dtype=np.int32)
     place = rank - start[hi]
     block = top[hi][:, :, None] + 3 * place[:, None, None] + np.arange(3)
     indices[block] = 3 * lo[:, None, None] + np.arange(3)
-    own = np.empty((n, 6), dtype=np.int64)
+    own = np.empty((n, 6), dtype=np.int32)
     k = 0
     for q in range(3):
         for r in range(q + 1):
             own[:, k] = top[:, q] + 3 * count + r
             indices[own[:, k]] = 3 * np.arange(n) + r
             k += 1
-    block_at = np.full((len(i), 9), -1, dtype=np.int64)
+    block_at = np.full((len(i), 9), -1, dtype=np.int32)
     block_at[both] = block.reshape(-1, 9)
-    return Pattern(indptr, indices, own, block_at, at)
+    return Pattern(indptr.astype(np.int32), indices, own, block_at, at)

@@ -31,14 +31,17 @@ LONG = 0.99
 """Steps that are longer than this need no corrector."""
 
 
-def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float) -> Direction:
-    """The direction, changed in place so that longer steps are possible along it; products should come near `mean`."""
-    goal, none, still = np.empty_like(state.s), np.zeros_like(state.s), np.zeros_like(direction.u)
+def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float, goal: Floats) -> Direction:
+    """The direction, changed in place so that longer steps are possible along it; products should come near `mean`.
+
+    `goal` (R,) is worked in.
+    """
+    still = np.zeros_like(direction.u)
     for _ in range(MAX_CORRECTORS):
         if min(direction.primal_step, direction.dual_step) > LONG:
             break
         _aim(state, direction, mean, goal)
-        longer = _with_corrector(state, direction, newton(state, matrix, none, still, goal))
+        longer = _with_corrector(state, direction, newton(state, matrix, still, goal, share=0.0))
         if longer is None:
             break
         direction = longer

@@ -47,23 +47,17 @@ class ConvergenceMonitor:
         last = next((k for k, u in enumerate(self.path) if u is self.inner[0]), -1)
         del self.path[last + 1 :]
 
-    def follow(
-        self, state: Iterate, advance: Callable[[Iterate, Floats, Floats, float], bool], most: int
-    ) -> SolverStatus:
+    def follow(self, state: Iterate, advance: Callable[[Iterate, Floats, float], bool], most: int) -> SolverStatus:
         """Advance the state until it is converged, stopped or escaping, or until that fails."""
         before, best, since = np.inf, np.inf, 0
         for k in range(most + 1):
-            primal_residual, dual_residual, gap, value = state.residuals()
-            status = self._judge(state, primal_residual, dual_residual, gap, value, before, k)
+            dual_residual, gap, value = state.residuals()
+            status = self._judge(state, dual_residual, gap, value, before, k)
             if status is not None:
                 return status
             best, since = (self.error, 0) if self.error < 0.9 * best else (best, since + 1)
-            target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(primal_residual), 1)
-            if (
-                k == most
-                or since > SETTINGS.max_stalled_iterations
-                or not advance(state, primal_residual, dual_residual, target)
-            ):
+            target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(state.s), 1)
+            if k == most or since > SETTINGS.max_stalled_iterations or not advance(state, dual_residual, target):
                 break
             before = value
             self.iterations += 1
@@ -72,7 +66,6 @@ class ConvergenceMonitor:
     def _judge(
         self,
         state: Iterate,
-        primal_residual: Floats,
         dual_residual: Floats,
         gap: float,
         value: float,
@@ -82,7 +75,7 @@ class ConvergenceMonitor:
         """Measure an iterate; the status to end with, or nothing."""
         if self.progress is not None:
             self.progress(self.iterations, state.at.value)
-        self.mu = gap / max(len(primal_residual), 1)
+        self.mu = gap / max(len(state.s), 1)
         infeasible = violation(state.lam, state.s, state.at.h)
         wrong = dot(np.abs(dual_residual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
         dual_displacement = dot(np.abs(dual_residual), np.abs(state.u - self.begin))

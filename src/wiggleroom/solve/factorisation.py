@@ -12,7 +12,7 @@ from wiggleroom.parallel.batches import usable_cores
 from wiggleroom.program.sparsity_pattern import Pattern
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+Indices = NDArray[np.int32] | NDArray[np.int64]
 
 MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
 """Up to this many rows one column at a time is the quickest; from this many on nested dissection and threads pay."""
@@ -28,15 +28,15 @@ class SparsePattern(Protocol):
     """Where the entries of a symmetric matrix live: upper triangle, compressed columns."""
 
     @property
-    def indptr(self) -> Ints:
+    def indptr(self) -> Indices:
         """Column pointers."""
 
     @property
-    def indices(self) -> Ints:
+    def indices(self) -> Indices:
         """Row indices."""
 
     @property
-    def diagonal(self) -> Ints:
+    def diagonal(self) -> Indices:
         """Where the diagonal lives."""
 
 

@@ -25,8 +25,8 @@ def restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, 
     exact = np.inf if large else exact
     mu = dot(state.s, state.lam) / max(len(state.s), 1)
     for _ in range(6):
-        primal_residual, dual_residual, _, _ = state.residuals()
-        wrong = np.abs(primal_residual).max(initial=0.0)
+        dual_residual, _, _ = state.residuals()
+        wrong = np.abs(state.s - state.at.h).max(initial=0.0)
         if wrong < SLACK_TOLERANCE or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
             break
         data = state.at.condensed(
@@ -35,9 +35,7 @@ def restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, 
         shift = max(state.shift, 1e-2)
         while not matrix.update(data, shift):
             shift *= 10
-        step = NewtonStep.to_boundary(
-            newton(state, matrix, primal_residual, dual_residual, mu - state.s * state.lam), shift
-        )
+        step = NewtonStep.to_boundary(newton(state, matrix, dual_residual, mu - state.s * state.lam), shift)
         if large and step.primal_step < SETTINGS.min_restoring_step:
             return _lifted(state, matrix, retraction)
         take_step(state, step, retraction)

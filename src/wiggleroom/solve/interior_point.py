@@ -87,9 +87,9 @@ def solve(
         lam = mu / s if lam is None else lam / unit
         return Iterate(u, s, lam, at, unit, np.zeros_like(u), SETTINGS.proximal_share * tolerance)
 
-    def predictor_corrector(state: Iterate, primal_residual: Floats, dual_residual: Floats, least: float) -> bool:
+    def predictor_corrector(state: Iterate, dual_residual: Floats, least: float) -> bool:
         step = predictor_corrector_step(
-            state, matrix, retraction, primal_residual, dual_residual, watch.mu, watch.infeasibility_ratio, least
+            state, matrix, retraction, dual_residual, watch.mu, watch.infeasibility_ratio, least
         )
         if step is not None:
             take_step(state, step.capped(farthest), retraction)

@@ -85,7 +85,7 @@ class MonotoneBarrier:
         self._matrix, self._retraction, self._mu, self._farthest = matrix, retraction, mu, farthest
         self._shift = MIN_SHIFT
 
-    def advance(self, state: Iterate, primal_residual: Floats, dual_residual: Floats, least: float) -> bool:
+    def advance(self, state: Iterate, dual_residual: Floats, least: float) -> bool:
         """Improve the state by one step; False where nothing does. mu stays above `least`."""
         s, lam, at = state.s, state.lam, state.at
         wrong = float(np.abs(dual_residual).max(initial=0.0))
@@ -98,7 +98,7 @@ class MonotoneBarrier:
         data = at.condensed(lam / s, lam, self._retraction.balance(dual_residual, at), 1.0 / state.unit)
         while not self._matrix.update(data, shift + state.proximal_weight):
             shift = max(SETTINGS.shift_growth * shift, SETTINGS.definite_shift)
-        step = newton(state, self._matrix, primal_residual, dual_residual, mu - s * lam)
+        step = newton(state, self._matrix, dual_residual, mu - s * lam)
         far = float(np.abs(step.u).max(initial=0.0))
         share = min(_step_to_boundary(s, step.s), 1.0, self._farthest / far if far > 0 else 1.0)
         if not _line_search(state, self._retraction, step.u, share, mu, strides=shift > SETTINGS.max_free_shift):
@@ -140,7 +140,7 @@ def _line_search(state: Iterate, retraction: Retraction, du: Floats, share: floa
         if not value < after:
             break
         u, at, after, longer = v, further, value, 4 * longer
-    state.u, state.at, state.s = u, at, at.h
+    state.u, state.at, state.s = u, at, at.h.copy()
     return True
 
 

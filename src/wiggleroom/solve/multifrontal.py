@@ -22,6 +22,7 @@ from wiggleroom.solve.nested_dissection import EliminationTree, dissect
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Indices = NDArray[np.int32] | NDArray[np.int64]
 
 SUBTREE_DEPTH = 3
 """Nodes at this depth are the roots of independent subtrees."""
@@ -36,14 +37,14 @@ class FrontalPlan:
     ----------
     at : (V, 2) float64
         Where the vertices lie.
-    indptr, indices : (C + 1,) and (E,) int64
+    indptr, indices : (C + 1,) and (E,) int32 or int64
         Upper triangle of the matrix in compressed columns; the variables of a vertex follow each other.
     block : int
         Variables of a vertex.
     """
 
-    def __init__(self, at: Floats, indptr: Ints, indices: Ints, block: int) -> None:
-        column = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+    def __init__(self, at: Floats, indptr: Indices, indices: Indices, block: int) -> None:
+        column, indices = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr)), indices.astype(np.int64)
         self.tree = tree = dissect(at, *_neighbours(indices // block, column // block, len(at)))
         nodes = len(tree.parent)
         self.block = block
@@ -51,7 +52,7 @@ class FrontalPlan:
             tree.first, tree.border_start, tree.border, tree.place, np.repeat(np.arange(nodes), np.diff(tree.first)),
             indices, column, block,
         )  # fmt: skip
-        source = np.argsort(owner, kind="stable")
+        source = np.argsort(owner, kind="stable").astype(np.int32)
         entry = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=nodes))])
         in_parent = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
         self.shares, region = _shares(tree)
@@ -165,13 +166,13 @@ def _first_below(parent):
 
 @njit(**OPTIONS)
 def _targets(first, border_start, border, place, node_of, row, column, block):
-    """Where the panel of each node begins, and where in the factor, and in which node, each entry of the matrix is gathered."""
+    """Where the panel of each node begins, and in which node, and where in its panel, each entry of the matrix is gathered."""
     nodes = len(first) - 1
     panel = np.zeros(nodes + 1, np.int64)
     for t in range(nodes):
         width, high = first[t + 1] - first[t], border_start[t + 1] - border_start[t]
         panel[t + 1] = panel[t] + block * block * width * (width + high)
-    target, owner = np.empty(len(row), np.int64), np.empty(len(row), np.int64)
+    target, owner = np.empty(len(row), np.int32), np.empty(len(row), np.int32)
     for k in range(len(row)):
         i = block * place[row[k] // block] + row[k] % block
         j = block * place[column[k] // block] + column[k] % block
@@ -184,7 +185,7 @@ def _targets(first, border_start, border, place, node_of, row, column, block):
         else:
             some = border[border_start[t] : border_start[t + 1]]
             down = block * (width + np.searchsorted(some, i // block)) + i % block
-        target[k] = panel[t] + (j - block * first[t]) * block * (width + high) + down
+        target[k] = (j - block * first[t]) * block * (width + high) + down
         owner[k] = t
     return panel, target, owner
 
@@ -276,7 +277,7 @@ def _factorise(
         A = factor[panel[t] : panel[t + 1]]
         A[:] = 0.0
         for k in range(entry[t], entry[t + 1]):
-            A[target[k] - panel[t]] += data[source[k]]
+            A[target[k]] += data[source[k]]
         for c in range(width):
             A[c * tall + c] += shift
         C = stack[workplace[t] : workplace[t] + high * high]

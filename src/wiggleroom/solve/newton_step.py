@@ -33,13 +33,12 @@ class Iterate:
     growth: float = 0.0
     path: list[Floats] = field(default_factory=list)
 
-    def residuals(self) -> tuple[Floats, Floats, float, float]:
-        """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
-        primal_residual = self.s - self.at.h
+    def residuals(self) -> tuple[Floats, float, float]:
+        """Dual residual, complementarity, and value in units of the objective's largest derivative."""
         dual_residual = (
             self.proximal_weight * self.u - self.at.gradient / self.unit - self.at.transposed_jacobian_product(self.lam)
         )
-        return primal_residual, dual_residual, dot(self.s, self.lam), self.at.value / self.unit
+        return dual_residual, dot(self.s, self.lam), self.at.value / self.unit
 
     @property
     def proximal_weight(self) -> float:
@@ -61,11 +60,11 @@ class Direction:
     dual_step: float
 
 
-def newton(state: Iterate, matrix: Factor, primal_residual: Floats, dual_residual: Floats, goal: Floats) -> Direction:
-    """The direction that changes s * lam by `goal` and removes both residuals, to first order."""
+def newton(state: Iterate, matrix: Factor, dual_residual: Floats, goal: Floats, share: float = 1.0) -> Direction:
+    """The direction that changes s * lam by `goal`, and removes the dual residual and a share of the primal one, s - h, to first order."""
     s, lam, at = state.s, state.lam, state.at
-    du = matrix.solve(at.eliminated_product(s, lam, primal_residual, goal) - dual_residual)
-    return Direction(du, *at.eliminated_changes(du, s, lam, primal_residual, goal))
+    du = matrix.solve(at.eliminated_product(s, lam, goal, share) - dual_residual)
+    return Direction(du, *at.eliminated_changes(du, s, lam, goal, share))
 
 
 def dot(x: Floats, y: Floats) -> float:

@@ -56,7 +56,6 @@ def predictor_corrector_step(
     state: Iterate,
     matrix: Factor,
     retraction: Retraction,
-    primal_residual: Floats,
     dual_residual: Floats,
     mu: float,
     infeasibility_ratio: float,
@@ -81,7 +80,7 @@ def predictor_corrector_step(
             shift = max(SETTINGS.shift_growth * shift, SETTINGS.definite_shift)
             continue
         np.negative(np.multiply(s, lam, out=goal), out=goal)
-        predictor = newton(state, matrix, primal_residual, dual_residual, goal)
+        predictor = newton(state, matrix, dual_residual, goal)
         gap = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal_step, predictor.dual_step)
         centring = (gap / max(len(s), 1) / mu) ** 3 if mu > 0 else 0.0
         if infeasibility_ratio > SETTINGS.max_infeasibility_ratio:  # feasibility must not fall behind complementarity
@@ -91,9 +90,9 @@ def predictor_corrector_step(
         next_mu = max(centring * mu, least)
         corrector_goal(s, predictor.s, lam, predictor.lam, next_mu, SETTINGS.max_correction * mu, goal)
         del predictor  # in assemblies of a million parts these arrays count
-        direction = newton(state, matrix, primal_residual, dual_residual, goal)
+        direction = newton(state, matrix, dual_residual, goal)
         if mu * len(s) < settings.corrected_gap * max(abs(at.value) / state.unit, 1.0):
-            direction = corrected(state, matrix, direction, next_mu)
+            direction = corrected(state, matrix, direction, next_mu, goal)
         found = NewtonStep.to_boundary(direction, shift)
         if found.primal_step > SETTINGS.min_step_length or attempt >= SETTINGS.max_lengthenings:
             break
@@ -103,7 +102,10 @@ def predictor_corrector_step(
 
 
 def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
-    """Take the step; halve it while the violation of rows grows and exceeds half the complementarity."""
+    """Take the step; halve it while the violation of rows grows and exceeds half the complementarity.
+
+    Rows and derivatives at the new point take the place of those at the old one: in assemblies of a million parts these arrays count.
+    """
     lam, value = state.lam + step.dual_step * step.lam, state.at.value
     share = step.primal_step
     before = violation(state.lam, state.s, state.at.h)
@@ -112,16 +114,16 @@ def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
     state.stride = min(SETTINGS.stride_growth * state.stride, SETTINGS.max_stride) if short else 1.0
     if state.stride > SETTINGS.stride_growth:
         u = retraction.step(state.u, state.stride * step.u, state.at)
-        at = state.at.program.linearise(u)
+        at = state.at.program.linearise(u, state.at)
         if at.h.min(initial=np.inf) > 0 and at.value > state.at.value:
             state.move, state.shift = step.u, step.shift
-            state.u, state.s, state.lam, state.at = u, at.h, lam, at
+            state.u, state.s, state.lam, state.at = u, at.h.copy(), lam, at
             return
         state.stride = 1.0
     s = np.empty_like(lam)
     for _ in range(SETTINGS.max_halvings + 1):
         u = retraction.step(state.u, share * step.u, state.at)
-        at = state.at.program.linearise(u)
+        at = state.at.program.linearise(u, state.at)
         stepped_slacks(state.s, step.s, share, at.h, SETTINGS.min_slack, s)
         if violation(lam, s, at.h) <= max(SETTINGS.max_violation * dot(s, lam), SETTINGS.max_violation_growth * before):
             break

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -196,7 +197,7 @@ class _PlanarReader(EntryReader[FileEntry]):
 
     def _ring(self, where: str, label: str, corners: list[Point], clockwise: bool = False) -> Points:
         """An outline as it was given; all of them together are cleaned later."""
-        ring = np.array(corners, dtype=float).reshape(-1, 2)
+        ring = np.fromiter(chain.from_iterable(corners), dtype=float, count=2 * len(corners)).reshape(-1, 2)
         if self._mm != 1.0:
             ring *= self._mm
         self._rings.append(_RawOutline(ring, where, label, clockwise, len(self._findings)))

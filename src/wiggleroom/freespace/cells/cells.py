@@ -17,6 +17,8 @@ from wiggleroom.parallel.batches import in_batches
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Shorts = NDArray[np.int32]
+Kinds = NDArray[np.int8]
 
 MAX_ANGLE_SPAN = 0.5
 """A cell reaches at most this far [rad] from its seed; beyond, it is rebuilt."""
@@ -41,8 +43,10 @@ class Cells:
         Bodies.
     row : (P + 1,) int64
         Rows of pair p are row[p] .. row[p + 1].
-    kind, edge, corner : (R,) int64
-        Kind as in `row_kinds`; edge and corner as rows of `BodyShapes`.
+    kind : (R,) int8
+        As in `row_kinds`.
+    edge, corner : (R,) int32
+        Rows of `BodyShapes`.
     ends : (P, 2) float64 [rad]
         Verified interval of psi.
     seed : (P, 3) float64 [mm, mm, rad]
@@ -52,9 +56,9 @@ class Cells:
     a: Ints
     b: Ints
     row: Ints
-    kind: Ints
-    edge: Ints
-    corner: Ints
+    kind: Kinds
+    edge: Shorts
+    corner: Shorts
     ends: Floats
     seed: Floats
 
@@ -159,11 +163,11 @@ def _rows_of_lines(shapes: BodyShapes, a: Ints, b: Ints, lines: Ints) -> Ints:
 def _packed(a: Ints, b: Ints, seed: Floats, ends: Floats, number: Ints, walls: Ints) -> Cells:
     """Rows of all cells one after another, the two rows of the interval last in each."""
     row = np.concatenate([[0], np.cumsum(number + 2)])
-    rows = np.zeros((row[-1], 3), dtype=np.int64)
+    rows = np.zeros((row[-1], 3), dtype=np.int32)
     rows[np.arange(len(walls)) + np.repeat(2 * np.arange(len(a)), number)] = walls
     rows[row[1:] - 2, 0], rows[row[1:] - 1, 0] = LOW_TURN, HIGH_TURN
-    kind, edge, corner = np.ascontiguousarray(rows.T)
-    return Cells(a, b, row, kind, edge, corner, ends, seed)
+    _, edge, corner = np.ascontiguousarray(rows.T)
+    return Cells(a, b, row, rows[:, 0].astype(np.int8), edge, corner, ends, seed)
 
 
 def select(cells: Cells, rows: Ints) -> Cells:
