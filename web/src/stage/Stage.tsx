@@ -16,7 +16,7 @@ import { paintMarks } from "./marks.ts";
 import { measuring, pick, picked } from "./measure.ts";
 import { clear, paint, paintGhost, paintOver, type Scene } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
-import { Retained, UNSEEN } from "./retained.ts";
+import { Retained, SHARE, UNSEEN } from "./retained.ts";
 import { blame, roles } from "./roles.ts";
 import { around, outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
@@ -41,6 +41,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
   let rough = false;
   let lastView = view.peek();
   let hand: Wanted | null = null;
+  let handAt = pointerTarget.peek();
   const retained = new Retained();
   const draw = (now: number): void => {
     wanted = 0;
@@ -62,7 +63,8 @@ function painter(canvas: HTMLCanvasElement): () => void {
       paint(g, size.peek(), ratio, view.peek(), scene, rough);
       current.motion = motion;
     } else {
-      scene = retained.show(g, { size: size.peek(), ratio, view: view.peek(), scene }, pointerTarget.peek() ? UNSEEN : 0);
+      scene = retained.show(g, { size: size.peek(), ratio, view: view.peek(), scene }, pointerTarget.peek() ? UNSEEN : 0, handAt === pointerTarget.peek() ? SHARE.resting : SHARE.moving);
+      handAt = pointerTarget.peek();
       current.motion = scene.motion;
     }
     if (hand && !moving) {
@@ -77,7 +79,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, current.motion, scene.factor, marks);
     requestAnimationFrame((next) => { // painting goes on after this function: only the next frame tells
       cost.last = next - now;
-      if (retained.behind) retained.tune(next - now);
+      retained.tune(next - now);
     });
     frame.value++;
     clearTimeout(still);
