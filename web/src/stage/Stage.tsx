@@ -43,9 +43,10 @@ function painter(canvas: HTMLCanvasElement): () => void {
   let hand: Wanted | null = null;
   let handAt = pointerTarget.peek();
   const retained = new Retained();
-  const draw = (now: number): void => {
+  /** Draws a frame; true where what is wanted was not reached in it. */
+  const draw = (now: number): boolean => {
     wanted = 0;
-    if (!size.peek().width || !state.drawing.peek()) return;
+    if (!size.peek().width || !state.drawing.peek()) return false;
     const { motion, moving } = pose(now, current.shapes.length);
     const changing = moving || lastView !== view.peek();
     lastView = view.peek();
@@ -86,11 +87,14 @@ function painter(canvas: HTMLCanvasElement): () => void {
     if (moving || retained.behind) invalidate();
     else if (changing) still = window.setTimeout(() => ((rough = false), (cost.last = 0), invalidate()), STILL);
     if (!retained.behind) canvas.dataset.shown = shown.peek().what === "drag" ? String(state.dragged.peek()?.reply.id) : shown.peek().what;
+    return retained.behind && !changing;
   };
   const invalidate = (): void => {
     if (!wanted) wanted = requestAnimationFrame(draw);
   };
-  const printed = (): void => draw(performance.now()); // paper does not wait for a frame
+  const printed = (): void => { // paper does not wait for frames
+    while (draw(performance.now()));
+  };
   addEventListener("beforeprint", printed);
   const stopShapes = effect(() => {
     const opened = state.drawing.value;

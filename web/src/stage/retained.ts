@@ -21,9 +21,10 @@ const MIN_PARTS = 20;
 const FIRST_TIME = 0.05;
 /** A frame longer than this [ms] held too many parts, wherever the time went: a graphics processor works them off later. */
 const SLOW = 30;
-/** By how much the time for one part may change from frame to frame. */
+/** By how much the time for one part may change from frame to frame, and how long it is at most [ms]: more would change no frame. */
 const FALL = 0.67;
 const RISE = 2;
+const LONGEST = SHARE.resting / MIN_PARTS;
 
 /** What is to be seen on a canvas. */
 export interface Picture { size: Size; ratio: number; view: View; scene: Scene }
@@ -34,15 +35,16 @@ interface Bitmap { g: CanvasRenderingContext2D; picture: Picture | null; painted
 export class Retained {
   #front = bitmap();
   #back: Bitmap | null = null;
-  #steps: Generator<void> | null = null;
+  #steps: Generator<void, void> | null = null;
   /** Time for one part [ms]. */
   #each = FIRST_TIME;
   /** So many were painted in the present frame. */
   #painted = 0;
+  #behind = false;
 
-  /** True while the bitmap shows an older motion than the last one that it was given. */
+  /** True while the bitmap may show an older motion than the last one that it was given: it has to be shown again. */
   get behind(): boolean {
-    return this.#steps !== null;
+    return this.#behind;
   }
 
   /** After a frame that took so long [ms]. */
@@ -55,8 +57,10 @@ export class Retained {
     const now = { ...wanted, scene: { ...wanted.scene, motion: wanted.scene.motion.slice() } };
     const most = Math.max(share / this.#each, MIN_PARTS);
     const began = performance.now();
+    let older = false;
     this.#painted = 0;
     if (resized(this.#front, g.canvas) || !this.#front.picture || !alike(this.#front.picture, now)) {
+      this.#steps?.return();
       this.#steps = null;
       for (const _ of repainting(this.#front, now)) void _;
     } else if (!this.#steps) {
@@ -64,8 +68,9 @@ export class Retained {
       if (!change) this.#front.picture = now;
       else if (reaching(now.size, now.view, now.scene, change.region) <= most) for (const _ of repainting(this.#front, now, change)) this.#painted++;
       else this.#begin(g.canvas, now, change);
-    }
+    } else older = true; // what is painted was wanted in an earlier frame
     if (this.#steps) this.#goOn(g, most);
+    this.#behind = older || this.#steps !== null;
     g.setTransform(1, 0, 0, 1, 0, 0);
     g.drawImage(this.#front.g.canvas, 0, 0);
     if (this.#painted >= MIN_PARTS) this.#learn((performance.now() - began) / this.#painted);
@@ -73,7 +78,7 @@ export class Retained {
   }
 
   #learn(each: number): void {
-    this.#each = Math.min(Math.max(each, this.#each * FALL), this.#each * RISE);
+    this.#each = Math.min(Math.max(each, this.#each * FALL), this.#each * RISE, LONGEST);
   }
 
   #begin(canvas: HTMLCanvasElement, now: Picture, change: Damage): void {
@@ -108,7 +113,7 @@ function resized({ g }: Bitmap, { width, height }: HTMLCanvasElement): boolean {
 }
 
 /** Paints a picture, or of it what has changed, and notes what is to be seen then. */
-function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<void> {
+function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<void, void> {
   const { g } = onto;
   const { size, ratio, view, scene } = now;
   let { motion } = scene;
@@ -123,8 +128,11 @@ function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<voi
     for (const i of change.parts) motion.set(scene.motion.subarray(3 * i, 3 * i + 3), 3 * i);
   }
   clear(g, scene.colours);
-  yield* painting(g, size, ratio, view, { ...scene, motion }, false, change?.region);
-  g.restore();
+  try {
+    yield* painting(g, size, ratio, view, { ...scene, motion }, false, change?.region);
+  } finally { // given up, too: the region is not to stay for what is painted next
+    g.restore();
+  }
   onto.painted = motion;
   onto.picture = now;
 }
