@@ -82,6 +82,26 @@ def drag(page: Any, box: dict[str, float], random: np.random.Generator) -> None:
     page.wait_for_timeout(150)
 
 
+class FrameTimes:
+    """Processor time of the page's frames, as the browser traces it."""
+
+    def __init__(self, browser: Any) -> None:
+        self._events: list[dict[str, Any]] = []
+        self._ended = False
+        self._line = browser.new_browser_cdp_session()
+        self._line.on("Tracing.dataCollected", lambda told: self._events.extend(told["value"]))
+        self._line.on("Tracing.tracingComplete", lambda _: setattr(self, "_ended", True))
+        traced = {"includedCategories": ["cc", "devtools.timeline"]}
+        self._line.send("Tracing.start", {"traceConfig": traced, "transferMode": "ReportEvents"})
+
+    def end(self, page: Any) -> list[float]:
+        """One time a frame [ms]."""
+        self._line.send("Tracing.end")
+        while not self._ended:
+            page.wait_for_timeout(50)
+        return [e["tdur"] / 1e3 for e in self._events if e["name"] == "ProxyMain::BeginMainFrame" and "tdur" in e]
+
+
 def measure(columns: int, rows: int) -> str:
     """One row of the table."""
     from playwright.sync_api import sync_playwright
@@ -103,8 +123,10 @@ def measure(columns: int, rows: int) -> str:
             random = np.random.default_rng(1)
             drag(page, box, random)  # compiled code is loaded
             page.evaluate("for (const list of Object.values(seen)) list.length = 0")
+            traced = FrameTimes(browser)
             for _ in range(DRAGS):
                 drag(page, box, random)
+            busy = traced.end(page)
             page.wait_for_timeout(3000)
             seen = page.evaluate("seen")
             browser.close()
@@ -116,8 +138,10 @@ def measure(columns: int, rows: int) -> str:
     at = np.searchsorted(about, moves)
     corrected = np.append(told, np.inf)[at] - moves
     numbers = [*np.percentile(predicted, [50, 95]), *np.percentile(corrected, [50, 95])]
+    ends = np.percentile(busy, [95, 99])
     frames = 1e3 / np.median(np.diff(painted))
-    return f"{columns * rows:6d} {opened:10.1f}   " + " ".join(f"{v:9.0f}" for v in numbers) + f" {frames:12.0f}"
+    waits = " ".join(f"{v:9.0f}" for v in numbers)
+    return f"{columns * rows:6d} {opened:10.1f}   {waits} {frames:12.0f} {ends[0]:12.1f} {ends[1]:6.1f}"
 
 
 def main() -> None:
@@ -125,7 +149,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sides", default=",".join(SIDES))
     options = parser.parse_args()
-    print(" parts  first [s]   predicted 50, 95 %   corrected 50, 95 % [ms]   frames a second")
+    print(" parts  first [s]   predicted 50, 95 %   corrected 50, 95 % [ms]   frames a second   work 95, 99 % [ms]")
     for sides in options.sides.split(","):
         columns, rows = map(int, sides.split("x"))
         print(measure(columns, rows), flush=True)

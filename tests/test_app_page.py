@@ -359,6 +359,24 @@ def test_a_cutting_sheet_is_told_from_parts_that_lie_together(page: Visit) -> No
     assert page.open("sheet.json", write_assembly(far).encode())["apart"]
 
 
+def test_a_sweep_that_finds_more_at_the_gap_of_the_design_tells_the_answer_anew(page: Visit) -> None:
+    """A climb from rest ends in the pocket; the sweep gets up the shaft, and the headline must not say less than the curve."""
+    page.open("corridor.json", write_assembly(corridor(gap=0.01).drawing).encode())
+    assert page.ask("flex")["objective"] == pytest.approx(0.16)
+    page.told.clear()
+    number = page.send("sweep", gaps=[0.02, 0.01, 0.005])
+    whole = page.until(number, "sweep")
+    (own,) = [step["objective"] for step in whole["steps"] if step["gap"] == 0.01]
+    (shown,) = [r for r in page.told if r["kind"] == "flex"]
+    assert shown["id"] == number
+    assert shown["objective"] == own == pytest.approx(2.06)
+    assert shown["motions"][0][-1][1][1] == pytest.approx(2.06)
+    assert page.ask("flex")["objective"] == own, "it is kept"
+    page.told.clear()
+    page.until(page.send("sweep", gaps=[0.01]), "sweep")
+    assert not [r for r in page.told if r["kind"] == "flex"], "it is shown already"
+
+
 def test_a_drawing_that_asks_nothing_comes_with_a_suggestion(page: Visit) -> None:
     told = page.open("peg.svg", PEG.encode())
     assert told["pulled"]["part"] == "peg"

@@ -298,7 +298,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>, beside: bo
     const more = reply.objective === null || before == null || reply.objective > before * (1 + 1e-6);
     state.answer.value = about;
     if (beside && !more) return; // the same motion, and that nothing better was found
-    if (beside) state.notice.value = `a search from other starts has found more: ${reply.headline}`;
+    if (beside) state.notice.value = `a larger motion was found: ${reply.headline}`;
     else if (reply.settled && reply.objective && reply.at_most === null && !inSpace()) ask("bound", { design: about.design });
     if (state.trouble.value === "flex") state.findings.value = [];
     const elsewhere = beside && shown.peek().what !== "answer"; // a film is seen, or a dragged part

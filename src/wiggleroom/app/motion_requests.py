@@ -90,7 +90,7 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
 
 def settled(document: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer fully."""
-    _tell(document, request.design, document.answer(request.design, out), request.shown, out)
+    tell_answer(document, request.design, document.answer(request.design, out), request.shown, out)
     return False
 
 
@@ -99,11 +99,20 @@ def searched(document: Document, design: Design, out: Reporter) -> Any:
     before = document.answer(design, out)
     answer = document.searched(design, out)
     if answer is not before:
-        _tell(document, design, answer, "", out)
+        tell_answer(document, design, answer, "", out)
     return answer
 
 
-def _tell(document: Document, design: Design, answer: Any, shown: str, out: Reporter) -> None:
+def exceeds(found: Any, known: Any) -> bool:
+    """Whether a motion is larger than the answer that is known, if any is."""
+    from wiggleroom.sensitivity.perturbation import SAME_VALUE
+
+    if known is None or found.objective is None:
+        return known is None or known.objective is not None
+    return known.objective is not None and found.objective > (1 + SAME_VALUE) * known.objective
+
+
+def tell_answer(document: Document, design: Design, answer: Any, shown: str, out: Reporter) -> None:
     """Tell the page a full answer."""
     document.display.move(answer.assembly, answer.motion)
     content = answer_reply(answer, command("flex", document.file, design))

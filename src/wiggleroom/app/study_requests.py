@@ -11,7 +11,7 @@ import numpy as np
 
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
-from wiggleroom.app.motion_requests import searched
+from wiggleroom.app.motion_requests import exceeds, searched, tell_answer
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.report.page.study_messages import ranking_message, step_message
 from wiggleroom.report.results.answer_words import bound_sentence, proven
@@ -70,15 +70,19 @@ def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
 
 
 def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:
-    """Motion against gap, told gap by gap."""
+    """Motion against gap, told gap by gap; what it finds at the design's own gap is the answer, where that is more."""
     from wiggleroom.questions import sweep as work_out
 
     def tell(step: SweepStep, motion: np.ndarray | None) -> None:
         out.check()
         out.reply(step_message(step), [] if motion is None else [still_frame(motion)])
+        if step.gap == made.gap and step.answer is not None and exceeds(step.answer, document.kept(request.design)):
+            document.know(request.design, step.answer)
+            tell_answer(document, request.design, step.answer, "", out)
 
     goals = document.asked(request.design)
-    found = work_out(document.assembly(request.design), request.gaps, goals, stop=out.stop, each=tell)
+    made = document.assembly(request.design)
+    found = work_out(made, request.gaps, goals, stop=out.stop, each=tell)
     out.check()
     said = command("sweep", document.file, request.design, _gaps(request))
     out.reply(SweepReply(steps=[step_message(s) for s in found.steps], lost=found.lost, command=said))

@@ -101,8 +101,11 @@ function slid(value: number, most: number): number {
   return nearestBy(solved.value, (one) => one.gap, value)!.gap;
 }
 
+/** Solves a row of gaps, and the present one with what was found at smaller ones. */
 function sweep(most: number): void {
-  const gaps = Array.from({ length: 10 }, (_, i) => Number(((most * (i + 1)) / 10).toPrecision(6)));
+  const own = design.peek().gap;
+  const gaps = Array.from({ length: 10 }, (_, i) => Number(((most * (i + 1)) / 10).toPrecision(6))).filter((gap) => Math.abs(gap - own) > 1e-9);
+  if (own > 0) gaps.push(own);
   ask("sweep", { design: design.peek(), gaps });
 }
 

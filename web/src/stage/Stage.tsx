@@ -16,7 +16,7 @@ import { paintMarks } from "./marks.ts";
 import { measuring, pick, picked } from "./measure.ts";
 import { clear, paint, paintGhost, paintOver, type Scene } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
-import { Retained, UNSEEN } from "./retained.ts";
+import { Retained, SHARE, UNSEEN } from "./retained.ts";
 import { blame, roles } from "./roles.ts";
 import { around, outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
@@ -41,10 +41,12 @@ function painter(canvas: HTMLCanvasElement): () => void {
   let rough = false;
   let lastView = view.peek();
   let hand: Wanted | null = null;
+  let handAt = pointerTarget.peek();
   const retained = new Retained();
-  const draw = (now: number): void => {
+  /** Draws a frame; true where what is wanted was not reached in it. */
+  const draw = (now: number): boolean => {
     wanted = 0;
-    if (!size.peek().width || !state.drawing.peek()) return;
+    if (!size.peek().width || !state.drawing.peek()) return false;
     const { motion, moving } = pose(now, current.shapes.length);
     const changing = moving || lastView !== view.peek();
     lastView = view.peek();
@@ -62,7 +64,8 @@ function painter(canvas: HTMLCanvasElement): () => void {
       paint(g, size.peek(), ratio, view.peek(), scene, rough);
       current.motion = motion;
     } else {
-      scene = retained.show(g, { size: size.peek(), ratio, view: view.peek(), scene }, pointerTarget.peek() ? UNSEEN : 0);
+      scene = retained.show(g, { size: size.peek(), ratio, view: view.peek(), scene }, pointerTarget.peek() ? UNSEEN : 0, handAt === pointerTarget.peek() ? SHARE.resting : SHARE.moving);
+      handAt = pointerTarget.peek();
       current.motion = scene.motion;
     }
     if (hand && !moving) {
@@ -77,18 +80,21 @@ function painter(canvas: HTMLCanvasElement): () => void {
     if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, current.motion, scene.factor, marks);
     requestAnimationFrame((next) => { // painting goes on after this function: only the next frame tells
       cost.last = next - now;
-      if (retained.behind) retained.tune(next - now);
+      retained.tune(next - now);
     });
     frame.value++;
     clearTimeout(still);
     if (moving || retained.behind) invalidate();
     else if (changing) still = window.setTimeout(() => ((rough = false), (cost.last = 0), invalidate()), STILL);
     if (!retained.behind) canvas.dataset.shown = shown.peek().what === "drag" ? String(state.dragged.peek()?.reply.id) : shown.peek().what;
+    return retained.behind && !changing;
   };
   const invalidate = (): void => {
     if (!wanted) wanted = requestAnimationFrame(draw);
   };
-  const printed = (): void => draw(performance.now()); // paper does not wait for a frame
+  const printed = (): void => { // paper does not wait for frames
+    while (draw(performance.now()));
+  };
   addEventListener("beforeprint", printed);
   const stopShapes = effect(() => {
     const opened = state.drawing.value;

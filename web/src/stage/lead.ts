@@ -79,8 +79,8 @@ function standing(moving: readonly Body[], group: readonly number[], motion: Flo
   const found: number[] = [];
   current.shapes.forEach((shape, k) => {
     if (aside.has(k)) return;
-    const p = placed(shape, motion, k, 1);
-    if (moving.some((one) => Math.hypot(p.x - one.x, p.y - one.y) <= one.outline.radius + shape.radius + far)) found.push(k);
+    const [x, y] = [shape.at[0] + motion[3 * k]!, shape.at[1] + motion[3 * k + 1]!];
+    if (moving.some((one) => Math.hypot(x - one.x, y - one.y) <= one.outline.radius + shape.radius + far)) found.push(k);
   });
   return found;
 }

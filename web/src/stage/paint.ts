@@ -53,7 +53,7 @@ export function* painting(g: CanvasRenderingContext2D, size: Size, ratio: number
 
 /** Draws some parts over all others. */
 export function paintOver(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, some: ReadonlySet<number>): void {
-  const seen = visible(size, view, scene).filter(({ i }) => some.has(i));
+  const seen = visible(size, view, scene, undefined, some);
   for (const one of seen) body(g, size, ratio, view, scene, one, false);
   rings(g, size, ratio, view, scene, seen);
   names(g, size, ratio, view, scene, seen);
@@ -122,20 +122,29 @@ function onScreen(size: Size, view: View, x: number, y: number, radius: number, 
   return px >= x0 - far && px <= x1 + far && py >= y0 - far && py <= y1 + far;
 }
 
-/** Parts on the screen; fixed ones first, pulled ones last, so that what matters is not covered. */
-function visible(size: Size, view: View, scene: Scene, within?: Region): Seen[] {
+/** Parts on the screen, all or some; fixed ones first, pulled ones last, so that what matters is not covered. */
+function visible(size: Size, view: View, scene: Scene, within?: Region, some: Iterable<number> = scene.shapes.keys()): Seen[] {
   const layers: Seen[][] = [[], [], []];
-  scene.shapes.forEach((one, i) => {
-    const place = placed(one, scene.motion, i, scene.factor);
-    if (!onScreen(size, view, place.x, place.y, one.radius, within)) return;
+  for (const i of some) {
+    if (!reaches(size, view, scene, i, within)) continue;
     const role = scene.roles[i];
-    layers[role === "fixed" ? 0 : role === "neutral" ? 1 : 2]!.push({ i, place });
-  });
+    layers[role === "fixed" ? 0 : role === "neutral" ? 1 : 2]!.push({ i, place: placed(scene.shapes[i]!, scene.motion, i, scene.factor) });
+  }
   return layers.flat();
 }
 
+/** Whether a part, where it has moved to, reaches into a region or onto the screen. */
+function reaches(size: Size, view: View, { shapes, motion, factor }: Scene, i: number, within?: Region): boolean {
+  const { at, radius } = shapes[i]!;
+  return onScreen(size, view, at[0] + motion[3 * i]! * factor, at[1] + motion[3 * i + 1]! * factor, radius, within);
+}
+
 /** How many parts reach into a region. */
-export const reaching = (size: Size, view: View, scene: Scene, region: Region): number => visible(size, view, scene, region).length;
+export function reaching(size: Size, view: View, scene: Scene, region: Region): number {
+  let count = 0;
+  for (let i = 0; i < scene.shapes.length; i++) if (reaches(size, view, scene, i, region)) count++;
+  return count;
+}
 
 /** Canvas transform under which a part's path is drawn in place. */
 function stand(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, p: Placed): void {

@@ -2,7 +2,8 @@
  * The picture of the parts as a bitmap that is kept from frame to frame: only what has changed is painted anew.
  *
  * Where that is little, the region round it is painted in one frame. Where it is much, a second bitmap is painted over several frames while
- * the first one stays: no frame waits for thousands of parts, and what is shown is always one motion of all of them.
+ * the first one stays, each with so many parts as its share of a frame holds: the part under the hand, which is painted over the bitmap, waits
+ * for none of them, and what is shown is always one motion of all.
  */
 
 import type { Point } from "../protocol.ts";
@@ -12,12 +13,18 @@ import { type Size, toScreen, type View } from "./view.ts";
 
 /** Parts that moved by less than this [px] are left while the hand moves; when it rests everything is exact. */
 export const UNSEEN = 0.25;
-/** So many parts are painted in one frame at first, and at least; the number follows how long frames take. */
-const FIRST_RATE = 400;
-const MIN_RATE = 60;
-/** Frames shorter than this may hold more parts, longer ones than that must hold fewer [ms]. */
-const QUICK = 21;
+/** Time for the bitmap in one frame [ms] while the hand moves, less than a third of the 16.7 ms of most screens, and while it rests. */
+export const SHARE = { moving: 5, resting: 12 };
+/** So many parts are painted in one frame at least. */
+const MIN_PARTS = 20;
+/** Time for one part at first [ms]; it follows what painting took. */
+const FIRST_TIME = 0.05;
+/** A frame longer than this [ms] held too many parts, wherever the time went: a graphics processor works them off later. */
 const SLOW = 30;
+/** By how much the time for one part may change from frame to frame, and how long it is at most [ms]: more would change no frame. */
+const FALL = 0.67;
+const RISE = 2;
+const LONGEST = SHARE.resting / MIN_PARTS;
 
 /** What is to be seen on a canvas. */
 export interface Picture { size: Size; ratio: number; view: View; scene: Scene }
@@ -28,49 +35,68 @@ interface Bitmap { g: CanvasRenderingContext2D; picture: Picture | null; painted
 export class Retained {
   #front = bitmap();
   #back: Bitmap | null = null;
-  #steps: Generator<void> | null = null;
-  #rate = FIRST_RATE;
+  #steps: Generator<void, void> | null = null;
+  /** Time for one part [ms]. */
+  #each = FIRST_TIME;
+  /** So many were painted in the present frame. */
+  #painted = 0;
+  #behind = false;
 
-  /** True while the bitmap shows an older motion than the last one that it was given. */
+  /** True while the bitmap may show an older motion than the last one that it was given: it has to be shown again. */
   get behind(): boolean {
-    return this.#steps !== null;
+    return this.#behind;
   }
 
-  /** How many parts fit into a frame follows the time that the last one took [ms]. */
+  /** After a frame that took so long [ms]. */
   tune(took: number): void {
-    if (took > SLOW) this.#rate = Math.max(this.#rate * 0.7, MIN_RATE);
-    else if (took < QUICK) this.#rate *= 1.3;
+    if (took > SLOW && this.#painted > 0) this.#learn(this.#each * RISE);
   }
 
-  /** Puts the parts onto a canvas, those under the hand left out, and gives the scene that it shows; parts moved by less than `least` [px] stay. */
-  show(g: CanvasRenderingContext2D, wanted: Picture, least: number): Scene {
+  /** Puts the parts onto a canvas, those under the hand left out, in a share of a frame [ms], and gives the scene that it shows; parts moved by less than `least` [px] stay. */
+  show(g: CanvasRenderingContext2D, wanted: Picture, least: number, share: number): Scene {
     const now = { ...wanted, scene: { ...wanted.scene, motion: wanted.scene.motion.slice() } };
-    const front = this.#front;
-    if (resized(front, g.canvas) || !front.picture || !alike(front.picture, now)) {
+    const most = Math.max(share / this.#each, MIN_PARTS);
+    const began = performance.now();
+    let older = false;
+    this.#painted = 0;
+    if (resized(this.#front, g.canvas) || !this.#front.picture || !alike(this.#front.picture, now)) {
+      this.#steps?.return();
       this.#steps = null;
-      for (const _ of repainting(front, now)) void _;
+      for (const _ of repainting(this.#front, now)) void _;
     } else if (!this.#steps) {
-      const change = damage(front, now, least);
-      if (!change) front.picture = now;
-      else if (reaching(now.size, now.view, now.scene, change.region) <= this.#rate) for (const _ of repainting(front, now, change)) void _;
-      else this.#begin(g.canvas, now);
-    }
-    if (this.#steps) this.#goOn(g);
+      const change = damage(this.#front, now, least);
+      if (!change) this.#front.picture = now;
+      else if (reaching(now.size, now.view, now.scene, change.region) <= most) for (const _ of repainting(this.#front, now, change)) this.#painted++;
+      else this.#begin(g.canvas, now, change);
+    } else older = true; // what is painted was wanted in an earlier frame
+    if (this.#steps) this.#goOn(g, most);
+    this.#behind = older || this.#steps !== null;
     g.setTransform(1, 0, 0, 1, 0, 0);
     g.drawImage(this.#front.g.canvas, 0, 0);
+    if (this.#painted >= MIN_PARTS) this.#learn((performance.now() - began) / this.#painted);
     return this.#front.picture!.scene;
   }
 
-  #begin(canvas: HTMLCanvasElement, now: Picture): void {
-    this.#back ??= bitmap();
-    resized(this.#back, canvas);
-    this.#steps = repainting(this.#back, now);
+  #learn(each: number): void {
+    this.#each = Math.min(Math.max(each, this.#each * FALL), this.#each * RISE, LONGEST);
   }
 
-  #goOn(g: CanvasRenderingContext2D): void {
-    for (let k = 0; k < this.#rate; k++) if (this.#steps!.next().done) {
-      [this.#front, this.#back, this.#steps] = [this.#back!, this.#front, null];
-      return;
+  #begin(canvas: HTMLCanvasElement, now: Picture, change: Damage): void {
+    const back = (this.#back ??= bitmap());
+    resized(back, canvas);
+    back.g.setTransform(1, 0, 0, 1, 0, 0);
+    back.g.drawImage(this.#front.g.canvas, 0, 0);
+    back.painted = this.#front.painted;
+    this.#steps = repainting(back, now, change);
+  }
+
+  #goOn(g: CanvasRenderingContext2D, most: number): void {
+    while (this.#painted < most) {
+      if (this.#steps!.next().done) {
+        [this.#front, this.#back, this.#steps] = [this.#back!, this.#front, null];
+        return;
+      }
+      this.#painted++;
     }
     g.setTransform(1, 0, 0, 1, 0, 0);
     g.drawImage(this.#back!.g.canvas, 0, 0, 1, 1, 0, 0, 1, 1); // what was drawn is worked off now, not all at the end
@@ -87,7 +113,7 @@ function resized({ g }: Bitmap, { width, height }: HTMLCanvasElement): boolean {
 }
 
 /** Paints a picture, or of it what has changed, and notes what is to be seen then. */
-function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<void> {
+function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<void, void> {
   const { g } = onto;
   const { size, ratio, view, scene } = now;
   let { motion } = scene;
@@ -102,8 +128,11 @@ function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<voi
     for (const i of change.parts) motion.set(scene.motion.subarray(3 * i, 3 * i + 3), 3 * i);
   }
   clear(g, scene.colours);
-  yield* painting(g, size, ratio, view, { ...scene, motion }, false, change?.region);
-  g.restore();
+  try {
+    yield* painting(g, size, ratio, view, { ...scene, motion }, false, change?.region);
+  } finally { // given up, too: the region is not to stay for what is painted next
+    g.restore();
+  }
   onto.painted = motion;
   onto.picture = now;
 }
@@ -123,7 +152,7 @@ function damage({ picture, painted }: Bitmap, now: Picture, least: number): Dama
   const parts: number[] = [];
   let [x0, y0, x1, y1] = [size.width, size.height, 0, 0];
   scene.shapes.forEach((shape, i) => {
-    if (changed(shape, painted, scene.motion, i) * scene.factor * view.scale <= least && looks(before, i) === looks(scene, i)) return;
+    if (changed(shape, painted, scene.motion, i) * scene.factor * view.scale <= least && looksAlike(before, scene, i)) return;
     parts.push(i);
     const far = extentOf(view, shape.radius);
     const places: Point[] = [painted, scene.motion].map((motion) => {
@@ -138,7 +167,8 @@ function damage({ picture, painted }: Bitmap, now: Picture, least: number): Dama
   return { parts, region: [Math.max(x0, 0), Math.max(y0, 0), Math.min(x1, size.width), Math.min(y1, size.height)] };
 }
 
-/** What of the looks of a part may change while the hand moves. */
-function looks({ roles, blame, chosen, hovered, held }: Scene, i: number): string {
-  return `${roles[i]} ${blame?.[i]} ${chosen.has(i)} ${hovered === i} ${held.has(i)}`;
+/** Whether a part looks alike in two scenes: what may change while the hand moves. */
+function looksAlike(a: Scene, b: Scene, i: number): boolean {
+  return a.roles[i] === b.roles[i] && a.blame?.[i] === b.blame?.[i] && a.chosen.has(i) === b.chosen.has(i)
+    && (a.hovered === i) === (b.hovered === i) && a.held.has(i) === b.held.has(i);
 }
