@@ -13,15 +13,22 @@ import shapely
 
 import wiggleroom as wr
 from tests.flexing import box, polygon_part
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.loops import region_of
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
 from wiggleroom.report.results.answer_words import searched
 from wiggleroom.report.results.json_results import flex_result
+from wiggleroom.search.canonical_frame import canonical_frame
+from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import start_at_rest
+from wiggleroom.search.local_search import LocalSearch
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.state_tree import ClimbTree
+from wiggleroom.solve import interior_point
 from wiggleroom.verdict import Verdict
 
 pytestmark = pytest.mark.searches
@@ -153,6 +160,54 @@ def test_the_same_assembly_told_differently_has_the_same_answer():
     assert second.objective / unit == pytest.approx(first.objective, rel=1e-9)
     assert audit_path(other, second.waypoints).free
     assert wr.prepare(other).flex().warm_start is not None
+
+
+def frame(unit):
+    """A fixed part round a hole in which a square of side `unit` has little play."""
+    hole = shapely.transform(shapely.box(0.93, 0.9, 2.05, 2.1), lambda p: unit * p)
+    return polygon_part("frame", shapely.box(0, 0, 3 * unit, 3 * unit) - hole, fixed=True)
+
+
+def test_a_turn_told_in_another_unit_has_the_same_answer():
+    unit = 25.4
+    one, other = (
+        assemble(Drawing((box("pin", x, x, 2 * x, 2 * x), frame(x)), goals=(wr.Turn("pin", "ccw"),), gap=0.0))
+        for x in (1.0, unit)
+    )
+    assert canonical_frame(one, one.drawing.goals).goals == canonical_frame(other, other.drawing.goals).goals
+    first, second = wr.flex(one), wr.flex(other)
+    assert second.objective == pytest.approx(first.objective, rel=1e-12)
+    forces = [[contact.force for contact in answer.contacts] for answer in (first, second)]
+    assert forces[0] == pytest.approx([unit * force for force in forces[1]], rel=1e-6)
+
+
+def test_a_part_cut_into_two_outlines_is_the_same_part():
+    whole = wr.patterns.chain(3, joint="tee", gap=0.01)
+    part = whole.parts[1]
+    ring = shapely.Polygon(part.regions[0].outer)
+    x0, y0, x1, y1 = ring.bounds
+    middle = 0.41 * x0 + 0.59 * x1
+    halves = [shapely.intersection(ring, shapely.box(*b)) for b in ((x0, y0, middle, y1), (middle, y0, x1, y1))]
+    cut = replace(part, regions=tuple(region_of(shapely.orient_polygons(p)) for p in halves))
+    parts = (whole.parts[0], cut, *whole.parts[2:])
+    other = Assembly(parts, replace(whole.drawing, parts=parts))
+    goals = whole.drawing.goals
+    one, two = (canonical_frame(assembly, goals).assembly.parts for assembly in (whole, other))
+    assert len(cut.regions) == 2
+    for part, same in zip(one, two, strict=True):
+        assert [len(region.outer) for region in same.regions] == [len(region.outer) for region in part.regions]
+        assert same.at == pytest.approx(part.at, abs=1e-9)
+
+
+def test_no_end_that_was_met_is_better_than_the_answer():
+    ready = wr.prepare(wr.patterns.chain(2, joint="tee", gap=0.01))
+    goal = ready.objective(ready.assembly.drawing.goals)
+    first = LocalSearch(ready, goal, interior_point.solve, THOROUGH)
+    first.improve(start_at_rest(ready))
+    best = first.best.value
+    first.best = replace(first.best, value=best * (1 - 5e-5))  # a little below an end that other climbs meet
+    further, _ = search_on(first, 8)
+    assert further.best.value == pytest.approx(best, rel=1e-6)
 
 
 def test_an_answer_in_the_assemblys_own_frame_starts_the_next_question():

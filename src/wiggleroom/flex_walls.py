@@ -124,7 +124,7 @@ def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
     frame = canonical_frame(ready.assembly, query.goals)
 
     def told(progress: Progress) -> None:
-        query.tell(replace(progress, objective=progress.objective / frame.scale))
+        query.tell(replace(progress, objective=progress.objective / frame.worth))
 
     try:
         own = prepare_as_drawn(frame.assembly, stop=query.stop)

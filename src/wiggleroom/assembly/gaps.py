@@ -20,6 +20,7 @@ from wiggleroom.assembly.loops import (
     cleaned,
     placed_regions,
     polygons,
+    region_of,
     region_rings,
     signed_areas,
 )
@@ -203,7 +204,7 @@ def _moved_regions(
         chosen = (shapes.region[loops.owner] == i).nonzero()[0]
         pieces = resolved(Loops(loops.points[chosen], loops.counts[low:high]), amounts[chosen])
         wrong = _what_went_wrong(pieces, high - low - 1)
-        regions.append(None if wrong else _region(pieces[0]))
+        regions.append(None if wrong else region_of(pieces[0]))
         if wrong:
             trouble.setdefault(int(shapes.owner[i]), wrong)
     return regions, trouble
@@ -219,14 +220,6 @@ def _what_went_wrong(pieces: Sequence[shapely.Polygon], holes: int) -> str:
     if left < holes:
         return "loses a hole" if holes - left == 1 else f"loses {holes - left} holes"
     return "closes round a new hole" if left > holes else ""
-
-
-def _region(piece: shapely.Polygon) -> Region:
-    """Region of a shapely polygon."""
-    loops = chained([np.array(ring.coords)[:-1] for ring in (piece.exterior, *piece.interiors)])
-    size = np.ptp(loops.points, axis=0).max()
-    outer, *holes = cleaned(loops, np.full(len(loops.counts), size)).rings()
-    return Region(outer, tuple(holes))
 
 
 def _complaint(drawing: Drawing, shapes: _Shapes, shape: int, wrong: str) -> str:

@@ -97,6 +97,20 @@ def polygons(loops: Loops, region: Sequence[int] | NDArray[np.int64]) -> NDArray
     return np.asarray(shapely.polygons(rings, indices=np.asarray(region)))
 
 
+def region_of(piece: shapely.Polygon) -> Region:
+    """Region of a shapely polygon, cleaned; its outer ring runs counter-clockwise and its holes clockwise.
+
+    Examples
+    --------
+    >>> region_of(shapely.box(0, 0, 2, 1)).outer.tolist()
+    [[2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [0.0, 0.0]]
+    """
+    loops = chained([np.array(ring.coords)[:-1] for ring in (piece.exterior, *piece.interiors)])
+    size = np.ptp(loops.points, axis=0).max()
+    outer, *holes = cleaned(loops, np.full(len(loops.counts), size)).rings()
+    return Region(outer, tuple(holes))
+
+
 def placed_regions(parts: Sequence[Part]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
     """Every region as a shapely polygon in assembly coordinates at rest, and the index of its part."""
     loops, region, owners = placed_loops(parts)

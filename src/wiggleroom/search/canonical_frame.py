@@ -1,8 +1,8 @@
 """A canonical frame: the same assembly given in another place, order or unit has the same answer.
 
-Order, place, direction, handedness and unit are chosen from the outlines and from what is asked. A search takes many decisions, between
-equals too, so its answer would else depend on which part is named first. Coordinates are rounded far below any tolerance: what was turned
-or scaled is then the same to the last digit.
+Order, place, direction, handedness and unit are chosen from the outlines and from what is asked; regions that share a side are one. A
+search takes many decisions, between equals too, so its answer would else depend on which part is named first. Coordinates are rounded far
+below any tolerance: what was turned or scaled is then the same to the last digit.
 """
 
 from __future__ import annotations
@@ -12,9 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, rings_at
+from wiggleroom.assembly.loops import region_of
 from wiggleroom.drawing.model import Closer, Goal, Part, Pull, Region, Towards, Translation, Turn, W
 from wiggleroom.search.answer import Answer, Contact
 
@@ -41,13 +43,13 @@ class CanonicalFrame:
     assembly : Assembly
         Parts in canonical order, none turned about its reference point.
     goals : tuple of goals
-        Worth `scale` times what they were.
+        Worth `worth` times what they were; the largest weight among them is one, so that a turn is the same in every unit.
     order : (n,) int64
         Number of each of its parts in the assembly that was given.
     origin : (2,) float64 [mm]
     axes : (2, 2) float64
         Orthogonal; of determinant -1 where it is the mirror image.
-    scale : float
+    scale, worth : float
     """
 
     assembly: Assembly
@@ -56,6 +58,7 @@ class CanonicalFrame:
     origin: Floats
     axes: Floats
     scale: float
+    worth: float
 
     @property
     def sense(self) -> float:
@@ -73,11 +76,12 @@ class CanonicalFrame:
         """A contact in the frame in which the assembly was given."""
         x, y = self.origin + np.array(contact.point) @ self.axes / self.scale
         nx, ny = np.array(contact.normal) @ self.axes
-        return replace(contact, point=(float(x), float(y)), normal=(float(nx), float(ny)))
+        force = contact.force * self.scale / self.worth
+        return replace(contact, point=(float(x), float(y)), normal=(float(nx), float(ny)), force=force)
 
     def answer(self, found: Answer, assembly: Assembly, asked: tuple[Goal, ...]) -> Answer:
         """An answer about the canonical assembly as one about the assembly that was given."""
-        waypoints, unit = self.motions(found.waypoints), self.scale
+        waypoints, unit = self.motions(found.waypoints), self.worth
         bound, search = found.bound, found.search
         if bound is not None and bound.at_most is not None:
             bound = replace(bound, at_most=bound.at_most / unit)
@@ -97,7 +101,7 @@ class CanonicalFrame:
             motion=waypoints[-1],
             waypoints=waypoints,
             contacts=tuple(map(self.contact, found.contacts)),
-            deepest_overlap=found.deepest_overlap / unit,
+            deepest_overlap=found.deepest_overlap / self.scale,
             at_most=None if found.at_most is None else found.at_most / unit,
             bound=bound,
             search=search,
@@ -115,7 +119,8 @@ def canonical_frame(assembly: Assembly, asked: tuple[Goal, ...]) -> CanonicalFra
     >>> frame.assembly.names, frame.goals[0].part
     (('b1', 'b2', 'b3'), 'b3')
     """
-    rings = [rings_at(part) for part in assembly.parts]
+    made = [replace(part, regions=merged(part.regions)) if len(part.regions) > 1 else part for part in assembly.parts]
+    rings = [rings_at(part) for part in made]
     corners = np.concatenate([ring for its in rings for ring in its])
     origin = corners[0] + _centroid([ring - corners[0] for its in rings for ring in its])
     size = float(np.hypot(*(corners - origin).T).max())
@@ -131,9 +136,11 @@ def canonical_frame(assembly: Assembly, asked: tuple[Goal, ...]) -> CanonicalFra
     c, s = np.cos(angle), np.sin(angle)
     axes = np.array([[c, s], [-s, c]]) @ flip
     # the outline of a part is told about its reference point, wherever that lies
-    parts = [_part(part, origin, axes, 1 / size) for part in assembly.parts]
+    parts = [_part(part, origin, axes, 1 / size) for part in made]
     order = sorted(range(len(parts)), key=lambda k: _key(parts[k]))
     goals = tuple(_goal(goal, origin, axes, 1 / size) for goal in asked)
+    heaviest = max(map(_weight, goals), default=0.0) or 1.0
+    goals = tuple(replace(goal, weight=goal.weight / heaviest) for goal in goals)
     drawn = replace(
         assembly.drawing,
         parts=tuple(parts[k] for k in order),
@@ -142,7 +149,8 @@ def canonical_frame(assembly: Assembly, asked: tuple[Goal, ...]) -> CanonicalFra
         goals=goals,
         tolerances=(),
     )
-    return CanonicalFrame(Assembly(drawn.parts, drawn), goals, np.array(order, dtype=np.int64), origin, axes, 1 / size)
+    numbers = np.array(order, dtype=np.int64)
+    return CanonicalFrame(Assembly(drawn.parts, drawn), goals, numbers, origin, axes, 1 / size, 1 / (size * heaviest))
 
 
 def _part(part: Part, origin: Floats, axes: Floats, scale: float) -> Part:
@@ -163,6 +171,19 @@ def _part(part: Part, origin: Floats, axes: Floats, scale: float) -> Part:
     x, y = GRID * np.round(scale * axes @ (np.array(part.at[:2]) - origin) / GRID)
     regions.sort(key=lambda r: _rounded(r.outer[0]))
     return replace(part, regions=tuple(regions), at=(float(x), float(y), 0.0), offset=0.0)
+
+
+def merged(regions: Sequence[Region]) -> tuple[Region, ...]:
+    """The same material, regions that share a side as one.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> len(merged([Region(square), Region(square + (1.0, 0.0))]))
+    1
+    """
+    pieces = shapely.get_parts(shapely.union_all([shapely.Polygon(r.outer, r.holes) for r in regions]))
+    if len(pieces) == len(regions):
+        return tuple(regions)
+    return tuple(region_of(piece) for piece in shapely.orient_polygons(pieces))
 
 
 def _key(part: Part) -> tuple[Any, ...]:
@@ -198,6 +219,11 @@ def _goal(goal: Goal, origin: Floats, axes: Floats, scale: float) -> Goal:
         return replace(goal, point=spot(goal.point), target=target or goal.target, weight=goal.weight / scale)
     whole: Translation | Closer = goal
     return replace(whole, weight=whole.weight / scale)
+
+
+def _weight(goal: Goal) -> float:
+    """How much the objective changes at most with a motion of one length, or of one angle."""
+    return abs(goal.weight) * (max(float(np.hypot(*goal.w[:2])), abs(goal.w[2])) if isinstance(goal, W) else 1.0)
 
 
 def _pair(v: Floats) -> tuple[float, float]:

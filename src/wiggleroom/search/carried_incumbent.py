@@ -70,7 +70,7 @@ def carried_incumbent(
     free = build_program(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
     segment = PathSegment(free, tuple(free.variables(motion) for motion in path[:-1]))
     search = LocalSearch(ready, objective, solve, ONE_ROUND)
-    mu = there.solution.inner_mu / frame.scale
+    mu = there.solution.inner_mu / frame.worth
     once = search.improve(Start(cells, path[-2], (segment,), mu=mu, tolerance=there.tolerance))
     end = objective.value(path[-1])
     if once is None or once.value >= end - SAME_END * abs(end):

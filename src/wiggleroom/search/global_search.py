@@ -33,8 +33,8 @@ MIN_IMPROVEMENT = 1e-4
 """An end better by this share is followed to its own end."""
 SINGLE_BODY_SHARE = 0.5
 """Share of the random objectives that are about one body."""
-HILLS_LEFT = 0.2
-"""The search ends where fewer local optima than this, by an estimate, were not met yet."""
+HILLS_LEFT, LITTLE_WORK, HILLS_LEFT_EARLY = 0.2, 4000.0, 0.05
+"""The search ends where fewer local optima than this, by an estimate, were not met yet; the estimate must be surer before so much work."""
 VALUE_TOLERANCE = 1e-3
 """Ends that differ by less than this share count as equal."""
 
@@ -97,6 +97,7 @@ def search_on(
             whole.start_from(0, sides[whole.made])
         else:
             whole.start_from(whole.tree.pick(random), _random_objective(first.ready, random))
+    whole.follow_highest()
     return whole.result()
 
 
@@ -111,6 +112,9 @@ class _GlobalSearch:
         self.values = list(ends) or [self.value]
         self.before = len(self.values)
         self.optima = {0: self.value}  # values to which the states climbed
+        self.highest: tuple[Incumbent, int] | None = (
+            None  # of the ends that were not followed, and its number among the values
+        )
 
     def plant(self) -> None:
         """Begin the tree of states: rest, and the end of the first search."""
@@ -132,12 +136,15 @@ class _GlobalSearch:
     def _saturated(self) -> bool:
         """True where the number of local optima, as estimated from how often each was met, is that of those that were met.
 
+        Climbs that begin at neighbouring states are no independent samples, so a few that agree say little.
+
         Source: Boender and Rinnooy Kan, "Bayesian stopping rules for multistart global optimization methods" (1987).
         """
         ends = np.sort(self.values)
         n = len(ends)
         met = 1 + int((np.diff(ends) > VALUE_TOLERANCE * np.abs(ends[1:])).sum())
-        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + HILLS_LEFT
+        left = HILLS_LEFT if self.work >= LITTLE_WORK else HILLS_LEFT_EARLY
+        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + left
 
     def result(self) -> tuple[LocalSearch, SearchEffort]:
         """The search that found the best end, with the work of all, and how the ends compare with it."""
@@ -164,11 +171,19 @@ class _GlobalSearch:
         if not climb.unlimited and self.tree.known(found.motion) is None:
             self.optima[self.tree.add(found, between)] = found.value
         least = MIN_IMPROVEMENT * max(abs(found.value), self.first.ready.clearance)
+        whole = replace(found, segments=(*self.tree.segments_to(between), *found.segments[1:]))
         if climb.unlimited or found.value > self.value + least:
-            self._follow(replace(found, segments=(*self.tree.segments_to(between), *found.segments[1:])))
+            self._follow(whole, len(self.values) - 1)
+        elif self.highest is None or found.value > self.highest[0].value:
+            self.highest = whole, len(self.values) - 1
 
-    def _follow(self, incumbent: Incumbent) -> None:
-        """Follow a better end to its own end; it becomes the best where its path is certain."""
+    def follow_highest(self) -> None:
+        """Follow the highest of the ends that were hardly better than the best at the time, where it is better than the best of all."""
+        if self.highest is not None and self.highest[0].value > self.value and not self.first.stopped and not self.free:
+            self._follow(*self.highest)
+
+    def _follow(self, incumbent: Incumbent, number: int) -> None:
+        """Follow a better end, of this number among the values, to its own end; it becomes the best where its path is certain."""
         search = self._search(self.first.objective, THOROUGH)
         found = self._run(search, incumbent.start())
         if found is None or not search.ended:
@@ -176,7 +191,7 @@ class _GlobalSearch:
         value, free = search.certain_value()
         if free or value > self.value:
             self.best, self.value, self.free = search, value, free
-            self.values[-1] = value
+            self.values[number] = value
 
     def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
         """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
