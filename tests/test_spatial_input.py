@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -291,6 +292,58 @@ def test_the_leaf_of_a_hinge_is_cut_exactly_as_a_mesh(sides: int) -> None:
     assert pieces is not None
     volume = knuckle.area * 10 + 14 * 3 * 20.4
     assert sum(hull_volume(piece.corners) for piece in pieces) == pytest.approx(volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("turned", [(0, 0, 0), (125.96012661, 82.99484877, 241.3604674)])
+def test_cutting_a_mesh_that_a_file_has_rounded_ends(
+    turned: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import manifold3d
+
+    from wiggleroom.spatial.solids import mesh_pieces
+    from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of
+
+    cuts_of, seen = mesh_pieces._cuts, [0]
+
+    def counted(surface):
+        seen[0] += len(surface.faces)
+        assert seen[0] < 50_000  # the same planes peel off rounding again and again
+        return cuts_of(surface)
+
+    hole = manifold3d.Manifold.cylinder(50, 3.893505885718849, 3.893505885718849, 32, True)
+    block = manifold3d.Manifold.cube((40, 30, 12), True) - hole.translate((-12, -3.106796154602387, 0))
+    surface = surface_of(block.rotate(turned))
+    rounded = replace(surface, vertices=surface.vertices.astype(np.float32).astype(float))
+    monkeypatch.setattr(mesh_pieces, "_cuts", counted)
+    pieces = mesh_pieces.convex_pieces(solid_of(rounded))
+    if pieces is None:  # it may be refused where rounding is in the way
+        assert any(turned)
+    else:
+        assert sum(hull_volume(piece.corners) for piece in pieces) == pytest.approx(block.volume(), rel=1e-6)
+
+
+def test_a_film_between_two_cuts_is_a_piece() -> None:
+    from wiggleroom.spatial.solids.convex import convex_piece
+
+    lower = np.array(
+        [
+            [9.23634051234016, -7.020422082239722, -1.1487858886299462],
+            [6.658189508827053, -4.844659728752162, -0.7388394769934932],
+            [6.435943704223563, -5.048333870208613, -0.21624163609017155],
+            [12.07693359183012, -8.647512306288368, -2.5596466846991968],
+            [12.011086497318745, -8.974446537716856, -2.072788306205158],
+        ]
+    )
+    upper = np.array(
+        [
+            [9.236341353892119, -7.020421216084663, -1.1487851931720785],
+            [6.658190350379011, -4.844658862597103, -0.7388387815356252],
+            [6.435944545775522, -5.048333004053554, -0.2162409406323037],
+            [12.076934433382078, -8.647511440133309, -2.5596459892413286],
+            [12.011087338870704, -8.974445671561798, -2.07278761074729],
+        ]
+    )
+    assert len(convex_piece(np.vstack([lower, upper])).corners) >= 8
 
 
 def hull_volume(corners: np.ndarray) -> float:

@@ -61,7 +61,7 @@ def convex_piece(points: Floats) -> ConvexPiece:
     middle = points.mean(axis=0)
     size = float(np.abs(points - middle).max())
     try:
-        hull = ConvexHull((points - middle) / (size or 1.0))
+        hull = ConvexHull((points - middle) / (size or 1.0), qhull_options="Qt Q12")  # Q12: films are no error
     except QhullError:
         raise ValueError("the points lie in a plane") from None
     face = hull.equations[:, :3]

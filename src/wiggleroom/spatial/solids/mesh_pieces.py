@@ -33,6 +33,8 @@ OFF_PLANE = 1e-6
 """A moved corner may miss its planes by this share of the displacement."""
 MAX_PIECES = 2000
 """A mesh that needs more pieces is refused."""
+PEELS = 2
+"""One plane cuts a part so often: more than once where corners that a file has rounded lie before it."""
 CANDIDATES = 10
 """Number of cuts that are compared each time; more where none of them is of use."""
 
@@ -120,33 +122,40 @@ def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surfac
 def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
 
+    No plane cuts a part more than `PEELS` times: corners off their planes would come off film after film without end.
+
     Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
     """
-    todo = _lumps(solid)
+    todo = [(lump, np.zeros((0, 4))) for lump in _lumps(solid)]
     whole, hulls = solid.volume(), []
+    near = FLAT * max(map(abs, solid.bounding_box()))
     while todo:
-        part = todo.pop()
+        part, done = todo.pop()
         if part.volume() <= 1e-12 * whole:
             continue
         hull = part.hull()
         if hull.volume() - part.volume() <= CONVEX * hull.volume():
             hulls.append(hull)
         else:
-            cuts = _cuts(surface_of(part))
             best, enough = np.inf, hull.volume() * (1 - CONVEX)
             halves: list[Any] = []
-            for k, (n0, n1, n2, offset) in enumerate(cuts.tolist()):
-                if k >= CANDIDATES and halves:
+            by: Floats = done[:0]
+            compared = 0
+            for cut in _cuts(surface_of(part)):
+                if compared >= CANDIDATES and halves:
                     break
-                both = [h for half in part.split_by_plane((n0, n1, n2), offset) for h in _lumps(half)]
+                if (np.abs(done - cut) < [FLAT, FLAT, FLAT, near]).all(axis=1).sum() >= PEELS:
+                    continue
+                compared += 1
+                both = [h for half in part.split_by_plane(tuple(cut[:3].tolist()), cut[3]) for h in _lumps(half)]
                 hollow = sum(h.hull().volume() for h in both)
                 useful = len(both) > 1 or hollow < enough  # also where only a film without a volume falls off
                 sound = abs(sum(h.volume() for h in both) - part.volume()) <= SPLIT * whole
                 if useful and sound and both and hollow < best:
-                    best, halves = hollow, both
+                    best, halves, by = hollow, both, cut[None]
             if not halves:
                 hulls.append(hull)
-            todo += halves
+            todo += [(half, np.vstack([done, by])) for half in halves]
         if len(hulls) + len(todo) > MAX_PIECES:
             return None
     together = union_of(hulls)
