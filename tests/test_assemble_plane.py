@@ -12,9 +12,10 @@ import shapely
 from numpy.typing import NDArray
 from shapely import affinity
 
+from wiggleroom.errors import StoppedError
 from wiggleroom.mating.cutting_sheet import CuttingSheet, Outlined
 from wiggleroom.mating.planar_assembly import PlanarAssembly, assemble_plane
-from wiggleroom.mating.planar_search import moved
+from wiggleroom.mating.planar_search import PlanarSearch, moved
 
 Floats = NDArray[np.float64]
 
@@ -147,3 +148,19 @@ def test_what_is_about_space_needs_a_thickness(
     drawing.write_text(svg(puzzle(2, 1, seed=3)))
     assert command("assemble", drawing, "--thickness", "lid:2.8", "-o", tmp_path / "out.json") == 2
     assert "give it, such as --thickness 3" in capsys.readouterr().err
+
+
+def test_the_matching_of_outlines_stops_when_asked():
+    class Asked:
+        """Set once it was asked five times."""
+
+        times = 0
+
+        def is_set(self) -> bool:
+            self.times += 1
+            return self.times > 5
+
+    asked = Asked()
+    with pytest.raises(StoppedError):
+        PlanarSearch(puzzle(3, 2, 1), asked)
+    assert asked.times == 6

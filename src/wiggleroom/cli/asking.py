@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Literal, overload
 
 from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn
 from wiggleroom.errors import InputError
-
-_AXES = {"+x": (1.0, 0.0), "-x": (-1.0, 0.0), "+y": (0.0, 1.0), "-y": (0.0, -1.0)}
 
 
 def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[str]]:
@@ -25,8 +24,8 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
     for text in pulls:
         name, _, value = text.rpartition(":")
         along, at, place = value.partition("@")  # the part may be a point itself: @12,30:+y
-        direction, point = _AXES.get(along) or _two(along), _two(place)
-        if not name or direction is None or math.hypot(*direction) == 0:
+        direction, point = vector(along, 2), coordinates(place, 2)
+        if not name or direction is None:
             wrong.append(f"--pull {text}: write NAME:+x, -x, +y or -y, or a direction of two numbers as NAME:0.6,0.8")
         elif at and point is None:
             wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:+y@12,1")
@@ -47,8 +46,8 @@ def parsed_direction(option: str, text: str) -> tuple[float, float]:
     >>> parsed_direction("--gravity", "-y")
     (0.0, -1.0)
     """
-    found = _AXES.get(text) or _two(text)
-    if found is None or not 0 < math.hypot(*found) < math.inf:
+    found = vector(text, 2)
+    if found is None:
         finding = f"{option} {text}: write +x, -x, +y or -y, or a direction of two numbers as 0.6,-0.8"
         raise InputError(finding)
     return found
@@ -124,9 +123,34 @@ def names(texts: Iterable[str], known: set[str]) -> list[str]:
     return [name for name in found if name]
 
 
-def _two(text: str) -> tuple[float, float] | None:
-    """Two finite numbers "x,y", or None."""
+@overload
+def vector(text: str, dimension: Literal[2]) -> tuple[float, float] | None: ...
+@overload
+def vector(text: str, dimension: Literal[3]) -> tuple[float, float, float] | None: ...
+def vector(text: str, dimension: int) -> Any:
+    """A direction such as "-y" or "0.6,-0.8"; None for what is no direction.
+
+    >>> vector("-y", 2), vector("0,0.6,0.8", 3), vector("0,0", 2), vector("+z", 2)
+    ((0.0, -1.0), (0.0, 0.6, 0.8), None, None)
+    """
+    axis = "xyz"[:dimension].find(text[1:]) if len(text) == 2 and text[0] in "+-" else -1
+    if axis >= 0:
+        return tuple(float(f"{text[0]}1") if k == axis else 0.0 for k in range(dimension))
+    found = coordinates(text, dimension)  # type: ignore[call-overload]
+    return found if found and 0 < math.hypot(*found) < math.inf else None
+
+
+@overload
+def coordinates(text: str, dimension: Literal[2]) -> tuple[float, float] | None: ...
+@overload
+def coordinates(text: str, dimension: Literal[3]) -> tuple[float, float, float] | None: ...
+def coordinates(text: str, dimension: int) -> Any:
+    """Finite numbers such as "12,-1.5"; None for anything else.
+
+    >>> coordinates("1, 2.5", 2), coordinates("1,2", 3), coordinates("1,1e999", 2)
+    ((1.0, 2.5), None, None)
+    """
     number = r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*"
-    match = re.fullmatch(f"{number},{number}", text)
-    found = (float(match[1]), float(match[2])) if match else None
+    match = re.fullmatch(",".join([number] * dimension), text)
+    found = tuple(map(float, match.groups())) if match else None
     return found if found and all(map(math.isfinite, found)) else None

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wiggleroom.cli.asking import coordinates, vector
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import EXIT_CODES, Outputs, Places, command_line, tell
 from wiggleroom.verdict import Verdict
@@ -19,11 +19,6 @@ if TYPE_CHECKING:
     from wiggleroom.deadline import Deadline
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 
-_AXES = {
-    f"{sign}{axis}": tuple(float(f"{sign}1") * (k == i) for k in range(3))
-    for i, axis in enumerate("xyz")
-    for sign in "+-"
-}
 _HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
 _OF_DRAWINGS = ("unit", "only", "skip", "join", "solid")
 """Options that say how a drawing is read, a cutting sheet too."""
@@ -44,7 +39,7 @@ def spatial_questions(
     for text in pulls:
         name, _, value = text.rpartition(":")
         along, at, place = value.partition("@")
-        direction, point = _direction(along), _three(place)
+        direction, point = vector(along, 3), coordinates(place, 3)
         if not name or direction is None:
             wrong.append(f"--pull {text}: {_HOW}")
         elif at and point is None:
@@ -53,31 +48,18 @@ def spatial_questions(
             found.append(SpatialPull(name, direction, point))
     for text in turns:
         name, _, value = text.rpartition(":")
-        direction = _direction(value)
+        direction = vector(value, 3)
         if not name or direction is None:
             wrong.append(f"--turn {text}: {_HOW}")
         else:
             found.append(SpatialTurn(name, direction))
     if weight is not None:
-        direction = _direction(weight)
+        direction = vector(weight, 3)
         if direction is None:
             wrong.append(f"--weight {weight}: write +x, -x, +y, -y, +z or -z, or three numbers as 0,0.6,-0.8")
         else:
             found.append(Weight(direction))
     return found, wrong
-
-
-def _direction(text: str) -> tuple[float, float, float] | None:
-    found = _AXES.get(text) or _three(text)
-    return found if found is not None and math.hypot(*found) > 0 else None  # type: ignore[return-value]
-
-
-def _three(text: str) -> tuple[float, float, float] | None:
-    """Three finite numbers "x,y,z", or None."""
-    number = r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*"
-    match = re.fullmatch(f"{number},{number},{number}", text)
-    found = (float(match[1]), float(match[2]), float(match[3])) if match else None
-    return found if found and all(map(math.isfinite, found)) else None
 
 
 def read_in_space(

@@ -13,6 +13,8 @@ import shapely
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from wiggleroom.errors import Stop, go_on
+
 Floats = NDArray[np.float64]
 
 _OFFSETS = np.concatenate([-np.arange(6, 0, -1), np.arange(1, 7)]) / 6.0
@@ -66,6 +68,11 @@ class SampledContour:
         """(n,) where the contour is bent: only there can it tell where another one belongs."""
         across = self.descriptors.reshape(len(self.points), -1, 2)[:, :, 1]
         return np.sqrt((across**2).mean(axis=1)) > _BENT * self.window
+
+    @cached_property
+    def radius(self) -> float:
+        """Of the circle about the centroid that holds all samples [mm]."""
+        return float(np.hypot(*self.points.T).max())
 
     @property
     def length(self) -> float:
@@ -193,7 +200,7 @@ class ContourMatch:
     salient: float = field(compare=False)
 
 
-def contour_matches(contours: list[SampledContour], tolerance: float) -> list[ContourMatch]:
+def contour_matches(contours: list[SampledContour], tolerance: float, stop: Stop | None = None) -> list[ContourMatch]:
     """Poses of every two parts in which bent pieces of their outlines fit, the longest contact first.
 
     Parameters
@@ -202,6 +209,8 @@ def contour_matches(contours: list[SampledContour], tolerance: float) -> list[Co
         All with the same step and window.
     tolerance : float [mm]
         By how much outlines that belong together may miss each other.
+    stop : optional
+        Anything with `is_set()`; then the search ends.
 
     Notes
     -----
@@ -227,6 +236,7 @@ def contour_matches(contours: list[SampledContour], tolerance: float) -> list[Co
     usual = float(np.median([c.length for c in contours]))
     result: list[ContourMatch] = []
     for number, rows in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
+        go_on(stop)
         a, b = divmod(number, len(contours))
         count = round(_CHOICES * max(1.0, max(contours[a].length, contours[b].length) / usual))
         result += _refined_matches(contours[a], contours[b], (a, b), (index[i[rows]], index[j[rows]]), count, tolerance)
@@ -246,16 +256,17 @@ def _refined_matches(
     spin = one.headings[i] / -other.headings[j]
     centre = one.points[i] @ (1, 1j) - spin * (other.points[j] @ (1, 1j))
     width = 0.25 * one.window
-    cells = np.column_stack([np.angle(spin) / _ANGLE_BIN, centre.real / width, centre.imag / width])
-    _, cell, votes = np.unique(np.rint(cells).astype(np.int64), axis=0, return_inverse=True, return_counts=True)
-    cell = cell.reshape(-1)
+    cells = np.rint([np.angle(spin) / _ANGLE_BIN, centre.real / width, centre.imag / width]).astype(np.int64)
+    least = cells.min(axis=1, keepdims=True)
+    single = np.ravel_multi_index(tuple(cells - least), tuple((np.ptp(cells, axis=1) + 1).tolist()))
+    _, cell, votes = np.unique(single, return_inverse=True, return_counts=True)
+    middles, spins = (np.bincount(cell, z.real) + 1j * np.bincount(cell, z.imag) for z in (centre, spin))
     matches: list[ContourMatch] = []
     for best in np.argsort(-votes, kind="stable")[:count].tolist():
         if votes[best] < _SUPPORT * votes.max():
             break
-        here = cell == best
-        middle = centre[here].mean()
-        pose = closest(one, other, PlanarPose(middle.real, middle.imag, float(np.angle(spin[here].mean()))), tolerance)
+        middle = middles[best] / votes[best]
+        pose = closest(one, other, PlanarPose(middle.real, middle.imag, float(np.angle(spins[best]))), tolerance)
         if any(same_pose(pose, match.pose, width) for match in matches):
             continue
         salient = contact(one, other, pose, tolerance).salient

@@ -130,12 +130,12 @@ def assemble_plane(
     centres = np.array([shapely.get_coordinates(polygon.centroid)[0] for polygon in drawn])
     polygons = [affinity.translate(p, -x, -y) for p, (x, y) in zip(drawn, centres.tolist(), strict=True)]
     names = tuple(panel.name for panel in sheet.panels)
-    work = PlanarSearch(polygons)
+    work = PlanarSearch(polygons, stop)
     pressing = max(0.0, -work.clearance)
     notes = [*sheet.notes]
     if abs(work.clearance) > 2 * CHORD_ERROR:  # closed for the search: poses are those of the parts as they are
         notes.append(_clearance_note(sheet.source, work.clearance))
-        work = PlanarSearch([inset(polygon, -work.clearance / 2) for polygon in polygons])
+        work = PlanarSearch([inset(polygon, -work.clearance / 2) for polygon in polygons], stop)
     left = set(range(len(polygons)))
     bodies: list[dict[int, PlanarPose]] = []
     doubts: list[str] = []
@@ -144,7 +144,7 @@ def assemble_plane(
         bodies.append(body)
         doubts += said
         left -= set(body)
-    bodies = [least_squares_poses(work, body) for body in bodies]
+    bodies = [least_squares_poses(work, body, stop=stop) for body in bodies]
     bodies, relief, pressed = _relieved(polygons, bodies, work.tolerance + pressing)
     unplaced = sorted({*left, *pressed})
     doubts += [f'part "{names[row]}" overlaps others where its outline fits, and is left out' for row in pressed]

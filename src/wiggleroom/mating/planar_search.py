@@ -45,30 +45,47 @@ _REFINEMENTS = 30
 """Steps of the least squares at most."""
 
 
-@dataclass(frozen=True)
-class _Choice:
-    """A place for one part and the bent contact that it has there."""
+@dataclass(eq=False)
+class _Candidate:
+    """A place for one part beside a body that grows.
+
+    Parameters
+    ----------
+    row : int
+    pose : PlanarPose
+    match : float [mm]
+        Bent contact with the part beside which it was found.
+    salient : float [mm]
+        Bent contact with all parts of the body.
+    clear : int
+        So many of the body's first parts it is known not to overlap.
+    overlaps : bool
+        Whether it overlaps one of the body.
+    """
 
     row: int
     pose: PlanarPose
+    match: float
     salient: float
+    clear: int = 0
+    overlaps: bool = False
 
 
 class PlanarSearch:
     """The parts, their contours and the poses in which two of them fit; caches what is asked again."""
 
-    def __init__(self, polygons: list[shapely.Polygon]) -> None:
+    def __init__(self, polygons: list[shapely.Polygon], stop: Stop | None = None) -> None:
         lengths = [polygon.length for polygon in polygons]
         usual = float(np.median(lengths))
         self.tolerance = _TOLERANCE * float(np.median([np.sqrt(polygon.convex_hull.area) for polygon in polygons]))
         self.window = _WINDOW * usual
         self.contours: list[SampledContour] = [sampled(polygon, usual / _SAMPLES, self.window) for polygon in polygons]
-        found = contour_matches(self.contours, self.tolerance)
+        found = contour_matches(self.contours, self.tolerance, stop)
         self.clearance = self._clearance(found)
-        self.tolerance = self._fit(found)
+        self.tolerance = self._fit(found, stop)
         self.cores = [inset(polygon, self.tolerance) for polygon in polygons]
         self.matches: dict[int, list[tuple[int, PlanarPose, ContourMatch]]] = {}
-        for match in self._refined(found):
+        for match in self._refined(found, stop):
             a, b = match.parts
             self.matches.setdefault(a, []).append((b, match.pose, match))
             self.matches.setdefault(b, []).append((a, match.pose.inverse(), match))
@@ -86,11 +103,12 @@ class PlanarSearch:
         ]
         return float(np.median(gaps)) if gaps else 0.0
 
-    def _fit(self, found: list[ContourMatch]) -> float:
+    def _fit(self, found: list[ContourMatch], stop: Stop | None) -> float:
         """How closely [mm] outlines that belong together fit on this sheet: as fine as keeps most parts' best contact."""
         loose = self._best(found, self.tolerance)
         tolerance = self.tolerance
         while loose and tolerance > 2 * CHORD_ERROR:
+            go_on(stop)
             finer = self._best(found, 0.5 * tolerance)
             if np.median([finer[row] / loose[row] for row in loose]) < _KEPT:
                 break
@@ -107,10 +125,11 @@ class PlanarSearch:
                 best[row] = max(best.get(row, 0.0), salient)
         return {row: salient for row, salient in best.items() if salient}
 
-    def _refined(self, found: list[ContourMatch]) -> list[ContourMatch]:
+    def _refined(self, found: list[ContourMatch], stop: Stop | None) -> list[ContourMatch]:
         """Matches fitted at the sheet's tolerance."""
         refined = []
         for match in found:
+            go_on(stop)
             a, b = (self.contours[row] for row in match.parts)
             pose = closest(a, b, match.pose, self.tolerance)
             salient = contact(a, b, pose, self.tolerance).salient
@@ -131,21 +150,32 @@ class PlanarSearch:
 
     def overlap(self, body: dict[int, PlanarPose], row: int, pose: PlanarPose) -> bool:
         """Whether a part overlaps a body by more than the tolerance."""
+        near = self._near(body, row, pose)
         core = moved(self.cores[row], pose)
-        return any(core.intersects(moved(self.cores[other], place)) for other, place in body.items())
+        return any(core.intersects(moved(self.cores[other], body[other])) for other in near)
 
     def touching(self, body: dict[int, PlanarPose], row: int, pose: PlanarPose) -> dict[int, ContourContact]:
         """Contacts of a part with the parts of a body."""
-        reach = self.tolerance + self.contours[0].step
-        box = shapely.box(*_grown(moved(self.contours[row].polygon, pose).bounds, reach))
         found = {}
-        for other, place in body.items():
-            if not box.intersects(shapely.box(*moved(self.contours[other].polygon, place).bounds)):
-                continue
-            touch = contact(self.contours[other], self.contours[row], place.inverse().after(pose), self.tolerance)
+        for other in self._near(body, row, pose):
+            place = body[other].inverse().after(pose)
+            touch = contact(self.contours[other], self.contours[row], place, self.tolerance)
             if len(touch.first):
                 found[other] = touch
         return found
+
+    def salient(self, body: dict[int, PlanarPose], row: int, pose: PlanarPose) -> float:
+        """Bent contact of a part with a body [mm]."""
+        return sum(touch.salient for touch in self.touching(body, row, pose).values())
+
+    def _near(self, body: dict[int, PlanarPose], row: int, pose: PlanarPose) -> list[int]:
+        """Parts of a body whose circles come near that of a part."""
+        reach = self.contours[row].radius + self.tolerance + self.contours[0].step
+        return [
+            other
+            for other, place in body.items()
+            if np.hypot(place.x - pose.x, place.y - pose.y) < reach + self.contours[other].radius
+        ]
 
     def nearest(self, row: int, pose: PlanarPose, points: Floats) -> Floats:
         """Points (n, 2) of a placed part's outline, exactly, that are nearest to others."""
@@ -160,23 +190,20 @@ class PlanarSearch:
             found[here] = shapely.get_coordinates(shapely.line_interpolate_point(line, places))
         return pose.of(found)
 
-    def choices(self, body: dict[int, PlanarPose], newest: int, left: set[int]) -> list[_Choice]:
+    def candidates(self, body: dict[int, PlanarPose], newest: int, left: set[int]) -> list[_Candidate]:
         """Places of loose parts beside the newest part of a body."""
-        return [
-            _Choice(row, body[newest].after(pose), match.salient)
-            for row, pose, match in self.matches.get(newest, [])
-            if row in left
-        ]
+        found = []
+        for row, pose, match in self.matches.get(newest, []):
+            if row in left:
+                place = body[newest].after(pose)
+                found.append(_Candidate(row, place, match.salient, self.salient(body, row, place)))
+        return found
 
 
 def moved(polygon: shapely.Polygon, pose: PlanarPose) -> shapely.Polygon:
     """Polygon moved by a pose."""
     (a, b), (c, d) = pose.rotation.tolist()
     return affinity.affine_transform(polygon, [a, b, c, d, pose.x, pose.y])
-
-
-def _grown(bounds: tuple[float, float, float, float], by: float) -> tuple[float, float, float, float]:
-    return bounds[0] - by, bounds[1] - by, bounds[2] + by, bounds[3] + by
 
 
 def grow_body(
@@ -188,93 +215,94 @@ def grow_body(
     progress: Callable[[int], None] | None,
 ) -> tuple[dict[int, PlanarPose], list[str]]:
     """A body of the parts that are left, from its first two on, and why it may be wrong."""
-    a = match.parts[0]
-    body = {a: PlanarPose()}
-    left = left - {a}
+    newest = match.parts[0]
+    body = {newest: PlanarPose()}
+    left = left - {newest}
     doubts: list[str] = []
-    choices = work.choices(body, a, left)
-    while choices:
-        go_on(stop)
-        choices = [choice for choice in choices if choice.row in left]
-        best: list[_Choice] = []
-        for choice in sorted(choices, key=lambda choice: -choice.salient):
-            touching = work.touching(body, choice.row, choice.pose)
-            salient = sum(touch.salient for touch in touching.values())
-            if best and salient < _RIVAL * best[0].salient:
-                continue
-            if salient >= MIN_CONTACT * work.window and not work.overlap(body, choice.row, choice.pose):
-                best = sorted([*best, _Choice(choice.row, choice.pose, salient)], key=lambda c: -c.salient)
-        if not best:
-            break
+    candidates = work.candidates(body, newest, left)
+    while best := _longest_contacts(work, body, candidates, stop):
         chosen = best[0]
-        rivals = [c for c in best[1:] if c.salient >= _RIVAL * chosen.salient and _conflict(work, chosen, c)]
+        rivals = [c for c in best[1:] if _conflict(work, chosen, c)]
         if rivals:
             others = dict.fromkeys(names[c.row] for c in rivals)
             doubts.append(f'"{names[chosen.row]}" fits in more than one way, or {first_names([*others])} as well there')
-        body[chosen.row] = _pressed_on(work, body, chosen)
-        left = left - {chosen.row}
-        choices = [c for c in choices if c.row in left] + work.choices(body, chosen.row, left)
+        newest = chosen.row
+        body[newest] = _pressed_on(work, body, chosen)
+        left = left - {newest}
+        candidates = [c for c in candidates if c.row in left and not c.overlaps]
+        for candidate in candidates:
+            go_on(stop)
+            candidate.salient += work.salient({newest: body[newest]}, candidate.row, candidate.pose)
+        candidates += work.candidates(body, newest, left)
         if progress:
             progress(len(body))
     return body, doubts
 
 
-def _conflict(work: PlanarSearch, one: _Choice, other: _Choice) -> bool:
-    """Whether two choices exclude each other and end in another assembly."""
-    shapes = [moved(work.contours[choice.row].polygon, choice.pose) for choice in (one, other)]
+def _longest_contacts(
+    work: PlanarSearch, body: dict[int, PlanarPose], candidates: list[_Candidate], stop: Stop | None
+) -> list[_Candidate]:
+    """Candidates that overlap nothing: the one with the longest contact and those that come near it."""
+    best: list[_Candidate] = []
+    rows = list(body)
+    for candidate in sorted(candidates, key=lambda c: (-c.salient, -c.match)):
+        go_on(stop)
+        if candidate.salient < (_RIVAL * best[0].salient if best else MIN_CONTACT * work.window):
+            break
+        newer = {row: body[row] for row in rows[candidate.clear :]}
+        if work.overlap(newer, candidate.row, candidate.pose):
+            candidate.overlaps = True
+        else:
+            candidate.clear = len(rows)
+            best.append(candidate)
+    return best
+
+
+def _conflict(work: PlanarSearch, one: _Candidate, other: _Candidate) -> bool:
+    """Whether two candidates exclude each other and end in another assembly."""
+    shapes = [moved(work.contours[c.row].polygon, c.pose) for c in (one, other)]
     if shapes[0].symmetric_difference(shapes[1]).area < 2 * work.tolerance * shapes[0].length:
         return False  # congruent parts in the same place, or one part turned into itself
     if one.row == other.row:
         return True
-    cores = [moved(work.cores[choice.row], choice.pose) for choice in (one, other)]
+    cores = [moved(work.cores[c.row], c.pose) for c in (one, other)]
     return bool(cores[0].intersects(cores[1]))
 
 
-def _pressed_on(work: PlanarSearch, body: dict[int, PlanarPose], choice: _Choice) -> PlanarPose:
-    """PlanarPose of a choice after it is fitted to all its neighbours."""
-    return least_squares_poses(work, body | {choice.row: choice.pose}, only=choice.row)[choice.row]
+def _pressed_on(work: PlanarSearch, body: dict[int, PlanarPose], chosen: _Candidate) -> PlanarPose:
+    """PlanarPose of a candidate after it is fitted to all its neighbours."""
+    return least_squares_poses(work, body | {chosen.row: chosen.pose}, only=chosen.row)[chosen.row]
 
 
 def least_squares_poses(
-    work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = None
+    work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = None, stop: Stop | None = None
 ) -> dict[int, PlanarPose]:
     """Poses by least squares over all contacts (Gauss-Newton); the first part stays, or all but one."""
     rows = list(body)
     free = [only] if only is not None else rows[1:]
-    place = {row: k for k, row in enumerate(free)}
+    place = {row: slice(3 * k, 3 * k + 3) for k, row in enumerate(free)}
     for _ in range(_REFINEMENTS):
-        lines: list[Floats] = []
-        wanted: list[Floats] = []
-        for k, row in enumerate(rows):
-            others = {other: body[other] for other in rows[:k]}
-            if only is not None and row != only:
-                others = {only: body[only]} if rows.index(only) < k else {}
+        normal, right, count = np.zeros((3 * len(free), 3 * len(free))), np.zeros(3 * len(free)), 0
+        for row in free if only is not None else rows:
+            go_on(stop)
+            others = {o: body[o] for o in (rows if only is not None else rows[: rows.index(row)]) if o != row}
             for other, touch in work.touching(others, row, body[row]).items():
-                points = body[row].of(work.contours[row].points[touch.second])
-                tangents = work.contours[other].tangents[touch.first] @ body[other].rotation.T
-                normals = np.column_stack([-tangents[:, 1], tangents[:, 0]])
-                there = (
-                    work.nearest(other, body[other], points)
-                    if only is None
-                    else body[other].of(work.contours[other].points[touch.first])
-                )
-                if only is None:  # beyond a corner of the neighbour nothing is asked of a sample
-                    aside = np.abs(np.einsum("nd,nd->n", there - points, tangents))
-                    facing = aside <= _ASIDE * work.tolerance
-                    points, there, normals = points[facing], there[facing], normals[facing]
-                matrix = np.zeros((len(points), 3 * len(free)))
-                for sign, part, at in ((1.0, row, points), (-1.0, other, there)):
-                    if part in place:
-                        arm = at - (body[part].x, body[part].y)
-                        turn = arm[:, 0] * normals[:, 1] - arm[:, 1] * normals[:, 0]
-                        matrix[:, 3 * place[part] : 3 * place[part] + 3] = sign * np.column_stack([normals, turn])
-                lines.append(matrix)
-                wanted.append(np.einsum("nd,nd->n", there - points, normals))
-        if not lines:
+                points, there, normals = _facing(work, body, (other, row), touch, exact=only is None)
+                missing = np.einsum("nd,nd->n", there - points, normals)
+                sides = [
+                    (place[part], sign * _moves(body[part], at, normals))
+                    for sign, part, at in ((1.0, row, points), (-1.0, other, there))
+                    if part in place
+                ]
+                for mine, jacobian in sides:
+                    right[mine] += jacobian.T @ missing
+                    for theirs, beside in sides:
+                        normal[mine, theirs] += jacobian.T @ beside
+                count += len(points)
+        if not count:
             return body
-        whole, right = np.concatenate(lines), np.concatenate(wanted)
-        light = 1e-9 * len(whole) * np.diag(np.tile([1.0, 1.0, work.window**2], len(free)))
-        step = np.linalg.solve(whole.T @ whole + light, whole.T @ right).reshape(-1, 3)
+        light = 1e-9 * count * np.diag(np.tile([1.0, 1.0, work.window**2], len(free)))
+        step = np.linalg.solve(normal + light, right).reshape(-1, 3)
         body = body | {
             row: PlanarPose(body[row].x + dx, body[row].y + dy, body[row].angle + turn)
             for row, (dx, dy, turn) in zip(free, step.tolist(), strict=True)
@@ -282,6 +310,28 @@ def least_squares_poses(
         if np.abs(step[:, :2]).max() < 1e-10:
             break
     return body
+
+
+def _facing(
+    work: PlanarSearch, body: dict[int, PlanarPose], pair: tuple[int, int], touch: ContourContact, *, exact: bool
+) -> tuple[Floats, Floats, Floats]:
+    """Samples of the second part of a pair, points of the first that they should lie on, and normals there, each (n, 2)."""
+    other, row = pair
+    points = body[row].of(work.contours[row].points[touch.second])
+    tangents = work.contours[other].tangents[touch.first] @ body[other].rotation.T
+    normals = np.column_stack([-tangents[:, 1], tangents[:, 0]])
+    if not exact:
+        return points, body[other].of(work.contours[other].points[touch.first]), normals
+    there = work.nearest(other, body[other], points)
+    # beyond a corner of the neighbour nothing is asked of a sample
+    facing = np.abs(np.einsum("nd,nd->n", there - points, tangents)) <= _ASIDE * work.tolerance
+    return points[facing], there[facing], normals[facing]
+
+
+def _moves(pose: PlanarPose, points: Floats, normals: Floats) -> Floats:
+    """How far points (n, 2) of a part go along normals as x, y and angle of its pose change, (n, 3)."""
+    arm = points - (pose.x, pose.y)
+    return np.column_stack([normals, arm[:, 0] * normals[:, 1] - arm[:, 1] * normals[:, 0]])
 
 
 def first_names(names: list[str]) -> str:
