@@ -112,9 +112,8 @@ class _GlobalSearch:
         self.values = list(ends) or [self.value]
         self.before = len(self.values)
         self.optima = {0: self.value}  # values to which the states climbed
-        self.highest: tuple[Incumbent, int] | None = (
-            None  # of the ends that were not followed, and its number among the values
-        )
+        self.highest: tuple[Incumbent, int] | None = None
+        """Of the ends that were not followed, and its number among the values."""
 
     def plant(self) -> None:
         """Begin the tree of states: rest, and the end of the first search."""
