@@ -53,52 +53,103 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
 def distance(P, NP, EP, Q, NQ, EQ, axis, ratio):
     """Distance of two convex pieces [mm], negative where they overlap; `axis` (3,) becomes the normal of the plane with most room.
 
-    Arguments are those of `separation`. Where corners or edges are nearest, their connection has more room than any axis of that theorem:
-    it runs from corner to corner, or from there across an edge. Where it has no more than `ratio` times as much, the axis of the theorem
-    is kept.
+    Arguments are those of `separation`. Where corners or edges are nearest, the line between the nearest points has more room than any
+    axis of that theorem. Where it has no more than `ratio` times as much, the axis of the theorem is kept.
     """
     best = separation(P, NP, EP, Q, NQ, EQ, axis)
     if best <= 0:
         return best
-    least, nearest = ratio * best, axis.copy()
-    v, w = np.empty(3), np.empty(3)
-    ep, eq = len(EP), len(EQ)
-    for i in range(len(P)):
-        for j in range(len(Q)):
-            for k in range(3):
-                v[k] = Q[j, k] - P[i, k]
-            if v[0] * v[0] + v[1] * v[1] + v[2] * v[2] <= best * best:
-                continue
-            for t in range(1 + ep + eq):
-                w[:] = v
-                if t > 0:
-                    e = EP[t - 1] if t <= ep else EQ[t - 1 - ep]
-                    along = v[0] * e[0] + v[1] * e[1] + v[2] * e[2]
-                    for k in range(3):
-                        w[k] -= along * e[k]
-                length = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
-                if length <= best:
-                    continue
-                # the connection parts the pieces at its ends where both are there the foremost corners
-                w /= length
-                top = P[i, 0] * w[0] + P[i, 1] * w[1] + P[i, 2] * w[2]
-                for m in range(len(P)):
-                    s = P[m, 0] * w[0] + P[m, 1] * w[1] + P[m, 2] * w[2]
-                    if s > top + 1e-9 * length:
-                        top = 1e300
-                        break
-                    top = max(top, s)
-                if top == 1e300:
-                    continue
-                bottom = 1e300
-                for m in range(len(Q)):
-                    bottom = min(bottom, Q[m, 0] * w[0] + Q[m, 1] * w[1] + Q[m, 2] * w[2])
-                if bottom - top > best * (1 + 1e-9):
-                    best = bottom - top
-                    nearest[:] = w
-    if best > least:
+    nearest = _nearest_difference(P, Q, axis)
+    nearest /= np.sqrt(_dot(nearest, nearest))
+    room = _dot(_foremost(P, Q, nearest), nearest)
+    if room <= best * (1 + 1e-9):
+        return best
+    if room > ratio * best:
         axis[:] = nearest
-    return best
+    return room
+
+
+MAX_SIMPLICES = 100
+"""The nearest points are found after a dozen simplices; rounding may turn in a circle."""
+NEAREST = 1e-12
+"""Nothing is looked for that comes nearer by less than this share."""
+
+
+@njit(**OPTIONS)
+def _nearest_difference(P, Q, axis):
+    """Of all q - p, with p and q in two convex pieces that are apart along an axis, the one nearest to the origin [mm].
+
+    Source: Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance between complex objects" (1988).
+    """
+    simplex, count = np.empty((4, 3)), 0
+    v = _foremost(P, Q, axis)
+    for _ in range(MAX_SIMPLICES):
+        w = _foremost(P, Q, v)
+        if _dot(v, v) - _dot(v, w) <= NEAREST * _dot(v, v):
+            break
+        simplex[count] = w
+        nearer, count = _nearest_in_simplex(simplex, count + 1)
+        if _dot(nearer, nearer) >= _dot(v, v) and count > 1:
+            break
+        v = nearer
+    return v
+
+
+@njit(**OPTIONS)
+def _foremost(P, Q, x):
+    """The corner of all q - p that is foremost against x."""
+    i, j, high, low = 0, 0, -1e300, 1e300
+    for k in range(len(P)):
+        s = P[k, 0] * x[0] + P[k, 1] * x[1] + P[k, 2] * x[2]
+        if s > high:
+            i, high = k, s
+    for k in range(len(Q)):
+        s = Q[k, 0] * x[0] + Q[k, 1] * x[1] + Q[k, 2] * x[2]
+        if s < low:
+            j, low = k, s
+    return Q[j] - P[i]
+
+
+@njit(**OPTIONS)
+def _nearest_in_simplex(simplex, count):
+    """The point of a simplex (4 corners at most) nearest to the origin, which lies outside; its face becomes the simplex."""
+    best, size, kept = 1e300, 0, np.zeros(3, np.int64)
+    found = np.zeros(3)
+    for i in range(count):
+        a = simplex[i]
+        if _dot(a, a) < best:
+            best, size, found = _dot(a, a), 1, a.copy()
+            kept[0] = i
+        for j in range(i):
+            e = simplex[j] - a
+            ee = _dot(e, e)
+            t = -_dot(a, e) / ee if ee > 0 else -1.0
+            if 0 < t < 1:
+                x = a + t * e
+                if _dot(x, x) < best:
+                    best, size, found = _dot(x, x), 2, x
+                    kept[0], kept[1] = i, j
+            for k in range(j):
+                f = simplex[k] - a
+                ef, ff = _dot(e, f), _dot(f, f)
+                determinant = ee * ff - ef * ef
+                if determinant <= 1e-14 * ee * ff:
+                    continue
+                s = (ef * _dot(a, f) - ff * _dot(a, e)) / determinant
+                t = (ef * _dot(a, e) - ee * _dot(a, f)) / determinant
+                if s > 0 and t > 0 and s + t < 1:
+                    x = a + s * e + t * f
+                    if _dot(x, x) < best:
+                        best, size, found = _dot(x, x), 3, x
+                        kept[0], kept[1], kept[2] = i, j, k
+    corners = simplex[kept[:size]].copy()
+    simplex[:size] = corners
+    return found, size
+
+
+@njit(**OPTIONS)
+def _dot(x, y):
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
 @njit(**OPTIONS)
