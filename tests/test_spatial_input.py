@@ -398,6 +398,30 @@ def test_what_a_file_has_not_rounded_stays_as_it_is() -> None:
         assert np.abs(kept.vertices - mesh.vertices).max() < 1e-10
 
 
+@pytest.mark.parametrize("turned", range(6))
+def test_a_turned_leaf_keeps_its_volume(turned: int) -> None:
+    """Facets of a knuckle beside an arm have corners in line: the library may flip edges between two facets."""
+    from shapely import Polygon, box
+    from trimesh.creation import extrude_polygon
+
+    from wiggleroom.spatial.solids.solid_boolean import solid_of
+    from wiggleroom.spatial.solids.spatial_model import Surface
+
+    angle = 2 * np.pi * (np.arange(6) + 0.5) / 6
+    ring = np.column_stack([np.cos(angle), np.sin(angle)])
+    whole, arm = Polygon(5 * ring), box(0, -1.5, 20, 1.5)
+    knuckle = (whole - Polygon(2.5 * ring)).union(arm - whole)
+    slabs = [(knuckle, 0.0, 7.0), (knuckle, 14.2, 21.2), (box(6, -1.5, 20, 1.5), 0.0, 21.2)]
+    meshes = [
+        extrude_polygon(shape, high - low, engine="manifold").apply_translation((0, 0, low))
+        for shape, low, high in slabs
+    ]
+    leaf = trimesh.boolean.union(meshes, engine="manifold")
+    R = Rotation.random(random_state=turned).as_matrix()
+    surface = Surface(np.array(leaf.vertices) @ R.T, np.array(leaf.faces, dtype=np.int64))
+    assert solid_of(surface).volume() == pytest.approx(knuckle.area * 14 + 14 * 3 * 7.2, rel=1e-6)
+
+
 def hull_volume(corners: np.ndarray) -> float:
     from scipy.spatial import ConvexHull
 
