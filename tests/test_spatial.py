@@ -243,6 +243,11 @@ def test_rotations_are_those_of_scipy() -> None:
     )
 
 
+@pytest.mark.parametrize("angle", [-1e-15, 360.0, -360.0, 720.0])
+def test_a_turn_that_is_none_but_for_rounding(angle: float) -> None:
+    assert np.allclose(fixed_axes(np.array([0.0, 0.0, angle])), np.eye(3), atol=1e-14)
+
+
 def test_a_turn_is_counted_on_past_half_a_turn() -> None:
     twist = SumOfTerms((Twist(0, np.array([0, 0, 1.0]), 1.0),))
     value = 0.0

@@ -346,6 +346,82 @@ def test_a_film_between_two_cuts_is_a_piece() -> None:
     assert len(convex_piece(np.vstack([lower, upper])).corners) >= 8
 
 
+@pytest.mark.parametrize(
+    ("what", "gap", "truth"), [("peg", 0.0, 0.2), ("peg", 0.1, 0.3), ("slots", 0.0, 1.0), ("slots", 0.1, 1.1)]
+)
+@pytest.mark.parametrize("turned", [2, 3])
+def test_parts_that_were_turned_before_an_stl_file_rounded_them(
+    tmp_path: Path, what: str, gap: float, truth: float, turned: int
+) -> None:
+    from shapely import box
+    from trimesh.creation import extrude_polygon
+
+    def slab(shape, low: float, high: float):
+        return extrude_polygon(shape, high - low, engine="manifold").apply_translation((0, 0, low))
+
+    if what == "peg":
+        plate = slab(box(-20, -20, 20, 20) - box(-5.2, -5.2, 5.2, 5.2), -6, 6)
+        peg, direction = slab(box(-5, -5, 5, 5), -20, 20), (1, 0, 0)
+    else:
+        holes = box(-12, -2, -6, 2) | box(6, -2, 12, 2)
+        plate, direction = slab(box(-20, -20, 20, 20) - holes, 0, 3), (0, 0, -1)
+        tabs = [slab(box(x, -1.8, x + 5.4, 1.8), -1, 5) for x in (-11.7, 6.3)]
+        peg = trimesh.boolean.union([*tabs, slab(box(-14, -1.8, 14, 1.8), 4, 8)], engine="manifold")
+    R = Rotation.random(random_state=turned)
+    at = np.random.default_rng(turned).uniform(-30, 30, 3)
+    for name, mesh in (("plate", plate), ("peg", peg)):
+        mesh.vertices = R.apply(mesh.vertices) + at
+        mesh.export(tmp_path / f"{name}.stl")
+    parts = [
+        {"name": "plate", "mesh": "plate.stl", "fixed": True},
+        {"name": "peg", "mesh": "peg.stl", "lock": ["rx", "ry", "rz"]},
+    ]
+    pull = [{"part": "peg", "direction": R.apply(direction).tolist()}]
+    (tmp_path / "a.json").write_text(
+        json.dumps({"format": "wiggleroom/2", "unit": "mm", "gap": gap, "parts": parts, "pull": pull})
+    )
+    assert wr.flex(wr.read(tmp_path / "a.json")).objective == pytest.approx(truth, abs=1e-5)
+
+
+def test_what_a_file_has_not_rounded_stays_as_it_is() -> None:
+    from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
+    from wiggleroom.spatial.solids.spatial_model import Surface
+
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=10)
+    dented = trimesh.creation.box((10, 10, 10)).subdivide()
+    corner = np.flatnonzero((dented.vertices == [0, 0, 5]).all(axis=1))
+    for mesh, out in ((ball, 0.0), (dented, 1e-4)):
+        mesh.vertices[corner] += [0, 0, out]
+        drawn = Surface(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
+        kept, moved = with_flat_faces(drawn)
+        assert moved < 1e-10
+        assert np.abs(kept.vertices - mesh.vertices).max() < 1e-10
+
+
+@pytest.mark.parametrize("turned", range(6))
+def test_a_turned_leaf_keeps_its_volume(turned: int) -> None:
+    """Facets of a knuckle beside an arm have corners in line: the library may flip edges between two facets."""
+    from shapely import Polygon, box
+    from trimesh.creation import extrude_polygon
+
+    from wiggleroom.spatial.solids.solid_boolean import solid_of
+    from wiggleroom.spatial.solids.spatial_model import Surface
+
+    angle = 2 * np.pi * (np.arange(6) + 0.5) / 6
+    ring = np.column_stack([np.cos(angle), np.sin(angle)])
+    whole, arm = Polygon(5 * ring), box(0, -1.5, 20, 1.5)
+    knuckle = (whole - Polygon(2.5 * ring)).union(arm - whole)
+    slabs = [(knuckle, 0.0, 7.0), (knuckle, 14.2, 21.2), (box(6, -1.5, 20, 1.5), 0.0, 21.2)]
+    meshes = [
+        extrude_polygon(shape, high - low, engine="manifold").apply_translation((0, 0, low))
+        for shape, low, high in slabs
+    ]
+    leaf = trimesh.boolean.union(meshes, engine="manifold")
+    R = Rotation.random(random_state=turned).as_matrix()
+    surface = Surface(np.array(leaf.vertices) @ R.T, np.array(leaf.faces, dtype=np.int64))
+    assert solid_of(surface).volume() == pytest.approx(knuckle.area * 14 + 14 * 3 * 7.2, rel=1e-6)
+
+
 def hull_volume(corners: np.ndarray) -> float:
     from scipy.spatial import ConvexHull
 

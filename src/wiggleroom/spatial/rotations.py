@@ -72,7 +72,7 @@ def fixed_axes(degrees: Floats) -> Floats:
     """
     R = np.eye(3)
     for axis, angle in enumerate(degrees):
-        quarter = (angle / 90) % 4
+        quarter = (angle / 90) % 4 % 4  # a tiny negative angle leaves 4
         exact = (1.0, 0.0, -1.0, 0.0)[int(quarter)] if quarter == int(quarter) else float(np.cos(np.radians(angle)))
         sine = (0.0, 1.0, 0.0, -1.0)[int(quarter)] if quarter == int(quarter) else float(np.sin(np.radians(angle)))
         i, j = (axis + 1) % 3, (axis + 2) % 3

@@ -51,6 +51,8 @@ LONG_TURN = 0.3
 """A part that can turn in place further than this, as it is twisted, is turned there first [rad]."""
 LEAST_SHARE = 1e-4
 """Axes of the part count too where a turn about them has more than this share about the direction asked for, and they are not the same."""
+LOST = 1e-3
+"""An end is worse than the begin where it is less by more than this share of the clearance."""
 DEPARTED = 0.25
 """An unfinished motion further than this share of the size may be one that never ends: then straight departures are looked for."""
 
@@ -183,12 +185,17 @@ class SpatialSearch:
         starts = 0 if large and best.whole else INSIDE_STARTS if best.program.rows <= MAX_ROWS_OF_STARTS else 1
         between = () if self.solver == "ipopt" else (_CENTRED,) if large else (_DAMPED, _CENTRED)
         for mode in (*between, *(_Mode(seed) for seed in range(starts))):
-            if best.good or self.once or self._asked_to_stop():
+            if self._gained(best) or self.once or self._asked_to_stop():
                 break
             done = self._attempt(mode)
-            if done.good or self.value(done) > self.value(best):
+            if self._gained(done) or self.value(done) > self.value(best):
                 best = done
         return best
+
+    def _gained(self, done: SearchEnd) -> bool:
+        """True where the end is an answer no worse than the begin: first iterates may carry a part to where it lies on another."""
+        lost = self.value(replace(done, path=done.path[:1])) - self.value(done)
+        return done.good and lost <= LOST * self.ready.clearance
 
     def value(self, done: SearchEnd) -> float:
         """Objective at the end of the path that is certain."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
+from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
 from wiggleroom.spatial.solids.solid_boolean import is_sound, solid_of, surface_of, union_of, volume_of
 from wiggleroom.spatial.solids.spatial_model import Surface
 from wiggleroom.spatial.solids.step_file import step_bodies
@@ -61,7 +62,11 @@ def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[st
     bodies, scale = _bodies(path, ending)
     mesh = _chosen(path.name, bodies, body)
     factor = unit if ending not in OWN_UNIT else OWN_UNIT[ending] or scale
-    return _closed(name, np.asarray(mesh.vertices, dtype=float) * factor, np.asarray(mesh.faces, dtype=np.int64))
+    surface, notes = _closed(name, np.asarray(mesh.vertices, float) * factor, np.asarray(mesh.faces, dtype=np.int64))
+    flat, moved = with_flat_faces(surface)
+    if not moved or not is_sound(solid_of(flat)):
+        return surface, notes
+    return flat, [*notes, f"{name}: corners are put back into the planes of their faces, by at most {moved:.1g} mm"]
 
 
 def _check_size(path: Path, ending: str) -> None:

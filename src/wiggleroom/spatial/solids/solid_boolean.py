@@ -13,6 +13,11 @@ from wiggleroom.spatial.solids.spatial_model import Surface
 
 Floats = NDArray[np.float64]
 
+FLIPPED = 1e-8
+"""Where the library's solid misses the volume of its surface by more than this share, edges were flipped."""
+FEWER_DIGITS = 1e-10
+"""Share of the largest coordinate that corners are rounded to then."""
+
 
 def require_solid_library() -> None:
     """Check that the libraries for solids are installed.
@@ -26,12 +31,25 @@ def require_solid_library() -> None:
 
 
 def solid_of(surface: Surface) -> Any:
-    """Solid of the library from a closed surface; `status()` tells whether it is one."""
+    """Solid of the library from a closed surface; `status()` tells whether it is one.
+
+    Where corners lie in line but for the last digits, the library takes triangles beside them for needles and flips edges that are no
+    diagonals of flat faces. That shows in the volume; corners rounded to fewer digits are then taken.
+    """
+    solid = _built(surface.vertices, surface.faces)
+    volume = volume_of(surface) if is_sound(solid) else 0.0
+    if abs(solid.volume() - volume) <= FLIPPED * abs(volume):
+        return solid
+    step = FEWER_DIGITS * float(np.abs(surface.vertices).max())
+    again = _built(np.round(surface.vertices / step) * step, surface.faces)
+    return again if abs(again.volume() - volume) < abs(solid.volume() - volume) else solid
+
+
+def _built(vertices: Floats, faces: NDArray[np.int64]) -> Any:
     import manifold3d
 
     mesh = manifold3d.Mesh64(
-        vert_properties=np.ascontiguousarray(surface.vertices),
-        tri_verts=np.ascontiguousarray(surface.faces, dtype=np.uint64),
+        vert_properties=np.ascontiguousarray(vertices), tri_verts=np.ascontiguousarray(faces, dtype=np.uint64)
     )
     return manifold3d.Manifold(mesh)
 
