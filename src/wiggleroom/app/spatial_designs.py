@@ -152,7 +152,7 @@ def spatial_opened_reply(file: File, designs: SpatialDesignCache, design: Design
 
 
 def suggested_pull(assembly: SpatialAssembly) -> GoalEntry:
-    """A pull for an assembly that asks for none: the part farthest from what is fixed, away from it along an axis that it may move along."""
+    """A pull for an assembly that asks for none: the part farthest from what is fixed, away along an axis that no lock takes."""
     at = assembly.reference
     fixed = np.array([p.fixed for p in assembly.parts])
     if not fixed.any():
