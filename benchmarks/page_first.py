@@ -12,10 +12,12 @@ import json
 import os
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 from benchmarks.page_memory import serving, solvers
 
@@ -37,14 +39,11 @@ class Asker:
 
     Parameters
     ----------
-    address : str
-        What the server prints.
+    socket : ClientConnection
     """
 
-    def __init__(self, address: str) -> None:
-        where = address.removeprefix("http").replace("/?", "/socket?")
-        origin: Any = address.split("/?")[0]
-        self._socket = connect(f"ws{where}", origin=origin, max_size=None, compression=None)
+    def __init__(self, socket: ClientConnection) -> None:
+        self._socket = socket
         self._number = 0
         told = self.until("opened", 0)
         self.design = told["design"]
@@ -71,9 +70,14 @@ class Asker:
         self.until(request["kind"], self._number)
         return time.monotonic() - began
 
-    def close(self) -> None:
-        """Leave."""
-        self._socket.close()
+
+@contextmanager
+def asking(address: str) -> Iterator[Asker]:
+    """A page at the address that a server prints."""
+    where = address.removeprefix("http").replace("/?", "/socket?")
+    origin: Any = address.split("/?")[0]
+    with connect(f"ws{where}", origin=origin, max_size=None, compression=None) as socket:
+        yield Asker(socket)
 
 
 def busy(pid: int) -> float:
@@ -85,13 +89,11 @@ def busy(pid: int) -> float:
 def measure(name: str) -> str:
     """One row of the table."""
     asked, request = QUESTIONS[name]
-    with serving(*asked) as (server, address):
-        page = Asker(address)
+    with serving(*asked) as (server, address), asking(address) as page:
         told = []
         for _ in range(2):
             spent = sum(map(busy, solvers(server.pid)))
             told += [page.ask(request), sum(map(busy, solvers(server.pid))) - spent]
-        page.close()
     numbers = " ".join(f"{v:8.2f}" for v in told)
     return f"{name:22s} {numbers}"
 

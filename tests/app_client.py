@@ -27,6 +27,7 @@ class Served:
         self.listening = listen(0)
         self.port = self.listening.getsockname()[1]
         self.page = Page(self.port, TOKEN, first)
+        self.page.pool.warming.done = True  # nothing is compiled beside tests
         self.server = Server(self.page)
         self.thread = threading.Thread(
             target=lambda: asyncio.run(self.server.serve(sockets=[self.listening])), daemon=True

@@ -377,6 +377,21 @@ def test_a_sweep_that_finds_more_at_the_gap_of_the_design_tells_the_answer_anew(
     assert not [r for r in page.told if r["kind"] == "flex"], "it is shown already"
 
 
+def test_what_is_suggested_in_space_is_not_locked(page: Visit) -> None:
+    """The lid lies on the case and may only shift: by the gap, in x as in y."""
+    box = Path(__file__).parents[1] / "examples" / "40_box_with_a_lid" / "box.json"
+    told = page.open("box.json", box.read_bytes())
+    assert told["pulled"]["part"] == "lid"
+    assert told["pulled"]["direction"][2] == 0
+    page.design["goals"] = [told["pulled"]]
+    reply = page.ask("flex")
+    assert reply["objective"] == pytest.approx(told["gap"], rel=1e-3)
+    page.design["goals"] = [told["pulled"] | {"direction": [0, 0, 1]}]
+    reply = page.ask("flex")
+    assert reply["objective"] == pytest.approx(0, abs=1e-6)
+    assert reply["contacts"] == [], "the lock holds it, no contact does"
+
+
 def test_a_drawing_that_asks_nothing_comes_with_a_suggestion(page: Visit) -> None:
     told = page.open("peg.svg", PEG.encode())
     assert told["pulled"]["part"] == "peg"

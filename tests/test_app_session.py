@@ -19,6 +19,7 @@ import pytest
 import wiggleroom as wr
 from tests.app_client import Served, Visit
 from wiggleroom.app import session
+from wiggleroom.app.warming import Warming
 from wiggleroom.app.worker_protocol import Done, Outgoing, StartOrder
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.writers.assembly_writer import write_assembly
@@ -256,6 +257,8 @@ class Solver:
         self.orders: asyncio.Queue[StartOrder] = asyncio.Queue()
         self.words: asyncio.Queue[Outgoing | Done] = asyncio.Queue()
         self.stopped: list[int] = []
+        self.warming = Warming()
+        self.warming.done = True
 
     async def take(self) -> Solver:
         return self

@@ -2,7 +2,7 @@
 
 import {
   AmbientLight, BufferAttribute, BufferGeometry, CanvasTexture, DirectionalLight, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh,
-  MeshStandardMaterial, type Object3D, Raycaster, Scene, SphereGeometry, Sprite, SpriteMaterial, Vector2,
+  MeshStandardMaterial, type Object3D, Raycaster, Scene, SphereGeometry, Sprite, SpriteMaterial, SRGBColorSpace, Vector2,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
@@ -49,7 +49,9 @@ function label(words: string, high: number, colour: string): Sprite {
   g.fillStyle = colour;
   g.textBaseline = "middle";
   g.fillText(words, 6, canvas.height / 2);
-  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false, transparent: true }));
+  const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace; // else it is shown too pale
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true }));
   sprite.scale.set((high * canvas.width) / canvas.height, high, 1);
   return sprite;
 }
@@ -101,8 +103,8 @@ export function show(box: HTMLElement, reply: SpaceReply, dark: boolean, onAngle
     const pad = 0.06 / unit;
     const [x0, y0, z0, x1, y1, z1] = [min.x - pad, min.y - pad, min.z, max.x + pad, max.y + pad, max.z];
     const lines = [x0, y0, z0, x1, y0, z0, x1, y0, z0, x1, y1, z0, x0, y0, z0, x0, y0, z1];
-    const words = dark ? "#a3aeba" : "#5b6774";
-    const high = 0.07 / unit;
+    const words = dark ? "#c5ced8" : "#3d4854";
+    const high = 0.08 / unit;
     const put = (text: string, x: number, y: number, z: number, larger = 1): void => {
       const one = label(text, high * larger, words);
       one.position.set(x, y, z);
@@ -122,7 +124,7 @@ export function show(box: HTMLElement, reply: SpaceReply, dark: boolean, onAngle
       lines.push(x0, y0, z, x0 - tick, y0 - tick, z);
       put(`${number(angle, 3)}°`, x0 - 3 * tick, y0 - 3 * tick, z);
     }
-    put("x mm", (x0 + x1) / 2, y0 - 8 * tick, z0, 1.15);
+    put("x mm", (x0 + x1) / 2, y0 - 9.5 * tick, z0, 1.15);
     put("y mm", x1 + 9 * tick, (y0 + y1) / 2, z0, 1.15);
     put("turn", x0 - 3 * tick, y0 - 3 * tick, z1 + 4 * tick, 1.15);
     found.add(new LineSegments(segments(lines), new LineBasicMaterial({ color: quiet })));

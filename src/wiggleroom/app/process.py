@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 
+from wiggleroom.app.warming import Warming
 from wiggleroom.app.worker_protocol import (
     Done,
     Outgoing,
@@ -82,11 +83,12 @@ class Process:
 
 @dataclass(eq=False)
 class Pool:
-    """All solver processes: those that pages have, and one that waits for the next page."""
+    """All solver processes: those that pages have, one that waits for the next page, and one that compiles while nobody asks."""
 
     spare: Process | None = None
     taken: set[Process] = field(default_factory=set)
     closed: bool = False
+    warming: Warming = field(default_factory=Warming)
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     async def prepare(self) -> None:
@@ -115,4 +117,4 @@ class Pool:
         self.closed = True
         gone = [*self.taken, *([self.spare] if self.spare else [])]
         self.taken, self.spare = set(), None
-        await asyncio.gather(*(process.end() for process in gone))
+        await asyncio.gather(self.warming.close(), *(process.end() for process in gone))

@@ -172,7 +172,8 @@ class Session:
             while True:
                 job = await self._next()
                 if job is not None:
-                    await self._serve(job)
+                    with self._pool.warming.held():
+                        await self._serve(job)
         finally:
             await self._pool.drop(self._process)
 

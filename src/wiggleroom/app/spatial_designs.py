@@ -152,14 +152,15 @@ def spatial_opened_reply(file: File, designs: SpatialDesignCache, design: Design
 
 
 def suggested_pull(assembly: SpatialAssembly) -> GoalEntry:
-    """A pull for an assembly that asks for none: the part farthest from what is fixed, away from it along an axis."""
+    """A pull for an assembly that asks for none: the part farthest from what is fixed, away along an axis that no lock takes."""
     at = assembly.reference
     fixed = np.array([p.fixed for p in assembly.parts])
     if not fixed.any():
         fixed[largest_part(assembly)] = True
     away = at - at[fixed].mean(axis=0)
     k = int(np.where(fixed, -1.0, np.linalg.norm(away, axis=1)).argmax())
-    along = int(np.abs(away[k]).argmax())
+    locked = [axis in assembly.parts[k].lock for axis in "xyz"]
+    along = int(np.where(locked, -1.0, np.abs(away[k])).argmax())
     direction = [0.0, 0.0, 0.0]
     direction[along] = 1.0 if away[k, along] >= 0 else -1.0
     return GoalEntry(assembly.parts[k].name, direction=tuple(direction))

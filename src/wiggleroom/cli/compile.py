@@ -9,19 +9,57 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
+
+from wiggleroom.errors import MissingExtraError
 
 
 def compile_kernels() -> None:
-    """Answer tiny questions by every model and one about many bodies; what they compile is kept beside the package."""
+    """Answer tiny questions of every kind and one about many bodies; what they compile is kept beside the package."""
+    in_the_plane()
+    of_a_sheet()
+    with suppress(MissingExtraError):  # nobody can ask about solids
+        in_space()
+
+
+def in_the_plane() -> None:
+    """The largest motion by every model, a free space, and what interlocks."""
     from wiggleroom.assembly import patterns
     from wiggleroom.disassembly.interlock import check
+    from wiggleroom.freespace.free_space import free_space
     from wiggleroom.maximise import flex
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)
     flex(patterns.grid(19, 19), search=0)
-    check(patterns.chain(2, joint="swallowtail", gap=0.08))
+    free_space(patterns.chain(2), "b1", "b2")
+    check(patterns.chain(2, joint="swallowtail", gap=0.02))
+
+
+def in_space() -> None:
+    """The largest motion of a burr, and that it does not come apart."""
+    from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
+    from wiggleroom.questions import check, flex
+    from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+    from wiggleroom.spatial.solids.spatial_file import read_spatial
+
+    burr = assemble_spatial(read_spatial(SPATIAL_SAMPLES["burr"].text()))
+    flex(burr)
+    check(burr)
+
+
+def of_a_sheet() -> None:
+    """The panels of a box put together."""
+    from wiggleroom.app.sheet_sample import THICKNESS, sheet
+    from wiggleroom.drawing.writers.assembly_writer import write_assembly
+    from wiggleroom.mating.assembled_sheet import assemble_sheet
+    from wiggleroom.mating.cutting_sheet import read_sheet
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "sheet.json"
+        path.write_text(write_assembly(sheet().drawing), encoding="utf-8")
+        assemble_sheet(read_sheet(path), THICKNESS)
 
 
 def compile_into(folder: Path) -> int:

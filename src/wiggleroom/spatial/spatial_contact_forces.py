@@ -12,6 +12,8 @@ from wiggleroom.spatial.spatial_bodies import Grouping
 
 WEAK = 1e-5
 """Contacts with less than this share of the largest force are not reported."""
+NOISE = 1e-7
+"""Neither are those with less than this share of the load: where locks alone hold a part, the solver leaves forces that hold nothing."""
 
 
 def spatial_contacts(
@@ -25,13 +27,14 @@ def spatial_contacts(
     P, lam, pose = program, found.lam, found.point.pose
     contacts = []
     total = np.add.reduceat(lam, P.row[:-1]) if P.planes else np.zeros(0)
-    strongest = total.max(initial=0.0)
+    load = np.abs(P.objective.gradient(pose)).max(initial=0.0)
+    least = max(WEAK * total.max(initial=0.0), NOISE * load)
     pair = np.repeat(np.arange(len(P.a)), np.diff(P.plane))
-    for k in np.flatnonzero(total > WEAK * strongest).tolist():
+    for k in np.flatnonzero(total > least).tolist():
         a, b = int(P.a[pair[k]]), int(P.b[pair[k]])
         first, last = int(P.row[k] + P.own[k]), int(P.row[k + 1])
         force = float(lam[first:last].sum())
-        if force <= WEAK * strongest:
+        if force <= least:
             continue
         corner = lam[first:last] @ P.V[first:last] / force
         point = pose.T[b] + pose.R[b] @ corner

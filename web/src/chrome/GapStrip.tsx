@@ -12,6 +12,8 @@ import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
 import { stepOf } from "./Selection.tsx";
 
+/** A motion of less than this share of the largest gap is none. */
+const NOTHING = 1e-6;
 const HIGH = 92;
 const LEFT = 58;
 const RIGHT = 9; // half of the thumb: the curve stands exactly over the slider
@@ -127,7 +129,8 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
   const x = (g: number): number => LEFT + ((g - low) / Math.max(most - low, 1e-12)) * (width - LEFT - RIGHT);
   const inside = solved.value.filter((one) => one.gap <= most);
   const known = inside.filter((one) => one.objective !== null);
-  const high = Math.max(...known.map((one) => Math.max(one.objective!, one.atMost ?? 0)), 1e-9);
+  const reached = Math.max(...known.map((one) => Math.max(one.objective!, one.atMost ?? 0)), 0);
+  const high = reached > NOTHING * most ? reached : most; // what does not move has no scale of its own
   const y = (v: number): number => foot - (v / high) * (foot - TOP);
   const runs = connected(inside);
   const free = inside.filter((one) => one.objective === null).map((one) => one.gap);

@@ -1,0 +1,70 @@
+"""Kernels of questions that nobody has asked yet, compiled while nobody waits for an answer."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import resources
+
+COMMAND = (sys.executable, "-m", "wiggleroom.cli.compile")
+"""Compiles what is not kept yet and keeps it, function by function: what is ended in between loses the last one alone."""
+IDLE_SECONDS = 3.0
+"""So long after the last answer [s] it begins."""
+
+
+class Warming:
+    """A process that compiles after the first answer; it is ended whenever something is asked, and begun again when all is answered.
+
+    Parameters
+    ----------
+    command : sequence of str
+    """
+
+    def __init__(self, command: tuple[str, ...] = COMMAND) -> None:
+        self._command = command
+        self._asked = 0
+        self._task: asyncio.Task[None] | None = None
+        self.done = (resources.files("wiggleroom.compiled") / "kernels").is_dir()  # a wheel carries them
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """While something that was asked is worked on."""
+        self._asked += 1
+        self._stop()
+        try:
+            yield
+        finally:
+            self._asked -= 1
+            if not self._asked and not self.done:
+                self._task = asyncio.get_running_loop().create_task(self._run())
+
+    def _stop(self) -> None:
+        if self._task is not None:
+            self._task.cancel()
+
+    async def _run(self) -> None:
+        await asyncio.sleep(IDLE_SECONDS)
+        path = os.pathsep.join(p for p in sys.path if p)
+        child = await asyncio.create_subprocess_exec(
+            *self._command,
+            stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL,
+            env=os.environ | {"PYTHONPATH": path},
+            start_new_session=True,  # Ctrl-C is for the server
+        )  # fmt: skip
+        try:
+            await child.wait()
+            self.done = True  # or it cannot be done here: what is asked compiles what it needs
+        finally:
+            if child.returncode is None:
+                child.kill()
+                await child.wait()
+
+    async def close(self) -> None:
+        """End it, for good."""
+        self.done = True
+        self._stop()
+        if self._task is not None:
+            await asyncio.gather(self._task, return_exceptions=True)
