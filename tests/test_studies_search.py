@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +15,13 @@ import wiggleroom as wr
 from tests.flexing import part_at
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import FreeSpaceError
+from wiggleroom.maximise import flex
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity import planar_study
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import perturbed_objective_anew
@@ -62,10 +67,42 @@ def test_a_sweep_goes_through_the_answer_of_flex() -> None:
     assert [s.objective for s in wr.sweep(corridor(), gaps).steps] == pytest.approx(2.05 + gaps)
 
 
+def test_a_sweep_never_falls_where_searches_are_cut_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    def cut_short(question: Prepared, goals: tuple, stop: object = None) -> Answer:
+        del stop
+        found = flex(question, goals, search=0)
+        share = 1.0 if question.assembly.gap < 0.015 else 0.1
+        return replace(found, verdict=Verdict.STOPPED, objective=share * found.objective, warm_start=None)
+
+    monkeypatch.setattr(planar_study, "searched_answer", cut_short)
+    tight, loose = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01, 0.02]).steps
+    assert loose.objective == tight.objective
+    assert loose.verdict is Verdict.STOPPED
+    assert audit_path(loose.answer.assembly, loose.answer.waypoints).free
+
+
+def test_what_was_proven_of_larger_parts_is_not_of_smaller_ones() -> None:
+    assembly = wr.patterns.chain(2, joint="tee", gap=0.02)
+    found = replace(flex(assembly, search=0), verdict=Verdict.PROVEN, at_most=1.0)
+    study = PlanarStudy(assembly, assembly.goals)
+    for share, verdict in ((0.9, Verdict.STOPPED), (1 - 1e-9, Verdict.OPTIMAL)):
+        lower = replace(found, verdict=Verdict.OPTIMAL, objective=share * found.objective)
+        carried = study.in_place_of(lower, found)
+        assert (carried.verdict, carried.at_most, carried.objective) == (verdict, None, found.objective)
+
+
 @pytest.mark.slow
-def test_the_gap_for_a_motion_is_about_the_answer_of_flex() -> None:
+def test_the_gap_for_a_motion_is_about_the_answer_of_flex(monkeypatch: pytest.MonkeyPatch) -> None:
+    searches = []
+
+    def counted(question: Assembly, goals: tuple, *, search: int | None, **options: Any) -> Answer:
+        searches.append(search)
+        return flex(question, goals, search=search, **options)
+
+    monkeypatch.setattr(planar_study, "flex", counted)
     found = wr.allowable_gap(corridor(gap=0.01), at_most=2.055)  # climbs from rest end at 0.16
     assert found.gap == pytest.approx(0.005, rel=0.01)
+    assert searches.count(None) < len(found.trials)  # larger gaps go on from the ends of smaller ones
 
 
 def test_a_gap_whose_motion_was_not_searched_in_time_is_said_to_be_stopped() -> None:

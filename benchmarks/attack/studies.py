@@ -192,7 +192,8 @@ def _tighten(wr: Any, case: _Case, assembly: Any, answer: Any) -> None:
     found = wr.tighten(assembly, parts=1, draws=1, workers=1)
     after = found.after
     if after.objective is None:
-        case.out.wrong.append("tighten: tighter parts move without end")
+        if str(answer.verdict) != "stopped":  # which says nothing of larger motions
+            case.out.wrong.append("tighten: tighter parts move without end")
         return
     if after.objective > answer.objective * (1 + 1e-3):
         case.out.wrong.append(f"low-tighten: {answer.objective:.9g} before, {after.objective:.9g} with tighter parts")

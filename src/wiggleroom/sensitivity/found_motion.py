@@ -14,6 +14,10 @@ from wiggleroom.verdict import PathState, Verdict
 Floats = NDArray[np.float64]
 
 
+SAME_END = 1e-6
+"""Values that differ by less than this share are the same end."""
+
+
 class MadeAssembly(Protocol):
     """What studies read of an assembly."""
 
@@ -78,6 +82,15 @@ Found = TypeVar("Found", bound=FoundMotion)
 def is_checked(answer: FoundMotion) -> bool:
     """True where the path from rest to the end of the motion was checked."""
     return answer.path == PathState.CHECKED and answer.collision_free
+
+
+def verdict_of_carried(smaller: FoundMotion, lower: FoundMotion) -> Verdict:
+    """What is said at a gap of the motion of a smaller one, which is free here too, in place of a lower answer.
+
+    What was proven of larger parts is not of these. Where the answer is as high but for rounding, the motion ends as it does.
+    """
+    same = lower.objective is not None and lower.objective >= (1 - SAME_END) * (smaller.objective or 0.0)
+    return lower.verdict if same else Verdict.STOPPED
 
 
 def verdict_of(error: InputError | StoppedError) -> Verdict:

@@ -104,6 +104,9 @@ class GapStudy(Protocol[Found]):
     def with_assembly(self, answer: Found) -> Found:
         """The motion of an answer at a smaller gap, as an answer for this one."""
 
+    def in_place_of(self, lower: Found, smaller: Found) -> Found:
+        """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
+
     def can_be_ranked(self, answer: Found) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from enum import Enum, auto
 from typing import Generic
 
 from wiggleroom.deadline import Deadline
@@ -53,6 +54,14 @@ class GapSearchSettings:
 SETTINGS = GapSearchSettings()
 
 
+class TrialStart(Enum):
+    """Where trials begin."""
+
+    REST = auto()
+    SMALLER_GAP = auto()
+    SEARCH = auto()
+
+
 class MotionBorder(Generic[Found]):
     """Encloses the gap at which the largest motion reaches a limit."""
 
@@ -67,18 +76,24 @@ class MotionBorder(Generic[Found]):
         self.assembly, self.goals = study.assembly, study.goals
         self.deadline, self.progress = deadline, progress
         self.trials: dict[float, Trial] = {}
-        self.search: int | None = 0
+        self.ends: dict[float, tuple[GapStudy[Found], Found]] = {}  # from which larger gaps go on
+        self.searched: set[float] = set()
+        self.begin = TrialStart.REST
         self.unconfirmed = False
 
     def enclose(self) -> AllowableGap:
         """Bracket the border by growing and halving, have it confirmed, then look for a proof on its lower side.
 
-        Trials climb from rest. Where a search at the answer finds more than that, every gap is searched.
+        Trials climb from rest. Where a search at the answer finds more than that, they go on from the end at the next smaller gap that was
+        searched; where that misses something too, every gap is searched.
         """
         low, high, why = self._bracket()
-        if low is not None and not self._confirmed(low):
-            self.search = None
-            self.trials = {}
+        for begin in (TrialStart.SMALLER_GAP, TrialStart.SEARCH):
+            if low is None or self._confirmed(low):
+                break
+            self.begin = begin
+            self.trials = {gap: trial for gap, trial in self.trials.items() if gap in self.searched}
+            self.ends = {gap: end for gap, end in self.ends.items() if gap in self.searched}
             low, high, why = self._bracket()
         if low is None:
             return self._answer(None, why)
@@ -98,15 +113,15 @@ class MotionBorder(Generic[Found]):
 
     def _below(self, size: float) -> float | None:
         """A gap at which the motion stays below the limit; None where none was found."""
-        gap = self.assembly.gap or SETTINGS.first_gap_share * size
+        gap = begin = self.assembly.gap or SETTINGS.first_gap_share * size
         while gap > SETTINGS.min_gap_share * size and not self.deadline.is_set():
             trial = self._at(gap)
             if self._keeps(trial):
                 return gap
             if trial.verdict == Verdict.TOUCHING:
                 break
-            value, first = trial.value, len(self.trials) == 1
-            gap *= 0.95 * self.limit / value if first and value and value < math.inf else 0.5
+            value = trial.value
+            gap *= 0.95 * self.limit / value if gap == begin and value and value < math.inf else 0.5
         if self._keeps(self._at(0.0)):
             return 0.0
         return None
@@ -164,11 +179,12 @@ class MotionBorder(Generic[Found]):
         return low, high
 
     def _confirmed(self, low: float) -> bool:
-        """False where a global search at the answer, which trials do not make, finds a larger motion."""
-        if self.search is None or self.deadline.is_set():
-            self.unconfirmed = self.search is not None
+        """False where a global search at the answer, which not all trials make, finds a larger motion."""
+        known = low in self.searched
+        if known or self.deadline.is_set():
+            self.unconfirmed = not known
             return True
-        self.trials[low] = self._solved(low, None)
+        self.trials[low] = self._solved(low, TrialStart.SEARCH)
         self.unconfirmed = self.trials[low].verdict == Verdict.STOPPED
         return not self._fails(self.trials[low])
 
@@ -198,18 +214,20 @@ class MotionBorder(Generic[Found]):
     def _at(self, gap: float) -> Trial:
         """What is found at a gap; at a larger gap never less than at a smaller one."""
         if gap not in self.trials:
-            self.trials[gap] = self._solved(gap, self.search)
+            self.trials[gap] = self._solved(gap, self.begin)
         return self.trials[gap]
 
-    def _solved(self, gap: float, search: int | None) -> Trial:
+    def _solved(self, gap: float, begin: TrialStart) -> Trial:
         try:
             made = self.study.at_gap(gap)
         except InputError as why:
             return Trial(gap, None, verdict_of(why), False)
         try:
-            answer = made.flexed(search, self.deadline, self.progress)
+            made, answer = self._flexed(made, gap, begin)
         except (StoppedError, FreeSpaceError, TouchingError) as why:
             return Trial(gap, None, verdict_of(why), False)
+        if answer.verdict.ends and is_checked(answer) and made.can_be_ranked(answer):
+            self.ends[gap] = made, answer
         value = math.inf if answer.objective is None else answer.objective
         trial = Trial(gap, value, answer.verdict, is_checked(answer), answer.at_most, answer)
         smaller = [t for t in self.trials.values() if t.gap < gap and t.checked and t.value is not None]
@@ -218,6 +236,16 @@ class MotionBorder(Generic[Found]):
             # the same motion is free here too, where every part is smaller; but what bounds motions there says nothing of those here
             return replace(trial, value=best.value, checked=True)
         return trial
+
+    def _flexed(self, made: GapStudy[Found], gap: float, begin: TrialStart) -> tuple[GapStudy[Found], Found]:
+        """The largest motion at a gap, and what it was asked of."""
+        if begin is TrialStart.REST:
+            return made, made.flexed(0, self.deadline, self.progress)
+        smaller = max((g for g in self.ends if g < gap), default=None)
+        if begin is TrialStart.SMALLER_GAP and smaller is not None:
+            return made.answer_onward(self.ends[smaller], False, self.deadline)
+        self.searched.add(gap)
+        return made, made.flexed(None, self.deadline, self.progress)
 
     def _keeps(self, trial: Trial) -> bool:
         """No motion beyond the limit was found by a search that came to its end."""

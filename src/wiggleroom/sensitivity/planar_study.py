@@ -39,6 +39,7 @@ from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.flat_motions import other_optima
+from wiggleroom.sensitivity.found_motion import verdict_of_carried
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
@@ -124,6 +125,10 @@ class PlanarStudy:
     def with_assembly(self, answer: Answer) -> Answer:
         """The motion of an answer at a smaller gap, as an answer for this one."""
         return replace(answer, assembly=self.assembly)
+
+    def in_place_of(self, lower: Answer, smaller: Answer) -> Answer:
+        """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
+        return self.with_assembly(_in_place_of(lower, smaller))
 
     @property
     def _asked(self) -> Assembly | Prepared:
@@ -276,8 +281,13 @@ def _continued(smaller: Answer, ready: Prepared, goals: tuple[Goal, ...], stop: 
     answer = answer_of(search, goals, "interior-point", began)
     answer = replace(answer, waypoints=np.concatenate([smaller.waypoints, answer.waypoints]))
     if answer.objective is not None and answer.objective < (smaller.objective or 0.0):
-        answer = smaller  # what was free for larger parts still is
+        answer = _in_place_of(answer, smaller)  # what was free for larger parts still is
     return answer if audit_path(ready.assembly, answer.waypoints).free else None
+
+
+def _in_place_of(lower: Answer, smaller: Answer) -> Answer:
+    verdict = verdict_of_carried(smaller, lower)
+    return replace(smaller, verdict=verdict, bound=None, at_most=None, search=None)
 
 
 def _larger(one: Answer, other: Answer) -> Answer:

@@ -201,6 +201,7 @@ def sweep_over(
             break  # a gap that was not finished says nothing about the curve
         if state is not None and state.gap == gap:
             held = state
+        step = _not_lower(study, step, steps)
         steps.append(step)
         if each is not None:
             each(step, state.answer.motion if state is not None and state.gap == gap else None)
@@ -245,6 +246,16 @@ def _step(
     step = SweepStep(gap, answer.objective, answer.verdict, checked, replace(answer, warm_start=None))
     good = answer.verdict.ends and checked and study.can_be_ranked(answer)
     return step, _Held(gap, made, answer) if good else last
+
+
+def _not_lower(study: GapStudy[Found], step: SweepStep, smaller: Sequence[SweepStep]) -> SweepStep:
+    """The step, or where it is lower than a checked one of a smaller gap whose search was cut short, that motion: it is free here too."""
+    known = [s for s in smaller if s.checked and s.objective is not None and s.answer is not None]
+    best = max(known, key=lambda s: s.objective or 0.0, default=None)
+    if best is None or step.objective is None or step.objective >= (best.objective or 0.0):
+        return step
+    answer = study.at_gap(step.gap).in_place_of(step.answer, best.answer)
+    return SweepStep(step.gap, best.objective, answer.verdict, True, answer)
 
 
 def _beyond(gap: float) -> SweepStep:

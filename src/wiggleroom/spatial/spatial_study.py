@@ -19,7 +19,7 @@ from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
-from wiggleroom.sensitivity.found_motion import verdict_of
+from wiggleroom.sensitivity.found_motion import verdict_of, verdict_of_carried
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
@@ -84,7 +84,7 @@ class SpatialStudy:
         """Largest motion from rest, or that of a smaller gap where it is larger, for smaller parts take the same path."""
         answer = self.answer(stop)
         if smaller is not None and answer.objective is not None and answer.objective < (smaller[1].objective or 0.0):
-            answer = self.with_assembly(smaller[1])
+            answer = self.in_place_of(answer, smaller[1])
         return self, answer
 
     def bound(self, *_: Any) -> None:
@@ -93,6 +93,11 @@ class SpatialStudy:
     def with_assembly(self, answer: SpatialAnswer) -> SpatialAnswer:
         """The motion of an answer at a smaller gap, as an answer for this one."""
         return replace(answer, assembly=self.assembly)
+
+    def in_place_of(self, lower: SpatialAnswer, smaller: SpatialAnswer) -> SpatialAnswer:
+        """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
+        verdict = verdict_of_carried(smaller, lower)
+        return replace(self.with_assembly(smaller), verdict=verdict, at_most=None, search=None)
 
     def can_be_ranked(self, answer: SpatialAnswer) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
