@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.attack.campaign import read_log, run, table
+from benchmarks.attack.campaign import read_log, run, save, table
 from benchmarks.attack.drawing import assembly, box, cut, part, pull
 from benchmarks.attack.families import FAMILIES, draw
+from benchmarks.attack.families_solid import FAMILIES as SOLID_FAMILIES
+from benchmarks.attack.families_solid import draw_solids
 from benchmarks.attack.judge import ask, severe
+from benchmarks.attack.judge_solids import SolidGround
 from benchmarks.attack.oracle import Ground
 from benchmarks.attack.search import Climber
 from benchmarks.attack.studies import ask_studies, inward
@@ -96,6 +99,27 @@ def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert (tmp_path / "log.jsonl").read_text().startswith(before)
     assert len(read_log(tmp_path)) == 3
     assert table(read_log(tmp_path)).splitlines()[-1].startswith("| **all** | 3 | 3 |")
+
+
+@pytest.mark.parametrize("kind", range(len(SOLID_FAMILIES)), ids=lambda k: SOLID_FAMILIES[k].__name__)
+def test_every_family_in_space_draws_parts_that_can_be_asked_about(tmp_path: Path, kind: int) -> None:
+    _, made = draw_solids(kind)
+    drawn = wr.read(str(made.write(tmp_path)))
+    ground = SolidGround(made, drawn.reference)
+    rest = np.zeros((1, len(made.parts), 6))
+    assert ground.overlap(rest) == 0
+    free = next(k for k, p in enumerate(made.parts) if not p.fixed)
+    held = next(k for k, p in enumerate(made.parts) if p.fixed)
+    onto = rest.copy()
+    onto[0, free, :3] = ground.pieces[held][0].mean(axis=0) - ground.pieces[free][0].mean(axis=0)
+    assert ground.overlap(onto) > 1e-3
+
+
+def test_a_campaign_in_space_writes_what_it_asks(tmp_path: Path) -> None:
+    (found,) = run(1, 9, tmp_path, programs=0, questions="space")
+    assert (found.family, found.path, found.wrong) == ("hexagon_keys", "checked", [])
+    save(tmp_path, found, "space")
+    assert wr.read(str(tmp_path / "hexagon_keys_9" / "assembly.json"))
 
 
 @pytest.mark.slow

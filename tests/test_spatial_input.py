@@ -422,6 +422,28 @@ def test_a_turned_leaf_keeps_its_volume(turned: int) -> None:
     assert solid_of(surface).volume() == pytest.approx(knuckle.area * 14 + 14 * 3 * 7.2, rel=1e-6)
 
 
+@pytest.mark.parametrize("turned", range(4))
+def test_the_narrow_rim_of_a_rounded_box_is_one_plane_again(turned: int) -> None:
+    from shapely import box
+    from trimesh.creation import extrude_polygon
+
+    from wiggleroom.spatial.solids.mesh_pieces import face_planes
+    from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
+    from wiggleroom.spatial.solids.spatial_model import Surface
+
+    outer = box(-1.5, -1.5, 22.4, 25.9)
+    walls = extrude_polygon(outer - box(0, 0, 20.9, 24.4), 34.0, engine="manifold")
+    floor = extrude_polygon(outer, 1.5, engine="manifold").apply_translation((0, 0, -1.5))
+    whole = trimesh.boolean.union([walls, floor], engine="manifold")
+    R = Rotation.random(random_state=turned).as_matrix()
+    rounded = (np.array(whole.vertices) @ R.T).astype(np.float32).astype(float)
+    drawn = Surface(rounded, np.array(whole.faces, dtype=np.int64))
+    flat, moved = with_flat_faces(drawn)
+    assert 0 < moved < 1e-5
+    assert len(face_planes(drawn)[0]) > 11
+    assert len(face_planes(flat)[0]) == 11
+
+
 def hull_volume(corners: np.ndarray) -> float:
     from scipy.spatial import ConvexHull
 

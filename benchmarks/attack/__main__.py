@@ -4,6 +4,8 @@ Assembly number k is of family k modulo their count. `flex` and `check` are aske
 judged by polygons of shapely and by a short search of its own, see oracle.py and search.py, which import nothing of the package. Asked
 again with the same DIR it goes on where it was stopped. What is wrong is written there: the assembly, what is wrong with the answer,
 and the better path where there is one (the number of waypoints, then one a line: dx dy turn of all parts [mm, mm, rad]).
+With `--space` it is about assemblies in space: families_solid.py draws them, judge_solids.py has them judged by the library python-fcl,
+and what is wrong is written as an assembly file with its meshes.
 """
 
 from __future__ import annotations
@@ -25,11 +27,14 @@ def main() -> int:
     asked.add_argument(
         "--programs", type=int, default=PROGRAMS, help="linear programs of the search for better motions"
     )
-    asked.add_argument(
+    other = asked.add_mutually_exclusive_group()
+    other.add_argument(
         "--studies", action="store_true", help="ask sweep, gap, sample, rank and tighten, see studies.py"
     )
+    other.add_argument("--space", action="store_true", help="ask about parts in space, see families_solid.py")
     said = asked.parse_args()
-    findings = run(said.count, said.first, said.out, said.programs, studies=said.studies)
+    questions = "studies" if said.studies else "space" if said.space else "plane"
+    findings = run(said.count, said.first, said.out, said.programs, questions)
     print(table(findings))
     wrong = [f for f in findings if severe(f)]
     for finding in wrong:

@@ -13,25 +13,30 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from benchmarks.attack.families import draw
+from benchmarks.attack.families_solid import draw_solids
 from benchmarks.attack.judge import PROGRAMS, STUDIES, Finding, ask
+from benchmarks.attack.judge_solids import ask_solids
+from benchmarks.attack.solids import Solids
 from benchmarks.attack.studies import ask_studies
 
 HANG = 120.0
 """An assembly that takes longer than so many seconds of processor time hangs; a machine at work may take ten times as long."""
 HANG_ON_A_BUSY_MACHINE = 10 * HANG
+QUESTIONS = {"plane": (draw, ask), "studies": (draw, ask_studies), "space": (draw_solids, ask_solids)}
+"""What draws an assembly by its number, and what asks about it."""
 WARM_UP = 3
 """A process answers this number before it counts."""
 LOG = "log.jsonl"
 
 
-def run(count: int, first: int, out: Path, programs: int = PROGRAMS, *, studies: bool = False) -> list[Finding]:
+def run(count: int, first: int, out: Path, programs: int = PROGRAMS, questions: str = "plane") -> list[Finding]:
     """Ask about assemblies `first` to `first + count`, but those in the log already; findings of all of them.
 
-    With `studies` the studies of gaps are asked, not `flex` and `check`.
+    Questions are those of `QUESTIONS`: about the studies of gaps, or else by `flex` and `check`, in the plane or in space.
     """
     out.mkdir(parents=True, exist_ok=True)
     done = {f.number: f for f in read_log(out)}
-    worker = _Worker(programs, studies)
+    worker = _Worker(programs, questions)
     try:
         with (out / LOG).open("a", encoding="utf-8") as log:
             for number in range(first, first + count):
@@ -42,7 +47,7 @@ def run(count: int, first: int, out: Path, programs: int = PROGRAMS, *, studies:
                 log.write(finding.line() + "\n")
                 log.flush()
                 if finding.wrong and finding.verdict != "refused":
-                    save(out, finding)
+                    save(out, finding, questions)
     finally:
         worker.end()
     return [done[k] for k in sorted(done)]
@@ -55,11 +60,15 @@ def read_log(out: Path) -> list[Finding]:
     return [Finding(**json.loads(line)) for line in lines if line.endswith("}")]
 
 
-def save(out: Path, finding: Finding) -> None:
-    """Write an assembly to ask again, what was wrong, and the better path where there is one."""
-    made = draw(finding.number)[1]
+def save(out: Path, finding: Finding, questions: str = "plane") -> None:
+    """Write an assembly to ask again, what was wrong, and the better path where there is one; those in space into folders."""
+    made = QUESTIONS[questions][0](finding.number)[1]
     name = f"{finding.family}_{finding.number}"
-    (out / f"{name}.json").write_text(json.dumps(made, indent=1), encoding="utf-8")
+    if isinstance(made, Solids):
+        (out / name).mkdir(exist_ok=True)
+        made.write(out / name)
+    else:
+        (out / f"{name}.json").write_text(json.dumps(made, indent=1), encoding="utf-8")
     said = [
         f"verdict {finding.verdict}, path {finding.path}, value {finding.value}, check {finding.check}",
         *finding.wrong,
@@ -74,13 +83,13 @@ def save(out: Path, finding: Finding) -> None:
 class _Worker:
     """A process that answers one number after the other, and is started again where it dies or hangs."""
 
-    def __init__(self, programs: int, studies: bool) -> None:
-        self._programs, self._studies = programs, studies
+    def __init__(self, programs: int, questions: str) -> None:
+        self._programs, self._questions = programs, questions
         self._start()
 
     def ask(self, number: int) -> Finding:
         """What becomes of one assembly."""
-        family, made = draw(number)
+        family, made = QUESTIONS[self._questions][0](number)
         if made is None:
             return Finding(family, number, "not drawn")
         began, spent = time.monotonic(), self._processor_time()
@@ -116,20 +125,20 @@ class _Worker:
     def _start(self) -> None:
         self._mine, its = mp.get_context("spawn").Pipe()
         self._process = mp.get_context("spawn").Process(
-            target=_serve, args=(its, self._programs, self._studies), daemon=True
+            target=_serve, args=(its, self._programs, self._questions), daemon=True
         )
         self._process.start()
         self._mine.recv()  # what is compiled on first use does not count
 
 
-def _serve(line: Connection, programs: int, studies: bool) -> None:
-    question = ask_studies if studies else ask
-    family, made = draw(WARM_UP)
+def _serve(line: Connection, programs: int, questions: str) -> None:
+    draw_one, question = QUESTIONS[questions]
+    family, made = draw_one(WARM_UP)
     question(family, WARM_UP, made or {}, 1)
     line.send("ready")
     while True:
         number = line.recv()
-        family, made = draw(number)
+        family, made = draw_one(number)
         try:
             finding = question(family, number, made or {}, programs)
         except Exception:

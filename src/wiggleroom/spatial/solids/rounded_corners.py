@@ -79,7 +79,7 @@ def _plane(points: Floats) -> Floats:
 
 
 def _in_one_plane(vertices: Floats, corners: list[Ints], near: float) -> list[Ints]:
-    """Corners of the faces, together where all of a smaller one lie within `near` [mm] of the plane of a larger one."""
+    """Corners of the faces, together where all of several lie within `near` [mm] of one plane: that of a narrow one alone may lean."""
     plane = np.array([_plane(vertices[own]) for own in corners])
     scaled = plane / np.array([1.0, 1, 1, np.abs(vertices).max()])
     tree = KDTree(scaled)
@@ -88,14 +88,15 @@ def _in_one_plane(vertices: Floats, corners: list[Ints], near: float) -> list[In
     for k, own in enumerate(corners):
         if taken[k]:
             continue
-        group = [own]
-        for other in {
-            i for side in (1, -1) for i in tree.query_ball_point(side * scaled[k], ALIKE) if i > k and not taken[i]
-        }:
-            if np.abs(vertices[corners[other]] @ plane[k, :3] - plane[k, 3]).max() <= near:
+        whole = own
+        likely = {i for side in (1, -1) for i in tree.query_ball_point(side * scaled[k], ALIKE)}
+        for other in sorted(i for i in likely if i > k and not taken[i]):
+            both = np.union1d(whole, corners[other])
+            together = _plane(vertices[both])
+            if np.abs(vertices[both] @ together[:3] - together[3]).max() <= near:
                 taken[other] = True
-                group.append(corners[other])
-        found.append(np.unique(np.concatenate(group)))
+                whole = both
+        found.append(whole)
     return found
 
 

@@ -1,0 +1,96 @@
+"""What the program says about one assembly in space, and what the collision library python-fcl finds wrong with it."""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.attack.judge import Finding
+from benchmarks.attack.solids import Solids
+from benchmarks.spatial_overlaps import Judge, worst_on
+
+SHALLOW, ROUNDED = 1e-6, 1e-6
+"""Overlaps count as touching that are shallower than this [mm] and this share of the size: meshes go through a file of seven digits."""
+CHECK_SECONDS = 30.0
+"""After so long `check` is asked to stop; answers say then that they are unfinished."""
+
+
+def ask_solids(family: str, number: int, made: Solids, programs: int) -> Finding:
+    """Ask `flex`, and `check` unless there are no programs, about an assembly in space, and judge ends, paths and ways out."""
+    import wiggleroom as wr
+
+    out = Finding(family, number)
+    with tempfile.TemporaryDirectory() as place:
+        began = time.process_time()
+        try:
+            assembly = wr.read(made.write(Path(place)))
+            answer = wr.flex(assembly)
+        except wr.InputError as error:
+            out.verdict = "refused"
+            out.wrong.append(f"refused: {error}")
+            return out
+        out.seconds = round(time.process_time() - began, 3)
+        out.verdict, out.path, out.value = str(answer.verdict), answer.path, answer.objective
+        ground = SolidGround(made, answer.assembly.reference)
+        path = answer.waypoints
+        if np.abs(path[0]).max() > 0 or np.abs(path[:, ground.fixed]).max(initial=0.0) > 0:
+            out.wrong.append("path: it does not begin at rest, or moves what is fixed")
+        depth = ground.overlap(path if answer.path == "checked" else path[-1:])
+        if depth:
+            out.wrong.append(f"path: parts overlap by {depth:.3g} mm")
+        if answer.path != "checked":
+            out.wrong.append("unchecked: the path is not checked")
+        if answer.objective is not None and answer.objective < -SHALLOW:
+            out.wrong.append(f"value: {answer.objective:.9g} is said, and rest is worth 0")
+        if programs:
+            _judge_check(made, ground, wr, assembly, out)
+    return out
+
+
+class SolidGround:
+    """The parts as they were drawn, moved about their reference points."""
+
+    def __init__(self, made: Solids, reference: np.ndarray) -> None:
+        self.names = [p.name for p in made.parts]
+        self.fixed = [k for k, p in enumerate(made.parts) if p.fixed]
+        self.pieces = [p.pieces() for p in made.parts]
+        corners = np.vstack([piece for pieces in self.pieces for piece in pieces])
+        self.near = SHALLOW + ROUNDED * float(np.abs(corners).max())
+        self.reference = reference
+        self.held = [p.fixed for p in made.parts]
+
+    def overlap(self, waypoints: np.ndarray, gone: frozenset[str] = frozenset()) -> float:
+        """Deepest overlap on a path [mm]; 0 where parts at most touch."""
+        stay = [k for k, name in enumerate(self.names) if name not in gone]
+        judge = Judge([self.pieces[k] for k in stay], self.reference[stay], [self.held[k] for k in stay])
+        deepest = worst_on(judge, np.asarray(waypoints)[:, stay])
+        return deepest if deepest > self.near else 0.0
+
+
+def _judge_check(made: Solids, ground: SolidGround, wr, assembly, out: Finding) -> None:
+    stop = threading.Event()
+    clock = threading.Timer(CHECK_SECONDS, stop.set)
+    clock.start()
+    try:
+        found = wr.check(assembly, stop=stop)
+    except wr.InputError as error:
+        out.check = "refused"
+        out.wrong.append(f"refused by check: {error}")
+        return
+    finally:
+        clock.cancel()
+    out.check = str(found.verdict)
+    gone: set[str] = set()
+    for escape in found.escapes:
+        depth = ground.overlap(escape.path, frozenset(gone))
+        gone |= set(escape.parts)
+        if depth:
+            out.wrong.append(f"escape of {', '.join(escape.parts)}: parts overlap by {depth:.3g} mm")
+    if found.verdict == "interlocked" and made.comes_apart:
+        out.wrong.append("low: check says interlocked, it comes apart")
+    if found.verdict == "comes apart" and made.comes_apart is False:
+        out.wrong.append("check: it says comes apart, and it is locked")
