@@ -16,7 +16,7 @@ from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.disassembly.escape import EscapeEffort
-from wiggleroom.disassembly.interlock import interlock
+from wiggleroom.disassembly.interlock import interlock, with_ground
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.report.results.separability import check_result, further, why
@@ -201,6 +201,12 @@ def test_largest_gap_of_two_swallowtail_blocks():
     assert found.parts_at - found.holds <= 1e-3 * found.parts_at
     assert (found.interlocked.verdict, found.apart.verdict) == ("interlocked", "comes apart")
     assert deepest(found.apart.assembly, found.apart) < 1e-9
+
+
+def test_the_same_of_equal_parts_stands_at_every_gap():
+    drawing = wr.read(str(HERE.parent / "drawings" / "pyjigsaw_4x5.svg"), gap=1.0).drawing
+    standing = [with_ground(assemble(drawing, gap=gap)) for gap in (1.0, 2.0, 2.640625, 4.0)]
+    assert len({tuple(p.name for p in assembly.parts if p.fixed) for assembly in standing}) == 1
 
 
 def test_what_led_apart_at_one_gap_is_asked_first_at_another():

@@ -34,6 +34,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+SAME_AREA = 1e-6
+"""Parts as drawn whose areas differ by less than this share are equally large."""
 TRIAL_GAP = 1e-4
 """Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
 MIN_BOUND_SECONDS = 1.0
@@ -294,11 +296,11 @@ def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]
 
 
 def with_ground(assembly: Assembly) -> Assembly:
-    """The assembly with something that stands: the largest part where nothing is fixed."""
+    """The assembly with something that stands: where nothing is fixed the largest part, of equal ones the first, at every gap the same."""
     if any(p.fixed for p in assembly.parts):
         return assembly
-    area = [sum(shapely.Polygon(r.outer, r.holes).area for r in p.regions) for p in assembly.parts]
-    largest = int(np.argmax(area))
+    area = [sum(shapely.Polygon(r.outer, r.holes).area for r in p.regions) for p in assembly.drawing.parts]
+    largest = int(np.argmax(np.array(area) >= (1 - SAME_AREA) * max(area, default=0.0)))
     parts = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.parts))
     if len(parts) < 2:
         finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; draw at least two"
