@@ -26,7 +26,7 @@ INEXACT = 1e-7
 SPLIT = 1e-9
 """Where the volumes of both sides of a cut miss that of the piece by more than this share of the whole, the cut went wrong."""
 FILM = 1e-7
-"""A piece thinner than this share of its length is made so thick: its faces would be rounding."""
+"""What is thinner than this share of the mesh's size is rounding."""
 HOLLOW = 1e-9
 """A surface inside a solid that encloses more than this share of its volume is the wall of a hollow."""
 OFF_PLANE = 1e-6
@@ -122,18 +122,22 @@ def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surfac
 def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
 
-    No plane cuts a part more than `PEELS` times: corners off their planes would come off film after film without end.
+    No plane cuts a part more than `PEELS` times: corners off their planes would come off film after film without end. Films of rounding
+    are left out: they are no material, and may lie across holes.
 
     Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
     """
     todo = [(lump, np.zeros((0, 4))) for lump in _lumps(solid)]
     whole, hulls = solid.volume(), []
-    near = FLAT * max(map(abs, solid.bounding_box()))
+    low, high = np.split(np.array(solid.bounding_box()), 2)
+    near, thin = FLAT * np.abs([low, high]).max(), FILM * np.linalg.norm(high - low)
     while todo:
         part, done = todo.pop()
         if part.volume() <= 1e-12 * whole:
             continue
         hull = part.hull()
+        if _thickness(surface_of(hull).vertices) <= thin:
+            continue
         if hull.volume() - part.volume() <= CONVEX * hull.volume():
             hulls.append(hull)
         else:
@@ -161,7 +165,7 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     together = union_of(hulls)
     if (together - solid).volume() + (solid - together).volume() > INEXACT * whole:
         return None
-    return [convex_piece(_thick(surface_of(hull).vertices)) for hull in hulls]
+    return [convex_piece(surface_of(hull).vertices) for hull in hulls]
 
 
 def _lumps(solid: Any) -> list[Any]:
@@ -172,13 +176,11 @@ def _lumps(solid: Any) -> list[Any]:
     return [shell for shell, volume in shells if volume > 0]
 
 
-def _thick(corners: Floats) -> Floats:
-    """Corners of a film (k, 3) moved apart on both sides, others as they are."""
-    axes, length = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[:0:-1]
-    thin = axes[length < FILM * length[0]]
-    for axis in thin:
-        corners = np.vstack([corners - FILM * length[0] * axis, corners + FILM * length[0] * axis])
-    return corners
+def _thickness(corners: Floats) -> float:
+    """Extent of corners (k, 3) along the direction in which they spread least [mm]; 0 without corners."""
+    if not len(corners):
+        return 0.0
+    return float(np.ptp(corners @ np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[2][-1]))
 
 
 def _cuts(surface: Surface) -> Floats:
