@@ -108,17 +108,17 @@ def _verdict(
     ready: SpatialPrepared, objective: SumOfTerms, done: SearchEnd
 ) -> tuple[Verdict, tuple[str, ...], tuple[str, ...]]:
     """How the question ended, and the parts that leave or turn without limit."""
-    names, found, at_end = ready.assembly.names, done.found, _at_end(ready, done)
+    names, found = ready.assembly.names, done.found
     if done.leaving or done.turning:
         return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), tuple(names[k] for k in done.turning)
-    if found.status is SolverStatus.ESCAPING and done.whole and at_end:
+    if found.status is SolverStatus.ESCAPING and done.whole and _at_end(ready, done):
         turning = _spinning(ready, objective, done.path[-1])
         leaving = leaving_parts(ready, done.path[-1], objective)
         if turning:
             return Verdict.UNBOUNDED, (), turning
         if leaving:
             return Verdict.UNBOUNDED, tuple(names[k] for k in leaving), ()
-    if found.status is SolverStatus.CONVERGED and done.whole and at_end:
+    if found.status is SolverStatus.CONVERGED and done.whole:
         return (Verdict.OPTIMAL if found.curved_down else Verdict.STATIONARY), (), ()
     return Verdict.STOPPED, (), ()
 

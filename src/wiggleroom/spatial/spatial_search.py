@@ -51,6 +51,8 @@ LONG_TURN = 0.3
 """A part that can turn in place further than this, as it is twisted, is turned there first [rad]."""
 LEAST_SHARE = 1e-4
 """Axes of the part count too where a turn about them has more than this share about the direction asked for, and they are not the same."""
+ROUNDED = 1e-7
+"""Where contacts close to the last digits, the last waypoints lie nearer than can be checked: this share of the value is not missed."""
 LOST = 1e-3
 """An end is worse than the begin where it is less by more than this share of the clearance."""
 DEPARTED = 0.25
@@ -291,8 +293,15 @@ class SpatialSearch:
         return np.unique(np.vstack([self.pieces[near], self.met]), axis=0)
 
     def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
-        """The end with its path, as far as that is free."""
-        return SearchEnd(program, found, *free_path(self.ready, program, found.path or [program.start]))
+        """The end with its path, as far as that is free; what is worth the solution but for rounding is as far as it goes."""
+        path, whole = free_path(self.ready, program, found.path or [program.start])
+        done = SearchEnd(program, found, path, whole)
+        if whole or found.status is not SolverStatus.CONVERGED:
+            return done
+        end = self.ready.grouping.part_motion(found.point.pose)
+        value = self.value(replace(done, path=np.concatenate([path, end[None]])))
+        missing = value - self.value(done)
+        return replace(done, whole=bool(missing <= ROUNDED * max(abs(value), self.ready.clearance)))
 
     def _departed(self, done: SearchEnd) -> SearchEnd:
         """The same end where what is pulled can go on straight for ever from it, else unchanged."""

@@ -12,7 +12,8 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
     """Separation of two convex pieces [mm], negative where they overlap; `axis` (3,) becomes the unit axis from P to Q.
 
     P, Q (k, 3) are corners, NP, NQ normals of faces, EP, EQ directions of edges, all in one frame. The separation along the best axis
-    is a lower bound of the distance, and it is positive exactly where the pieces are apart.
+    is a lower bound of the distance, and it is positive exactly where the pieces are apart. Corners off the planes of their faces, by
+    rounding, may hide that from these axes: where they overlap by hardly anything the line between nearest points is tried too.
 
     Source: the separating axis theorem, Gottschalk, Lin and Manocha 1996.
     """
@@ -46,7 +47,31 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
         if plow - qhigh > best:
             best = plow - qhigh
             axis[0], axis[1], axis[2] = -x[0], -x[1], -x[2]
-    return best
+    if best > 0 or best < -HARDLY * _farthest(P, Q):
+        return best
+    nearest = _nearest_difference(P, Q, axis)
+    length = np.sqrt(_dot(nearest, nearest))
+    if length == 0:
+        return best
+    nearest /= length
+    room = _dot(_foremost(P, Q, nearest), nearest)
+    if room > best:
+        axis[:] = nearest
+    return max(room, best)
+
+
+HARDLY = 1e-7
+"""An overlap smaller than this share of how far corners lie apart may be rounding."""
+
+
+@njit(**OPTIONS)
+def _farthest(P, Q):
+    """Largest distance of a corner of Q from the first of P [mm]."""
+    far = 0.0
+    for k in range(len(Q)):
+        v = Q[k] - P[0]
+        far = max(far, _dot(v, v))
+    return np.sqrt(far)
 
 
 @njit(**OPTIONS)
