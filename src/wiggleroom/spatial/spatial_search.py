@@ -51,7 +51,7 @@ LONG_TURN = 0.3
 """A part that can turn in place further than this, as it is twisted, is turned there first [rad]."""
 LEAST_SHARE = 1e-4
 """Axes of the part count too where a turn about them has more than this share about the direction asked for, and they are not the same."""
-ROUNDED = 1e-7
+ROUNDED = 1e-6
 """Where contacts close to the last digits, the last waypoints lie nearer than can be checked: this share of the value is not missed."""
 LOST = 1e-3
 """An end is worse than the begin where it is less by more than this share of the clearance."""
