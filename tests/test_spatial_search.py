@@ -70,7 +70,7 @@ def test_large_plates_settle_although_tips_meet_on_the_way(monkeypatch: pytest.M
     assert found.rounds > 1
 
 
-@pytest.mark.parametrize("number", [3011, 3014, 3029, 3040])
+@pytest.mark.parametrize("number", [3011, 3014, 3029, 3040, 4118, 4201])
 def test_contacts_that_close_to_the_last_digits_leave_the_path_checked(number: int, tmp_path: Path) -> None:
     from benchmarks.attack.families_solid import draw_solids
 

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.spatial.solids.convex import ConvexPiece, convex_piece
 from wiggleroom.spatial.solids.face_triangulation import triangulated_anew
-from wiggleroom.spatial.solids.solid_boolean import centroid_of, is_sound, solid_of, surface_of, union_of
+from wiggleroom.spatial.solids.solid_boolean import centroid_of, is_sound, solid_of, surface_of
 from wiggleroom.spatial.solids.spatial_model import MadeSolid, Surface
 
 Floats = NDArray[np.float64]
@@ -123,12 +123,14 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
 
     No plane cuts a part more than `PEELS` times: corners off their planes would come off film after film without end. Films of rounding
-    are left out: they are no material, and may lie across holes.
+    are left out: they are no material, and may lie across holes. Pieces lie on different sides of a cut, so they make up the solid where
+    none has more volume than its part and no part is lost.
 
     Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
     """
     todo = [(lump, np.zeros((0, 4))) for lump in _lumps(solid)]
     whole, hulls = solid.volume(), []
+    left, excess = whole, 0.0
     low, high = np.split(np.array(solid.bounding_box()), 2)
     near, thin = FLAT * np.abs([low, high]).max(), FILM * np.linalg.norm(high - low)
     while todo:
@@ -136,13 +138,10 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
         if part.volume() <= 1e-12 * whole:
             continue
         hull = part.hull()
-        if _thickness(surface_of(hull).vertices) <= thin:
-            continue
-        if hull.volume() - part.volume() <= CONVEX * hull.volume():
-            hulls.append(hull)
-        else:
+        film = _thickness(surface_of(part).vertices) <= thin
+        halves: list[Any] = []
+        if not film and hull.volume() - part.volume() > CONVEX * hull.volume():
             best, enough = np.inf, hull.volume() * (1 - CONVEX)
-            halves: list[Any] = []
             by: Floats = done[:0]
             compared = 0
             for cut in _cuts(surface_of(part)):
@@ -157,13 +156,15 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
                 sound = abs(sum(h.volume() for h in both) - part.volume()) <= SPLIT * whole
                 if useful and sound and both and hollow < best:
                     best, halves, by = hollow, both, cut[None]
-            if not halves:
-                hulls.append(hull)
             todo += [(half, np.vstack([done, by])) for half in halves]
+        if not halves:
+            left -= part.volume()
+        if not halves and not film:
+            hulls.append(hull)
+            excess += abs(hull.volume() - part.volume())
         if len(hulls) + len(todo) > MAX_PIECES:
             return None
-    together = union_of(hulls)
-    if (together - solid).volume() + (solid - together).volume() > INEXACT * whole:
+    if excess + abs(left) > INEXACT * whole:
         return None
     return [convex_piece(surface_of(hull).vertices) for hull in hulls]
 
@@ -177,9 +178,7 @@ def _lumps(solid: Any) -> list[Any]:
 
 
 def _thickness(corners: Floats) -> float:
-    """Extent of corners (k, 3) along the direction in which they spread least [mm]; 0 without corners."""
-    if not len(corners):
-        return 0.0
+    """Extent of corners (k, 3) along the direction in which they spread least [mm]."""
     return float(np.ptp(corners @ np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[2][-1]))
 
 
