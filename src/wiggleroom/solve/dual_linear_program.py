@@ -141,7 +141,14 @@ class DualLinearProgram:
 
 
 def _solver(highspy: Any, over: Callable[[], bool], rows: int) -> Any:
-    solver = highspy.Highs()
+    class Silent(highspy.Highs):  # type: ignore[misc]
+        """Prints nothing: where its constructor asks for callbacks, HiGHS 1.16 would print a line before it can be told."""
+
+        def enableCallbacks(self) -> None:  # noqa: N802
+            self.setOptionValue("output_flag", False)
+            super().enableCallbacks()
+
+    solver = Silent()
 
     def interrupt(kind: Any, message: str, found: Any, answer: Any, more: Any) -> None:  # noqa: ARG001
         answer.user_interrupt = over()
