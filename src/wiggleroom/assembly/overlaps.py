@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.drawing.writers.glue_groups import collidable
-from wiggleroom.parallel.batches import THREADS, in_batches
 
 OVERLAP_TOLERANCE = 1e-9
 """An overlap no deeper than this share of the drawing's size is rounding."""
@@ -35,9 +34,7 @@ def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     size = np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max()
     i, j = shapely.STRtree(shapes).query(shapes)
     i, j = i[owner[i] < owner[j]], j[owner[i] < owner[j]]
-    meet = np.concatenate(
-        in_batches(len(i), THREADS, lambda some: shapely.intersects(shapes[i[some]], shapes[j[some]]))
-    )
+    meet = shapely.intersects(shapes[i], shapes[j])
     i, j = i[meet], j[meet]
     meet = ~shapely.touches(shapes[i], shapes[j])
     i, j = i[meet], j[meet]

@@ -9,7 +9,6 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.parallel.batches import THREADS, in_batches
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -49,22 +48,13 @@ def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, i
     Pairs
         Sorted by (a, b).
     """
-    boxes = shapely.bounds(geometry)
-    wide = shapely.box(*(boxes + reach * np.array([-1.0, -1.0, 1.0, 1.0])).T)
-    i, j = shapely.STRtree(geometry).query(wide)
+    tree = shapely.STRtree(geometry)
+    i, j = tree.query(geometry, predicate="dwithin", distance=reach)  # in one thread: what it prepares may not be shared
     keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, ignored)
     i, j = i[keep], j[keep]
     order = np.lexsort((j, i))
     i, j = i[order], j[order]
-    shapely.prepare(geometry)
-
-    def apart(some: slice) -> tuple[NDArray[np.bool_], Floats]:
-        one, other = geometry[i[some]], geometry[j[some]]
-        near = shapely.dwithin(one, other, reach)
-        return near, shapely.distance(one[near], other[near])
-
-    near, clearance = map(np.concatenate, zip(*in_batches(len(i), THREADS, apart), strict=True))
-    return Pairs(i[near], j[near], clearance)
+    return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
 
 
 def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints) -> Pairs:
