@@ -49,7 +49,8 @@ def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, i
         Sorted by (a, b).
     """
     tree = shapely.STRtree(geometry)
-    i, j = tree.query(geometry, predicate="dwithin", distance=reach)  # in one thread: what it prepares may not be shared
+    # in one thread: what this prepares may not be shared
+    i, j = tree.query(geometry, predicate="dwithin", distance=reach)
     keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, ignored)
     i, j = i[keep], j[keep]
     order = np.lexsort((j, i))
