@@ -225,6 +225,7 @@ def test_a_ranking_is_read_as_colours_and_sorted_tables(studies: dict[type, Any]
 def test_a_sweep_is_read_along_its_slider(studies: dict[type, Any], opened: Any) -> None:
     found = studies[wr.Sweep]
     at = opened(PAGES[wr.Sweep](found))
+    at.locator(".curve .dot").nth(2).wait_for(state="attached")  # the curve is drawn when its size is known
     assert at.locator(".curve .dot").count() == 3
     for step in found.steps[:3]:
         at.locator("#gap").fill(str(step.gap + 0.004))  # the nearest gap that was solved
