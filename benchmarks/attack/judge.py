@@ -6,8 +6,10 @@ import json
 import tempfile
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -70,15 +72,9 @@ def ask(family: str, number: int, made: Json, programs: int = PROGRAMS) -> Findi
         file = Path(place) / f"{family}_{number}.json"
         file.write_text(json.dumps(made), encoding="utf-8")
         assembly = wr.read(str(file))
-        began = time.process_time()
-        try:
-            answer = wr.flex(assembly)
-        except wr.InputError as error:
-            out.verdict = "refused"
-            out.wrong.append(f"refused: {error}")
+        answer = answered(lambda: wr.flex(assembly), out)
+        if answer is None:
             return out
-        out.seconds = round(time.process_time() - began, 3)
-        out.verdict, out.path, out.value = str(answer.verdict), answer.path, answer.objective
         _judge_motion(ground, answer, out)
         if programs:
             _judge_value(ground, answer, number, programs, out)
@@ -86,10 +82,31 @@ def ask(family: str, number: int, made: Json, programs: int = PROGRAMS) -> Findi
     return out
 
 
+def answered(question: Callable[[], Any], out: Finding) -> Any:
+    """The answer of a question, noted; None, and that it was refused, where there is none."""
+    from wiggleroom.errors import InputError
+
+    began = time.process_time()
+    try:
+        answer = question()
+    except InputError as error:
+        out.verdict = "refused"
+        out.wrong.append(f"refused: {error}")
+        return None
+    out.seconds = round(time.process_time() - began, 3)
+    out.verdict, out.path, out.value = str(answer.verdict), answer.path, answer.objective
+    return answer
+
+
+def judge_begin(path: np.ndarray, fixed: np.ndarray | list[int], out: Finding) -> None:
+    """Note a path that does not begin at rest, or moves what is fixed."""
+    if np.abs(path[0]).max() > 0 or np.abs(path[:, fixed]).max(initial=0.0) > 0:
+        out.wrong.append("path: it does not begin at rest, or moves what is fixed")
+
+
 def _judge_motion(ground: Ground, answer, out: Finding) -> None:
     path = answer.waypoints
-    if np.abs(path[0]).max() > 0 or np.abs(path[:, ground.fixed]).max(initial=0.0) > 0:
-        out.wrong.append("path: it does not begin at rest, or moves what is fixed")
+    judge_begin(path, ground.fixed, out)
     if not np.array_equal(path[-1], answer.motion):
         out.wrong.append("path: it does not end at the motion")
     found = ground.overlap(answer.motion)

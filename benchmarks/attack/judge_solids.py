@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import tempfile
 import threading
-import time
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.attack.judge import Finding
+from benchmarks.attack.judge import Finding, answered, judge_begin
 from benchmarks.attack.solids import Solids
 from benchmarks.spatial_overlaps import Judge, worst_on
 
@@ -25,20 +24,12 @@ def ask_solids(family: str, number: int, made: Solids, programs: int) -> Finding
 
     out = Finding(family, number)
     with tempfile.TemporaryDirectory() as place:
-        began = time.process_time()
-        try:
-            assembly = wr.read(made.write(Path(place)))
-            answer = wr.flex(assembly)
-        except wr.InputError as error:
-            out.verdict = "refused"
-            out.wrong.append(f"refused: {error}")
+        answer = answered(lambda: wr.flex(wr.read(made.write(Path(place)))), out)
+        if answer is None:
             return out
-        out.seconds = round(time.process_time() - began, 3)
-        out.verdict, out.path, out.value = str(answer.verdict), answer.path, answer.objective
         ground = SolidGround(made, answer.assembly.reference)
         path = answer.waypoints
-        if np.abs(path[0]).max() > 0 or np.abs(path[:, ground.fixed]).max(initial=0.0) > 0:
-            out.wrong.append("path: it does not begin at rest, or moves what is fixed")
+        judge_begin(path, ground.fixed, out)
         depth = ground.overlap(path if answer.path == "checked" else path[-1:])
         if depth:
             out.wrong.append(f"path: parts overlap by {depth:.3g} mm")
@@ -47,7 +38,7 @@ def ask_solids(family: str, number: int, made: Solids, programs: int) -> Finding
         if answer.objective is not None and answer.objective < -SHALLOW:
             out.wrong.append(f"value: {answer.objective:.9g} is said, and rest is worth 0")
         if programs:
-            _judge_check(made, ground, wr, assembly, out)
+            _judge_check(made, ground, wr, answer.assembly, out)
     return out
 
 

@@ -150,13 +150,12 @@ class Document:
         key = whole(design)
         if self.in_space or answer.objective is None or self._searched.peek(key):
             return answer
-        from wiggleroom.sensitivity.perturbation import SAME_VALUE, is_searched, searched_answer
+        from wiggleroom.sensitivity.perturbation import exceeds, is_searched, searched_answer
 
         if is_searched(answer.assembly):
             found = searched_answer(answer.assembly, answer.goals, out.stop)
             out.check()
-            more = found.objective is None or found.objective > (1 + SAME_VALUE) * answer.objective
-            answer = found if more else replace(answer, search=found.search)
+            answer = found if exceeds(found, answer) else replace(answer, search=found.search)
             self.know(design, answer)
         self._searched.keep(key, True)
         return answer

@@ -103,15 +103,6 @@ def searched(document: Document, design: Design, out: Reporter) -> Any:
     return answer
 
 
-def exceeds(found: Any, known: Any) -> bool:
-    """Whether a motion is larger than the answer that is known, if any is."""
-    from wiggleroom.sensitivity.perturbation import SAME_VALUE
-
-    if known is None or found.objective is None:
-        return known is None or known.objective is not None
-    return known.objective is not None and found.objective > (1 + SAME_VALUE) * known.objective
-
-
 def tell_answer(document: Document, design: Design, answer: Any, shown: str, out: Reporter) -> None:
     """Tell the page a full answer."""
     document.display.move(answer.assembly, answer.motion)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import sys
 from dataclasses import dataclass, field
 
@@ -20,6 +19,7 @@ from wiggleroom.app.worker_protocol import (
     message_length,
     result,
 )
+from wiggleroom.parallel.parallel_run import child_environment
 
 MAX_PAGES = 4
 """Each page has a process of its own, and that much memory."""
@@ -38,11 +38,10 @@ class Process:
     @classmethod
     async def begin(cls) -> Process:
         """Start a process; it loads what it needs by itself."""
-        path = os.pathsep.join(p for p in sys.path if p)
         child = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "wiggleroom.app.solver_worker",
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
-            env=os.environ | {"PYTHONPATH": path},
+            env=child_environment(),
             start_new_session=True,  # Ctrl-C is for the server
         )  # fmt: skip
         return cls(child)

@@ -11,7 +11,7 @@ import numpy as np
 
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
-from wiggleroom.app.motion_requests import exceeds, searched, tell_answer
+from wiggleroom.app.motion_requests import searched, tell_answer
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.report.page.study_messages import ranking_message, step_message
 from wiggleroom.report.results.answer_words import bound_sentence, proven
@@ -72,6 +72,7 @@ def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
 def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:
     """Motion against gap, told gap by gap; what it finds at the design's own gap is the answer, where that is more."""
     from wiggleroom.questions import sweep as work_out
+    from wiggleroom.sensitivity.perturbation import exceeds
 
     def tell(step: SweepStep, motion: np.ndarray | None) -> None:
         out.check()

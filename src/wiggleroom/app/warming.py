@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import resources
+
+from wiggleroom.parallel.parallel_run import child_environment
 
 COMMAND = (sys.executable, "-m", "wiggleroom.cli.compile")
 """Compiles what is not kept yet and keeps it, function by function: what is ended in between loses the last one alone."""
@@ -47,11 +48,10 @@ class Warming:
 
     async def _run(self) -> None:
         await asyncio.sleep(IDLE_SECONDS)
-        path = os.pathsep.join(p for p in sys.path if p)
         child = await asyncio.create_subprocess_exec(
             *self._command,
             stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL,
-            env=os.environ | {"PYTHONPATH": path},
+            env=child_environment(),
             start_new_session=True,  # Ctrl-C is for the server
         )  # fmt: skip
         try:

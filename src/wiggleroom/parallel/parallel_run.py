@@ -87,14 +87,18 @@ class ParallelRun:
         return (lambda done: told(done, total)) if told is not None else (lambda _: None)
 
 
+def child_environment() -> dict[str, str]:
+    """Environment of a Python process that finds the modules that this one finds."""
+    return os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+
+
 class _Process:
     """One worker process, which imports nothing of the program that asks: no script runs twice."""
 
     def __init__(self, greeting: bytes) -> None:
-        path = os.pathsep.join(p for p in sys.path if p)
         self._process = subprocess.Popen(
             [sys.executable, "-m", "wiggleroom.parallel.process_worker"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | {"PYTHONPATH": path},
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=child_environment(),
             start_new_session=True,  # Ctrl-C is for the program that asks
         )  # fmt: skip
         self._send(greeting)

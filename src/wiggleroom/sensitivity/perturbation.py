@@ -32,7 +32,7 @@ from wiggleroom.search.incumbent import Incumbent, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.sensitivity.found_motion import endless, verdict_of
+from wiggleroom.sensitivity.found_motion import FoundMotion, endless, verdict_of
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -90,6 +90,13 @@ class PerturbationBase:
 def is_searched(assembly: Assembly) -> bool:
     """True where a direct question does more than climb from rest: where few bodies move."""
     return sum(not p.fixed for p in assembly.parts) <= MAX_BODIES
+
+
+def exceeds(found: FoundMotion, known: FoundMotion | None) -> bool:
+    """Whether a motion is larger than the one that is known, if any is."""
+    if known is None or found.objective is None:
+        return known is None or known.objective is not None
+    return known.objective is not None and found.objective > (1 + SAME_VALUE) * known.objective
 
 
 def searched_answer(

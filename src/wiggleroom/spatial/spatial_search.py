@@ -298,10 +298,9 @@ class SpatialSearch:
         done = SearchEnd(program, found, path, whole)
         if whole or found.status is not SolverStatus.CONVERGED:
             return done
-        end = self.ready.grouping.part_motion(found.point.pose)
-        value = self.value(replace(done, path=np.concatenate([path, end[None]])))
-        missing = value - self.value(done)
-        return replace(done, whole=bool(missing <= ROUNDED * max(abs(value), self.ready.clearance)))
+        reached = self.value(done)
+        value = self.objective.value(found.point.pose, reached)
+        return replace(done, whole=bool(value - reached <= ROUNDED * max(abs(value), self.ready.clearance)))
 
     def _departed(self, done: SearchEnd) -> SearchEnd:
         """The same end where what is pulled can go on straight for ever from it, else unchanged."""

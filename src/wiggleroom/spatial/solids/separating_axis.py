@@ -50,11 +50,7 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
     if best > 0 or best < -HARDLY * _farthest(P, Q):
         return best
     nearest = _nearest_difference(P, Q, axis)
-    length = np.sqrt(_dot(nearest, nearest))
-    if length == 0:
-        return best
-    nearest /= length
-    room = _dot(_foremost(P, Q, nearest), nearest)
+    room = _room(P, Q, nearest)
     if room > best:
         axis[:] = nearest
     return max(room, best)
@@ -85,8 +81,7 @@ def distance(P, NP, EP, Q, NQ, EQ, axis, ratio):
     if best <= 0:
         return best
     nearest = _nearest_difference(P, Q, axis)
-    nearest /= np.sqrt(_dot(nearest, nearest))
-    room = _dot(_foremost(P, Q, nearest), nearest)
+    room = _room(P, Q, nearest)
     if room <= best * (1 + 1e-9):
         return best
     if room > ratio * best:
@@ -118,6 +113,16 @@ def _nearest_difference(P, Q, axis):
             break
         v = nearer
     return v
+
+
+@njit(**OPTIONS)
+def _room(P, Q, x):
+    """Room between two pieces along x [mm], which becomes a unit vector; -inf where it has no length."""
+    length = np.sqrt(_dot(x, x))
+    if length == 0:
+        return -np.inf
+    x /= length
+    return _dot(_foremost(P, Q, x), x)
 
 
 @njit(**OPTIONS)
