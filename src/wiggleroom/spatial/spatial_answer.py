@@ -72,6 +72,8 @@ class SpatialAnswer(Drawable):
         A value that no motion can exceed; only where all parts move in one plane.
     search : SearchEffort or None
         What climbs from other places came to; None where there were none.
+    seeds : tuple of int
+        Of the random pull that leads to where the climb to `motion` began; empty where that is rest.
     warm_start : HeldMotion or None
         The program and the forces that hold the motion, where it ends.
     """
@@ -96,6 +98,7 @@ class SpatialAnswer(Drawable):
     at_most: float | None = None
     model: str = "planes"
     search: SearchEffort | None = None
+    seeds: tuple[int, ...] = ()
     warm_start: HeldMotion | None = field(default=None, repr=False)
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,7 @@ def flex_spatial(
     *,
     solver: str = "interior-point",
     search: int | None = None,
+    seeds: Iterable[int] = (),
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> SpatialAnswer:
@@ -42,7 +43,9 @@ def flex_spatial(
     Parameters
     ----------
     search : int, optional
-        Number of climbs beside the one from rest; by default none.
+        Number of climbs beside the one from rest; by default those of `seeds`.
+    seeds : iterable of int
+        Climbs beside the one from rest that an answer to nearly the same question came from (`SpatialAnswer.seeds`).
 
     Raises
     ------
@@ -64,7 +67,7 @@ def flex_spatial(
     prepared = time.perf_counter()
     climb = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
     first = climb.run()
-    best = best_of_starts(climb, first, search or 0)
+    best = best_of_starts(climb, first, seeds if search is None else range(search))
     verdict, leaves, turns = _verdict(ready, climb.objective, best.end)
     if first.good and best.end is not first and verdict is Verdict.STOPPED:  # what seemed to leave may not
         best = BestOfStarts(first, None, climb.iterations, climb.rounds)
@@ -83,7 +86,8 @@ def flex_spatial(
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
         path=PathState.of(whole or bool(done.leaving)), collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
-        deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort, seconds=spent,
+        deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort,
+        seeds=() if best.seed is None else (best.seed,), seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip
 

@@ -5,6 +5,7 @@ Source: multistart, Boender and Rinnooy Kan 1987.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,15 +37,18 @@ class BestOfStarts:
         How the ends compare; None where there was one climb alone, or nothing stops the motion.
     iterations, rounds : int
         What the climb to the best end took.
+    seed : int or None
+        Of the random pull that leads to where that climb began; None where it began at rest.
     """
 
     end: SearchEnd
     effort: SearchEffort | None
     iterations: int
     rounds: int
+    seed: int | None = None
 
 
-def best_of_starts(first: SpatialSearch, end: SearchEnd, starts: int) -> BestOfStarts:
+def best_of_starts(first: SpatialSearch, end: SearchEnd, seeds: Iterable[int]) -> BestOfStarts:
     """The best end of a climb that was made and of more, each from where a random pull leads.
 
     Parameters
@@ -53,13 +57,13 @@ def best_of_starts(first: SpatialSearch, end: SearchEnd, starts: int) -> BestOfS
         The climb from rest, done.
     end : SearchEnd
         Where it ended.
-    starts : int
-        Number of further climbs. One that comes to no end does not count in the effort.
+    seeds : iterable of int
+        Of the random pulls of the further climbs. A climb that comes to no end does not count in the effort.
     """
     best = BestOfStarts(end, None, first.iterations, first.rounds)
     value = first.value(end)
     ends = [value]
-    for seed in range(starts):
+    for seed in seeds:
         if not _held(end) or (first.stop is not None and first.stop.is_set()):
             break
         found = _climbed(first, seed)
@@ -96,7 +100,7 @@ def _climbed(first: SpatialSearch, seed: int) -> BestOfStarts | None:
     if not end.good:
         return None
     whole = replace(end, path=np.concatenate([lead, end.path[1:]]))
-    return BestOfStarts(whole, None, climb.iterations, climb.rounds)
+    return BestOfStarts(whole, None, climb.iterations, climb.rounds, seed)
 
 
 def _random_pull(bodies: RigidBodies, rng: np.random.Generator) -> SumOfTerms:
