@@ -110,12 +110,12 @@ class SpatialStudy:
 
     def quotients(self, answer: SpatialAnswer) -> DifferenceQuotients:
         """How derivatives are found by solving again from where the answer's climb began."""
-        shared = (self.assembly, answer.goals, answer.seeds, answer.objective, self.clearance)
+        shared = (self.assembly, answer.goals, answer.lead, answer.objective, self.clearance)
         return DifferenceQuotients(spatial_slope, shared, self.derivatives(answer))
 
     def moved(self, answer: SpatialAnswer, inward: Floats, stop: Stop | None) -> SpatialAnswer:
         """Largest motion when all faces of each part move inward by `inward` (n,) [mm], from rest and where the answer's climb began."""
-        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, seeds=answer.seeds, stop=stop)
+        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, lead=answer.lead, stop=stop)
 
     def confirmed(
         self, answer: SpatialAnswer, after: SpatialAnswer, inward: Floats, stop: Stop | None
@@ -126,7 +126,7 @@ class SpatialStudy:
 
     def draws(self, answer: SpatialAnswer, stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
         """What many such motions need: each is worked out from nothing."""
-        return one_spatial_draw, (self.assembly, answer.goals, answer.seeds)
+        return one_spatial_draw, (self.assembly, answer.goals, answer.lead)
 
     def draws_afresh(self, answer: SpatialAnswer) -> None:
         """Nothing is used again from draw to draw."""
@@ -198,25 +198,25 @@ def _moved_inward(assembly: SpatialAssembly, inward: Floats) -> SpatialAssembly:
 
 
 def spatial_slope(
-    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], tuple[int, ...], float, float], task: tuple[int, float]
+    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], Floats | None, float, float], task: tuple[int, float]
 ) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
-    assembly, goals, seeds, value, clearance = shared
+    assembly, goals, lead, value, clearance = shared
     part, sign = task
     extra = sign * DIFFERENCE_STEP * clearance
     inward = np.zeros(len(assembly.parts))
     inward[part] = extra / 2
-    found = one_spatial_draw((assembly, goals, seeds), inward)
+    found = one_spatial_draw((assembly, goals, lead), inward)
     return (found.value - value) / extra if np.isfinite(found.value) and found.verdict.ends else np.nan
 
 
 def one_spatial_draw(
-    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], tuple[int, ...]], inward: Floats
+    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], Floats | None], inward: Floats
 ) -> PerturbedObjective:
     """Largest objective with other faces, everything worked out anew, from rest and where an answer's climb began."""
-    assembly, goals, seeds = shared
+    assembly, goals, lead = shared
     try:
-        answer = flex_spatial(_moved_inward(assembly, inward), goals, seeds=seeds)
+        answer = flex_spatial(_moved_inward(assembly, inward), goals, lead=lead)
     except InputError as why:
         return PerturbedObjective(np.nan, verdict_of(why))
     return PerturbedObjective(np.inf if answer.objective is None else answer.objective, answer.verdict)
