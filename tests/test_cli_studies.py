@@ -120,6 +120,13 @@ def test_a_limit_out_of_reach_is_no_success(run) -> None:
     assert "not reached" in out
 
 
+def test_a_sample_of_misfits_alone_has_no_quantiles(run) -> None:
+    code, out, _ = run("sample", "chain.json", "--spread", 0.001, "--bias", -0.1, "--draws", 3, "--workers", 1)
+    assert code == 0
+    assert "in 3 draws parts do not fit" in out
+    assert "nan" not in out
+
+
 @pytest.mark.parametrize("command", ["sample --spread 0.001 --draws 100000", "rank --by differences"])
 def test_ctrl_c_ends_in_order(tmp_path: Path, command: str) -> None:
     write_drawing(wr.patterns.frame(40, 40, joint="tee", gap=0.01).drawing, tmp_path / "frame.json")

@@ -115,7 +115,7 @@ class SpreadEntry(Struct):
 class WorstDraw(Struct):
     """The draw with the largest motion."""
 
-    objective: float
+    objective: Annotated[float | None, Meta(description="null where nothing stops it, or no draw fits")]
     extra_gap: Annotated[dict[str, float], Meta(description="extra gap round every part [mm]")]
 
 

@@ -210,9 +210,10 @@ def sample_table(found: Sample) -> Group:
         rows.add_row("mean", number(float(bounded.mean())))
         if len(bounded) > 1:
             rows.add_row("standard deviation", number(float(bounded.std(ddof=1)), 3))
-    for q in QUANTILES:
-        rows.add_row(f"{100 * q:g} % of the draws below", number(found.quantile(q)))
-    rows.add_row("worst", number(float(found.value[found.worst])), style="bold")
+    if found.misfits < len(found.value):
+        for q in QUANTILES:
+            rows.add_row(f"{100 * q:g} % of the draws below", number(found.quantile(q)))
+        rows.add_row("worst", number(float(found.value[found.worst])), style="bold")
     share = found.contributions
     parts = columns("contributes", "%")
     for k in np.argsort(-share, kind="stable")[:MAX_WORST_PARTS].tolist():
@@ -221,11 +222,11 @@ def sample_table(found: Sample) -> Group:
         Text(f"{headline(found.answer)} without variation", style="bold"),
         Text(f"gaps vary: {spread_words(found)}; {len(found.value)} draws, seed {found.seed}"),
     ]
+    shown = (rows, Text()) if rows.row_count else ()
     return Group(
         *lines,
         Text(),
-        rows,
-        Text(),
+        *shown,
         parts,
         Text(),
         *[Text(f"{term + ':':<9} {line}") for term, line in sample_sure(found)],
