@@ -86,6 +86,25 @@ def test_tightening_says_what_is_left_of_the_answer_of_flex() -> None:
     assert not wr.tighten(corridor(gap=0.01), limit=1.0, gap=0.002, draws=0).reached
 
 
+def test_what_tighter_parts_do_the_others_do_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(PlanarStudy, "answer", lambda self, _: flex(self.assembly, self.goals, search=0))
+    monkeypatch.setattr(
+        PlanarStudy, "confirmed", lambda self, *_: flex(perturbation.varied(self.assembly, _[2]), self.goals)
+    )
+    found = wr.tighten(corridor(gap=0.01), parts=1, gap=0.002, draws=1, workers=1)
+    assert found.after.objective == pytest.approx(2.056)
+    assert found.before.objective == found.after.objective
+    assert audit_path(found.before.assembly, found.before.waypoints).free
+    assert found.lowered == 0.0
+
+
+def test_parts_that_get_away_when_they_are_larger_cannot_be_tightened(tmp_path: Path) -> None:
+    file = tmp_path / "trees.json"
+    file.write_text(json.dumps(draw(91136)[1]))
+    with pytest.raises(wr.InputError, match="nothing stops the motion"):
+        wr.tighten(wr.read(str(file), gap=0.00288), parts=1, draws=1, workers=1)
+
+
 def test_a_sweep_goes_through_the_answer_of_flex() -> None:
     gaps = np.array([0.0, 0.01, 0.02])
     assert [s.objective for s in wr.sweep(corridor(), gaps).steps] == pytest.approx(2.05 + gaps)

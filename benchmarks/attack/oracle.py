@@ -58,8 +58,7 @@ class Ground:
         apart = [
             (i, j)
             for i, j in combinations(range(len(self.names)), 2)
-            if body[self.names[i]] != body[self.names[j]]
-            and frozenset((self.names[i], self.names[j])) not in ignored
+            if body[self.names[i]] != body[self.names[j]] and frozenset((self.names[i], self.names[j])) not in ignored
         ]
         self.pairs = [(i, j) for i, j in apart if not (self.fixed[i] and self.fixed[j])]
         self.standing = [(i, j) for i, j in apart if self.fixed[i] and self.fixed[j]]
