@@ -129,7 +129,7 @@ class SpatialStudy:
         return one_spatial_draw, (self.assembly, answer.goals, answer.lead)
 
     def draws_afresh(self, answer: SpatialAnswer) -> None:
-        """Nothing is used again from draw to draw."""
+        """Pairs and free spaces are worked out anew in every draw."""
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the faces of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
