@@ -57,7 +57,7 @@ def test_the_command_takes_the_number_of_starts(tmp_path: Path, command_output) 
     assert found["objective"] > 4.999
     assert 1 < found["search"]["starts"] <= 3
     code, out, _ = command_output("flex", file)
-    assert "search:   from rest only; a better local optimum may remain unfound" in out
+    assert "search:   from rest only; --search 8 may find a better local optimum" in out
     code, _, err = command_output("flex", file, "--search", -1)
     assert code == 2
     assert len(err) == 1
