@@ -24,7 +24,9 @@ class BuildWithKernels(build_py):
             return
         built = Path(self.build_lib).resolve()
         folder = built / "wiggleroom" / "compiled" / "kernels"
-        here = os.environ | {"PYTHONPATH": str(built), "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1"}
+        path = os.pathsep.join([str(built), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]).rstrip(os.pathsep)
+        # the path that is there leads to what pip has installed for the build
+        here = os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1"}
         done = subprocess.run([sys.executable, "-m", "wiggleroom.cli.compile", str(folder)], env=here, cwd=built)
         if done.returncode:
             print("the kernels could not be compiled; the first answer will compile them", file=sys.stderr)

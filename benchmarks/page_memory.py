@@ -9,6 +9,7 @@ Chromium.
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import subprocess
 import sys
@@ -35,17 +36,21 @@ FAR = 60.0
 
 
 @contextmanager
-def serving(*asked: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """The server as users start it with a file and options, and the address that it prints."""
+def serving(*asked: str, python: str = sys.executable) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """The server as users start it with a file and options, and the address that it prints.
+
+    Another Python runs what is installed for it, not this checkout.
+    """
     command = [
-        sys.executable,
+        python,
         "-c",
         "from wiggleroom.cli import main; main()",
         "serve",
         *asked,
         "--no-browser",
     ]
-    server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH" or python == sys.executable}
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
     try:
         assert server.stdout is not None
         yield server, server.stdout.readline().strip()

@@ -13,6 +13,7 @@ from wiggleroom.report.pictures import palette
 from wiggleroom.report.pictures.axes import span, ticks
 from wiggleroom.report.pictures.importance_picture import shade
 from wiggleroom.report.pictures.plots import bars, curve, histogram
+from wiggleroom.report.pictures.text import text_width
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -138,3 +139,32 @@ def test_bars_above_the_limit_are_red_and_no_bar_holds_both() -> None:
     assert max(ends) <= float(grid.split("L")[1].split(",")[0])
     assert "limit" in svg
     assert palette.FIXED[0] not in histogram(values, label="x", title="t", limit=(9.0, "far"))
+
+
+@pytest.mark.parametrize("framed", [True, False])
+@pytest.mark.parametrize("seed", range(20))
+def test_no_line_and_no_other_label_crosses_the_label_of_a_line(seed: int, framed: bool) -> None:
+    random = np.random.default_rng(seed)
+    values = random.gamma(random.uniform(0.5, 8), size=60)
+    ends = {f"{100 * q:g} % below": float(np.quantile(values, q)) for q in (0.05, 0.5, 0.95)}
+    marks = [(end, f"{words} {end:.4g}") for words, end in ends.items()]
+    limit = float(np.quantile(values, random.uniform()))
+    svg = histogram(
+        values, label="motion mm", title="", marks=marks, limit=(limit, f"limit {limit:.4g}"), framed=framed
+    )
+    said = re.findall(r'paint-order[^>]*><text x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]*)<', svg)
+    lines = [tuple(map(float, line)) for line in re.findall(r'<path d="M([\d.]+),([\d.]+)v([\d.]+)"', svg)]
+    assert len(said) == len(lines) == 4
+    width = ElementTree.fromstring(svg).get("width")
+    assert width is not None
+    for k, (x, y, words) in enumerate(said):
+        left, base = float(x), float(y)
+        right = left + text_width(words, palette.TEXT_SIZE)
+        assert 0 < left < right < float(width)
+        assert not [1 for at, top, long in lines if left < at < right and top < base - 4 < top + long]
+        assert all(abs(float(other) - base) >= palette.TEXT_SIZE for _, other, _ in said[:k])
+    for at, top, _ in lines:  # each begins at a label beside or over it
+        near = [
+            (x, y) for x, y, words in said if float(x) - 8 < at < float(x) + text_width(words, palette.TEXT_SIZE) + 8
+        ]
+        assert any(-7 < float(y) - top < 15 for _, y in near)

@@ -1,4 +1,4 @@
-"""What nobody has asked yet is compiled while nobody waits, and what compiles ends at once when somebody does."""
+"""What nobody has asked yet is made ready while nobody waits, and what compiles ends at once when somebody does."""
 
 from __future__ import annotations
 
@@ -29,6 +29,10 @@ def endless(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, tupl
     return note, (sys.executable, "-c", f"{code}; time.sleep({10 * PATIENCE})")
 
 
+async def nothing() -> None:
+    """Prepare no page."""
+
+
 def runs(pid: int) -> bool:
     try:
         os.kill(pid, 0)
@@ -55,7 +59,7 @@ def test_it_begins_when_all_is_answered_and_ends_when_something_is_asked(endless
     note, command = endless
 
     async def live() -> None:
-        one = Warming(command)
+        one = Warming(nothing, command)
         with one.held():
             with one.held():
                 await asyncio.sleep(0.05)
@@ -80,7 +84,7 @@ def test_it_is_done_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     note = tmp_path / "note"
 
     async def live() -> None:
-        one = Warming((sys.executable, "-c", f"open({str(note)!r}, 'a').write('x')"))
+        one = Warming(nothing, (sys.executable, "-c", f"open({str(note)!r}, 'a').write('x')"))
         for _ in range(2):
             with one.held():
                 pass
@@ -97,7 +101,7 @@ def test_a_server_begins_after_its_first_answer_and_ends_it_when_it_closes(
 ) -> None:
     note, command = endless
     served = Served()
-    served.page.pool.warming = Warming(command)
+    served.page.pool.warming = Warming(nothing, command)
     try:
         with served.visit() as page:
             page.open("chain.json", write_assembly(wr.patterns.chain(2, gap=0.02).drawing).encode())
@@ -106,6 +110,39 @@ def test_a_server_begins_after_its_first_answer_and_ends_it_when_it_closes(
     finally:
         served.close()
     assert not runs(pid)
+
+
+def test_the_process_of_the_next_page_is_begun_when_all_is_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warming, "IDLE_SECONDS", 0.01)
+    begun: list[str] = []
+
+    async def prepare() -> None:
+        begun.append("process")
+
+    async def live() -> None:
+        one = Warming(prepare, (sys.executable, "-c", ""))
+        one.done = True  # a wheel carries the kernels
+        with one.held():
+            await asyncio.sleep(0.3)
+            assert not begun, "it would take a core from the answer"
+        await until(lambda: bool(begun))
+        await one.close()
+
+    asyncio.run(live())
+
+
+def test_a_server_prepares_the_next_page_after_its_first_answer() -> None:
+    served = Served()
+    pool = served.page.pool
+    try:
+        with served.visit() as page:
+            page.open("chain.json", write_assembly(wr.patterns.chain(2, gap=0.02).drawing).encode())
+            page.ask("flex")
+            assert pool.spare is None
+            asyncio.run(until(lambda: pool.spare is not None))
+            assert len(pool.taken) == 1
+    finally:
+        served.close()
 
 
 LOADED = """

@@ -87,8 +87,11 @@ class Pool:
     spare: Process | None = None
     taken: set[Process] = field(default_factory=set)
     closed: bool = False
-    warming: Warming = field(default_factory=Warming)
+    warming: Warming = field(init=False)
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
+
+    def __post_init__(self) -> None:
+        self.warming = Warming(self.prepare)
 
     async def prepare(self) -> None:
         """Have one that waits."""

@@ -79,14 +79,16 @@ class Page:
         Whoever shows it may ask.
     first : bytes, optional
         The `open` of a file that the command was given; every page begins with it.
+    pool : Pool, optional
+        Solver processes; the first one may have been begun.
     """
 
-    def __init__(self, port: int, token: str, first: bytes | None = None) -> None:
+    def __init__(self, port: int, token: str, first: bytes | None = None, pool: Pool | None = None) -> None:
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
         self._token, self._first = token, first
         self._files = files()
         self._pages = 0
-        self.pool = Pool()
+        self.pool = pool or Pool()
         paths = ["/", *(f"/{name}" for name in self._files)]
         routes = [*(Route(path, self._file) for path in paths), WebSocketRoute("/socket", self._socket)]
         self.app = Starlette(routes=routes, lifespan=self._life)
@@ -150,12 +152,10 @@ class Page:
     async def _talk(self, socket: WebSocket, session: Session) -> None:
         """Frames in, answers out, until one side ends; then the next page's process is made ready."""
         loop = asyncio.get_running_loop()
-        ready = loop.call_later(2.0, lambda: asyncio.ensure_future(self.pool.prepare()))
         sides = [asyncio.create_task(session.run()), asyncio.create_task(_listen(socket, session))]
         try:
             await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            ready.cancel()
             for side in sides:
                 side.cancel()
             await asyncio.gather(*sides, return_exceptions=True)
@@ -241,11 +241,13 @@ class Server(uvicorn.Server):
         yield
 
 
-def serve(page: Page, listening: socket.socket, started: Callable[[], None]) -> None:
+def serve(runner: asyncio.Runner, page: Page, listening: socket.socket, started: Callable[[], None]) -> None:
     """Answer until Ctrl-C or SIGTERM; then all processes are gone.
 
     Parameters
     ----------
+    runner : asyncio.Runner
+        Whose loop began the processes of the page.
     page : Page
     listening : socket
         From `listen`.
@@ -262,4 +264,4 @@ def serve(page: Page, listening: socket.socket, started: Callable[[], None]) -> 
         loop.call_soon(started)
         await server.serve(sockets=[listening])
 
-    asyncio.run(run())
+    runner.run(run())

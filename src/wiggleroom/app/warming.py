@@ -1,10 +1,10 @@
-"""Kernels of questions that nobody has asked yet, compiled while nobody waits for an answer."""
+"""What is made ready while nobody waits for an answer: a process for the next page, kernels of questions that nobody has asked yet."""
 
 from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from importlib import resources
 
@@ -17,15 +17,19 @@ IDLE_SECONDS = 3.0
 
 
 class Warming:
-    """A process that compiles after the first answer; it is ended whenever something is asked, and begun again when all is answered.
+    """Work after the first answer, which has all cores until then: ended whenever something is asked, begun again when all is answered.
 
     Parameters
     ----------
+    prepare : callable
+        Has a process ready for the next page.
     command : sequence of str
+        Compiles.
     """
 
-    def __init__(self, command: tuple[str, ...] = COMMAND) -> None:
-        self._command = command
+    def __init__(self, prepare: Callable[[], Awaitable[None]], command: tuple[str, ...] = COMMAND) -> None:
+        self._prepare, self._command = prepare, command
+        self._closed = False
         self._asked = 0
         self._task: asyncio.Task[None] | None = None
         self.done = (resources.files("wiggleroom.compiled") / "kernels").is_dir()  # a wheel carries them
@@ -39,7 +43,7 @@ class Warming:
             yield
         finally:
             self._asked -= 1
-            if not self._asked and not self.done:
+            if not self._asked and not self._closed:
                 self._task = asyncio.get_running_loop().create_task(self._run())
 
     def _stop(self) -> None:
@@ -48,6 +52,9 @@ class Warming:
 
     async def _run(self) -> None:
         await asyncio.sleep(IDLE_SECONDS)
+        await self._prepare()
+        if self.done:
+            return
         child = await asyncio.create_subprocess_exec(
             *self._command,
             stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL,
@@ -64,7 +71,7 @@ class Warming:
 
     async def close(self) -> None:
         """End it, for good."""
-        self.done = True
+        self._closed = True
         self._stop()
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions, asked_drawing, read_options
+
+if TYPE_CHECKING:
+    import asyncio
+
+    from wiggleroom.app.process import Pool
 
 _NONE_ASKED = QuestionOptions()
 
@@ -33,16 +39,32 @@ def serve(
     browser
         Open the page in the browser; --no-browser prints its address only.
     """
-    import secrets
+    import asyncio
 
     from wiggleroom.errors import InputError, require_extra
 
-    first = None if file is None else first_request(file, asked)
     if file is None and asked != _NONE_ASKED:
         raise InputError("serve: --gap, --fix and the like are about a FILE; name it, or leave them out")
     require_extra("page", "the page needs starlette, uvicorn and websockets", "starlette", "uvicorn", "websockets")
-    from wiggleroom.app.server import USUAL_PORT, Page, listen, listen_anywhere
-    from wiggleroom.app.server import serve as answer
+    from wiggleroom.app.process import Pool
+
+    pool = Pool()
+    with asyncio.Runner() as runner:
+        runner.run(pool.prepare())  # it loads its libraries while this process reads the drawing
+        try:
+            first = None if file is None else first_request(file, asked)
+            _answer(runner, pool, first, port, browser)
+        finally:
+            runner.run(pool.close())
+    return 0
+
+
+def _answer(runner: asyncio.Runner, pool: Pool, first: bytes | None, port: int, browser: bool) -> None:
+    """Answer pages until Ctrl-C; raises InputError where the port cannot be had."""
+    import secrets
+
+    from wiggleroom.app.server import USUAL_PORT, Page, listen, listen_anywhere, serve
+    from wiggleroom.errors import InputError
 
     try:
         listening = listen(port) if port else listen_anywhere(USUAL_PORT)
@@ -61,8 +83,7 @@ def serve(
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()  # some run in the terminal
 
     with listening:
-        answer(Page(number, token, first), listening, started)
-    return 0
+        serve(runner, Page(number, token, first, pool), listening, started)
 
 
 def first_request(file: str, asked: QuestionOptions) -> bytes:

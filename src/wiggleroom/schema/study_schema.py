@@ -128,7 +128,7 @@ class YieldEntry(Struct):
 
 
 class CheckedDraws(Struct):
-    """Draws that were solved again from nothing."""
+    """Draws that were solved again, pairs and free spaces worked out anew."""
 
     draws: int
     largest_difference: float | None

@@ -21,6 +21,8 @@ PANEL_SIZE = (350.0, 230.0)
 """The same in a panel of the page, where letters are to be read without being drawn smaller [px]."""
 MAX_TICKS = 8
 """Of one axis."""
+LABEL_ROW, LABEL_ROOM = 20.0, 7.0
+"""Height of the label of an upright line, and space between the two [px]."""
 TICK_WIDTH = 75.0
 """Room for a number under the field, at least [px]."""
 
@@ -120,22 +122,45 @@ def plot(
 
 
 def vertical_lines(axes: Axes, marks: Sequence[tuple[float, str]], colours: Sequence[str]) -> list[str]:
-    """Upright lines at some values of x with their labels, each label in a row of its own."""
+    """Upright lines at some values of x with their labels, each label in a row of its own, at which its line begins."""
+    shown = [
+        (value, label, c) for (value, label), c in zip(marks, colours, strict=True) if axes.x[0] <= value <= axes.x[1]
+    ]
+    at = axes.pixels(np.array([value for value, _, _ in shown]), np.full(len(shown), axes.y[0]))[:, 0]
+    widths = np.array([text_width(label, palette.TEXT_SIZE) for _, label, _ in shown])
+    starts, rows = _label_places(at, widths, axes.left, axes.left + axes.wide)
     lines, labels = [], []
-    for row, ((value, label), colour) in enumerate(zip(marks, colours, strict=True)):
-        if not axes.x[0] <= value <= axes.x[1]:
-            continue
-        x = float(axes.pixels(np.array([value]), np.array([axes.y[0]]))[0, 0])
+    for (_, label, colour), x, start, wide, row in zip(shown, at, starts, widths, rows, strict=True):
+        below = LABEL_ROW * (row + (start < x < start + wide))
         lines.append(
-            f'<path d="M{x:.2f},{axes.top:.2f}v{axes.tall:.2f}" stroke="{colour}" stroke-width="1.5" '
+            f'<path d="M{x:.2f},{axes.top + below:.2f}v{axes.tall - below:.2f}" stroke="{colour}" stroke-width="1.5" '
             'stroke-dasharray="5 4" fill="none"/>'
         )
-        left = x + 8 + text_width(label, palette.TEXT_SIZE) > axes.left + axes.wide
-        y, side = axes.top + 14 + 20 * row, "end" if left else "start"
-        said = text(x + (-7 if left else 7), y, palette.TEXT_SIZE, palette.INK, label, side)
+        said = text(start, axes.top + LABEL_ROW * row + 14, palette.TEXT_SIZE, palette.INK, label)
         # a rim of paper round the letters, so that lines and bars behind them do not disturb
         labels.append(f'<g paint-order="stroke" stroke="{palette.PAPER}" stroke-width="5">{said}</g>')
     return lines + labels
+
+
+def _label_places(at: Floats, widths: Floats, low: float, high: float) -> tuple[Floats, NDArray[np.int64]]:
+    """Where each label begins [px], and its row: beside its line or over it, between the lines that go by.
+
+    A line begins at its label, so a label has to be clear of the lines of higher rows alone. The lowest row gets the label that
+    has most to spare between its neighbours, and so on upwards.
+    """
+    starts, rows = np.empty(len(at)), np.empty(len(at), dtype=np.int64)
+    left = np.argsort(at, kind="stable").tolist()
+    for row in reversed(range(len(at))):
+        walls = np.array([low, *at[left], high])
+        spare = walls[2:] - walls[:-2] - widths[left]
+        place = int(np.argmax(spare))
+        k = left.pop(place)
+        first, last = walls[place] + LABEL_ROOM, walls[place + 2] - LABEL_ROOM - widths[k]
+        beside = [at[k] + LABEL_ROOM, at[k] - LABEL_ROOM - widths[k]]
+        fits = [x for x in beside if first <= x <= last]
+        starts[k] = fits[0] if fits else max(min(at[k] - widths[k] / 2, last), min(first, last))
+        rows[k] = row
+    return starts, rows
 
 
 def horizontal_line(axes: Axes, mark: tuple[float, str], colour: str) -> list[str]:

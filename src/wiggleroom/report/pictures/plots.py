@@ -11,6 +11,7 @@ from wiggleroom.errors import InputError
 from wiggleroom.report.pictures import frame, palette
 from wiggleroom.report.pictures.axes import (
     HEIGHT,
+    LABEL_ROW,
     PANEL_SIZE,
     WIDTH,
     Axes,
@@ -32,8 +33,6 @@ _BAR, _BETWEEN = 20.0, 8.0
 """Height of a bar, and space between two [px]."""
 MAX_BARS = 25
 """Bars that are drawn."""
-ROW = 26.0
-"""Height of the label of an upright line [px]."""
 NAME_WIDTH = 220.0
 """Room for the names of bars [px]."""
 
@@ -140,7 +139,7 @@ def histogram(
     wide = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
     least, most = span(count.astype(float), zero=True)
     size = (WIDTH, HEIGHT) if framed else PANEL_SIZE
-    most /= 1 - min(ROW / size[1] * len(lines), 0.5)  # labels of the lines have room above the bars
+    most /= 1 - min((LABEL_ROW * len(lines) + 6) / size[1], 0.5)  # labels of the lines have room above the bars
     head, below = (title, facts) if framed else ("", [])
     axes, body = plot(wide, (least, most), (label, "how many"), head, below, size)
     for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):

@@ -264,5 +264,7 @@ def sample_sure(found: Sample) -> list[tuple[str, str]]:
         said.append(("stopped", f"after {len(found.value)} of {found.asked} draws"))
     if not math.isnan(found.largest_difference):
         off = f"off by {found.largest_difference:.1e}"
-        said.append(("checked", f"every end for overlap; {len(found.checked)} draws again from nothing, {off}"))
+        said.append(("checked", f"every end for overlap; {len(found.checked)} draws worked out anew, {off}"))
+    if found.answer.search is not None:
+        said.append(("searched", "the answer without variation; draws begin at rest and at its end"))
     return said
