@@ -87,3 +87,20 @@ def test_a_film_that_cutting_leaves_across_a_bore_is_no_material(tmp_path: Path)
 
     found = wr.flex(wr.read(draw_solids(1036)[1].write(tmp_path)))
     assert found.verdict == "unbounded"  # the pin of this hinge has no heads
+
+
+def test_no_end_is_an_optimum_where_a_long_lid_still_tilts_over_a_pebble() -> None:
+    rim = [
+        [-500, -500, 0, -450, 500, 25],
+        [450, -500, 0, 500, 500, 25],
+        [-500, -500, 0, 500, -450, 25],
+        [-500, 450, 0, 500, 500, 25],
+    ]
+    parts = (
+        {"name": "slab", "boxes": [[-500, -500, 0, 500, 500, 10]], "fixed": True},
+        {"name": "pebble", "boxes": [[0, 0, 10.01, 1, 1, 11]]},
+        {"name": "lid", "boxes": [[-400, -400, 11.02, 400, 400, 20]]},
+        {"name": "roof", "boxes": [[-500, -500, 20.03, 500, 500, 25], *rim], "fixed": True},
+    )
+    answer = sound(flex_spatial(spatial(*parts), SpatialPull("lid", (0, 0, -1))))
+    assert answer.verdict != "optimal" or answer.objective > 0.05

@@ -136,7 +136,7 @@ class SeparatingPlaneSettings:
     damping_of_freedoms: float = 3.0
     balanced: float = 1e-3
     rounding: float = 500 * float(np.finfo(float).eps)
-    least_curvature: float = 1e-3
+    least_curvature: float = 1e-6
     most_weights: tuple[float, ...] = (1e4, 1e6, 1e8, float("inf"))
     anchored: float = 1.0
     loose: float = 1e-3
