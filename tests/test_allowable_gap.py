@@ -207,6 +207,13 @@ def test_it_answers_wherever_the_time_is_over(seconds: float) -> None:
     assert found.certainty is not Certainty.PROVEN or found.proven_gap == found.gap
 
 
+def test_no_gap_fits_at_which_the_drawn_parts_are_gone() -> None:
+    """Outlines 6 mm larger fit at a gap of 12 mm, which leaves nothing of a peg of 10 mm."""
+    found = wr.allowable_gap(assemble(peg_in_slot(right=3.0), gap=0.5), fits=6.0)
+    assert found.gap is None
+    assert "fall to pieces" in found.why
+
+
 @pytest.mark.parametrize(("asked", "right"), [({"fits": -1.0}, "0 or more"), ({"at_most": 0.0}, "more than 0")])
 def test_a_refused_number_is_told_what_is_allowed(asked: dict[str, float], right: str) -> None:
     with pytest.raises(wr.InputError, match=right):

@@ -114,10 +114,24 @@ def test_sweep_writes_a_table_of_values(run) -> None:
     assert [float(line.split(",")[0]) for line in lines[1:]] == [0.01, 0.02]
 
 
+def test_a_sweep_of_gaps_that_cannot_be_made_holds_nothing(run) -> None:
+    assert "nothing in this range sets it free" in run("sweep", "chain.json", "--gaps", "0,0.01")[1]
+    out = run("sweep", "chain.json", "--gaps", "0,3")[1]
+    assert "at none of these gaps is there a motion" in out
+    assert "sets it free" not in out
+
+
 def test_a_limit_out_of_reach_is_no_success(run) -> None:
     code, out, _ = run("tighten", "chain.json", "--limit", "1e-9", "--draws", "0")
     assert code == 3
     assert "not reached" in out
+
+
+def test_a_sample_of_misfits_alone_has_no_quantiles(run) -> None:
+    code, out, _ = run("sample", "chain.json", "--spread", 0.001, "--bias", -0.1, "--draws", 3, "--workers", 1)
+    assert code == 0
+    assert "in 3 draws parts do not fit" in out
+    assert "nan" not in out
 
 
 @pytest.mark.parametrize("command", ["sample --spread 0.001 --draws 100000", "rank --by differences"])

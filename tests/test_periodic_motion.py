@@ -165,6 +165,21 @@ def test_a_hexagon_in_a_round_hole_turns_in_place(tmp_path):
     assert np.degrees(answer.period.objective) == pytest.approx(60)
 
 
+@pytest.mark.parametrize("spots", [[(0.7, 0.5)], [(0.7, 0.5), (-0.7, -0.4), (-0.3, 0.8)]])
+def test_a_lever_turns_about_its_bore_once_it_has_pushed_all_else_away(spots, tmp_path):
+    lever = shapely.union(drawing.disc(0.3, 16), drawing.box(0, -0.1, 1, 0.1))
+    parts = [
+        drawing.part("axle", drawing.disc(0.12, 14), fixed=True),
+        drawing.part("lever", drawing.cut(lever, drawing.disc(0.15, 14))),
+        *(drawing.part(f"block{k}", drawing.box(x - 0.2, y - 0.2, x + 0.2, y + 0.2)) for k, (x, y) in enumerate(spots)),
+    ]
+    answer = wr.flex(assembled(drawing.assembly(parts, [drawing.turn("lever", "ccw")]), tmp_path), search=0)
+    assert answer.verdict == "unbounded"
+    assert answer.path == "checked"
+    assert np.degrees(answer.period.turn) == pytest.approx([0.0, 360.0, *[0.0] * len(spots)])
+    assert deepest(answer.assembly, gone_twice(answer)) < 1e-9
+
+
 @pytest.mark.parametrize("angle", [0.0, 0.9])
 def test_parts_that_hold_each_other_leave_and_turn_for_ever(angle, tmp_path):
     """Nothing turns in place, and no motion of the turned part alone repeats: both go off and turn as one."""

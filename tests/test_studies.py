@@ -18,6 +18,12 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import JointGap
 from wiggleroom.sensitivity.gap_distribution import wilson
 
+
+def rectangle(left: float, low: float, right: float, high: float) -> np.ndarray:
+    """Its corners (4, 2) [mm], counter-clockwise."""
+    return np.array([(left, low), (right, low), (right, high), (left, high)], dtype=float)
+
+
 # -- tighten --------------------------------------------------------------------------------------------------------
 
 
@@ -50,6 +56,18 @@ def test_no_other_choice_of_two_is_better() -> None:
     assembly = wr.patterns.chain(5, joint="swallowtail", gap=0.02)
     found = wr.tighten(assembly, parts=2, draws=0)
     assert found.after.objective <= min(everything(assembly, 2, 0.009).values()) * (1 + 1e-6)
+
+
+def test_of_parts_that_share_a_load_the_one_that_takes_most_is_chosen() -> None:
+    """A block that tilts between two walls until another one stops it: its own gap counts twice, but only where it gets less."""
+    tray = wr.Part("tray", (wr.Region(rectangle(0, 0, 30, 20), (rectangle(5, 5, 25, 15)[::-1],)),), fixed=True)
+    block, other = (
+        wr.Part(n, (wr.Region(rectangle(x, 5, y, 15)),)) for n, x, y in (("block", 5, 14), ("other", 14, 22))
+    )
+    goal = wr.Pull("block", (1, 0))
+    assembly = assemble(wr.Drawing((tray, block, other), gap=0.2, goals=(goal,)))
+    found = wr.tighten(assembly, parts=1, draws=0)
+    assert found.after.objective <= min(everything(assembly, 1, 0.09).values()) * (1 + 1e-6)
 
 
 def test_no_fewer_parts_keep_the_limit() -> None:

@@ -528,3 +528,46 @@ def test_flatten_finer_than_numbers_allow_is_refused():
 def test_negative_gap_is_refused():
     with pytest.raises(InputError, match="gap is -1"):
         read(rect(0), gap=-1.0)
+
+
+# What a renderer does besides drawing --------------------------------------------------------------------------------
+
+BAR = '<rect x="10" y="10" width="20" height="10"/>'
+
+
+@pytest.mark.parametrize(
+    ("body", "clipped"),
+    [
+        ('<clipPath id="c"><rect width="20" height="80"/></clipPath><g clip-path="url(#c)">{}</g>', 1),
+        ('<clipPath id="c"><rect width="99" height="80"/></clipPath><g clip-path="url(#c)">{}</g>', 0),
+        ('<clipPath id="c"><circle cx="20" cy="15" r="10.5"/></clipPath><g clip-path="url(#c)">{}</g>', 1),
+        ('<style>.k {{ clip-path: inset(5px) }}</style><g class="k">{}</g>', 1),
+        ('<g clip-path="url(#none)">{}</g>', 0),
+        ('<mask id="m"><rect width="20" height="80" fill="white"/></mask><g mask="url(#m)">{}</g>', 1),
+    ],
+)
+def test_what_is_clipped_is_said(body: str, clipped: int) -> None:
+    drawing = read(body.format(BAR))
+    assert material(drawing.parts[0]).area == pytest.approx(200)
+    assert [note for note in drawing.notes if "clipped" in note] == [
+        "drawing: 1 elements are clipped (clip-path or mask); they are read whole"
+    ] * clipped
+
+
+def test_transforms_are_about_their_origin() -> None:
+    by_attribute = read('<rect x="40" y="30" width="20" height="10" transform="rotate(90)" transform-origin="50 35"/>')
+    by_style = read(
+        '<rect x="40" y="30" width="20" height="10" style="transform: scale(2); transform-origin: 50% left"/>'
+    )
+    assert material(by_attribute.parts[0]).bounds == pytest.approx((45, 55, 55, 75))
+    assert material(by_style.parts[0]).bounds == pytest.approx((80, 70, 120, 90))
+    with pytest.raises(InputError, match=r"line 1: .* is not a length"):
+        read('<rect width="20" height="10" transform="scale(2)" transform-origin="a b"/>')
+
+
+def test_of_a_switch_one_child_is_drawn() -> None:
+    other = '<rect x="50" y="10" width="9" height="9"/>'
+    adobe = '<foreignObject requiredExtensions="http://ns.adobe.com/AdobeIllustrator/10.0/"/>'
+    assert len(read(f"<switch>{adobe}<g>{BAR}{other}</g></switch>").parts) == 2
+    drawing = read(f'<switch><g systemLanguage="de">{other}</g>{BAR}{other}</switch>')
+    assert [material(part).area for part in drawing.parts] == pytest.approx([200])

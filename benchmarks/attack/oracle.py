@@ -55,13 +55,13 @@ class Ground:
         for group in made.get("glue", []):
             body |= dict.fromkeys(group, group[0])
         ignored = {frozenset(pair) for pair in made.get("ignore", [])}
-        self.pairs = [
+        apart = [
             (i, j)
             for i, j in combinations(range(len(self.names)), 2)
-            if not (self.fixed[i] and self.fixed[j])
-            and body[self.names[i]] != body[self.names[j]]
-            and frozenset((self.names[i], self.names[j])) not in ignored
+            if body[self.names[i]] != body[self.names[j]] and frozenset((self.names[i], self.names[j])) not in ignored
         ]
+        self.pairs = [(i, j) for i, j in apart if not (self.fixed[i] and self.fixed[j])]
+        self.standing = [(i, j) for i, j in apart if self.fixed[i] and self.fixed[j]]
         still = self.at(np.zeros((1, len(self.names), 3)))
         low_x, low_y, high_x, high_y = shapely.total_bounds(np.concatenate(still))
         self.size = float(max(high_x - low_x, high_y - low_y))

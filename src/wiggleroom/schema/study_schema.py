@@ -115,7 +115,7 @@ class SpreadEntry(Struct):
 class WorstDraw(Struct):
     """The draw with the largest motion."""
 
-    objective: float
+    objective: Annotated[float | None, Meta(description="null where nothing stops it, or no draw fits")]
     extra_gap: Annotated[dict[str, float], Meta(description="extra gap round every part [mm]")]
 
 
@@ -128,7 +128,7 @@ class YieldEntry(Struct):
 
 
 class CheckedDraws(Struct):
-    """Draws that were solved again from nothing."""
+    """Draws that were solved again, pairs and free spaces worked out anew."""
 
     draws: int
     largest_difference: float | None

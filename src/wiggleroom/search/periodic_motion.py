@@ -23,8 +23,9 @@ from wiggleroom.search.incumbent import PathSegment, Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import CLIMB
 from wiggleroom.search.path_check import CheckedPath, check_path
-from wiggleroom.search.prepare import prepare_as_drawn
+from wiggleroom.search.prepare import Prepared, prepare_as_drawn
 from wiggleroom.search.symmetric_cover import symmetric_cover
+from wiggleroom.search.turn_in_place import round_middles, turned_about
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -195,23 +196,38 @@ def _turn_weights(objective: Objective, n: int) -> Floats:
 
 
 def _in_place(search: LocalSearch, path: CheckedPath, weights: Floats, step: Floats) -> PeriodicMotion | None:
-    """Bodies that turn where they are, at rest or at the end: each by one step of its symmetry."""
+    """Bodies that turn alone, at rest or at the end."""
     ready = search.ready
     asked = np.flatnonzero((weights != 0) & ~ready.bodies.fixed)
-    last = path.certain - 1
-    for first in dict.fromkeys((0, last)):
-        for body in asked:
-            sense = np.sign(weights[body])
-            count = max(4, int(np.ceil(PLACES_IN_A_TURN * step[body] / (2 * np.pi))))
-            turning = np.repeat(path.motions[first : first + 1], count, axis=0)
-            turning[:, body, 2] += sense * step[body] * np.arange(1, count + 1) / count
-            motions = np.concatenate([path.motions[: first + 1], turning])
-            waypoints = of_parts(ready.assembly, ready.bodies, motions)
-            if audit_path(ready.assembly, waypoints[first:]).free:
-                turn = np.zeros(len(weights))
-                turn[body] = sense * step[body]
-                return PeriodicMotion(motions, waypoints, first, turn, float(weights @ turn))
+    for first in dict.fromkeys((0, path.certain - 1)):
+        state = path.motions[first]
+        for body in asked.tolist():
+            for angle, turning in _turns_alone(ready, state, body, float(np.sign(weights[body]) * step[body])):
+                begin = first + int((turning[0] != state).any())
+                motions = np.concatenate([path.motions[:begin], turning])
+                waypoints = of_parts(ready.assembly, ready.bodies, motions)
+                if audit_path(ready.assembly, waypoints[first:]).free:
+                    turn = np.zeros(len(weights))
+                    turn[body] = angle
+                    return PeriodicMotion(motions, waypoints, begin, turn, float(weights @ turn))
     return None
+
+
+def _turns_alone(ready: Prepared, state: Floats, body: int, step: float) -> Iterator[tuple[float, Floats]]:
+    """Motions (k, n, 3) in which a body turns alone from a state (n, 3), and by how much [rad].
+
+    By a step of its symmetry about its centroid; once round about the middle of a round outline or bore, which is put where it was at rest.
+    """
+    whole = float(np.copysign(2 * np.pi, step))
+    for angle, middle in ((step, None), *((whole, middle) for middle in round_middles(ready, body))):
+        count = max(4, int(np.ceil(PLACES_IN_A_TURN * abs(angle) / (2 * np.pi))))
+        turns = state[body, 2] + angle * np.arange(count + 1) / count
+        turning = np.repeat(state[None], count + 1, axis=0)
+        if middle is None:
+            turning[:, body, 2] = turns
+        else:
+            turning[:, body] = turned_about(ready, body, middle, turns)[:, body]
+        yield angle, turning
 
 
 def _congruent_states(

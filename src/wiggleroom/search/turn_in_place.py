@@ -39,15 +39,15 @@ def turned_in_place(ready: Prepared, objective: Objective) -> Start | None:
     if ready.bodies.fixed[body]:
         return None
     angle = np.linspace(-np.pi, np.pi, ANGLES + 1)
-    for middle in _middles(ready, body):
-        values = np.array([objective.value(motion) for motion in _turned(ready, body, middle, angle)])
+    for middle in round_middles(ready, body):
+        values = np.array([objective.value(motion) for motion in turned_about(ready, body, middle, angle)])
         if values.max() <= 0:
             continue
         equal = angle[values >= (1 - EQUAL) * values.max()]
         best = float(equal[np.abs(equal).argmin()])
         for whole in (best, best - np.copysign(2 * np.pi, best)):
             steps = int(np.ceil(abs(whole) / TURN_STEP)) + 1
-            motions = _turned(ready, body, middle, np.linspace(0.0, whole, steps))
+            motions = turned_about(ready, body, middle, np.linspace(0.0, whole, steps))
             if audit_path(ready.outlines, of_parts(ready.assembly, ready.bodies, motions)).free:
                 return start_after(ready, motions)
     return None
@@ -82,7 +82,7 @@ def start_after(ready: Prepared, motions: Floats) -> Start | None:
     return Start(grown, motions[-1], (segment,))
 
 
-def _middles(ready: Prepared, body: int) -> list[Floats]:
+def round_middles(ready: Prepared, body: int) -> list[Floats]:
     """Middles (2,) [mm] at rest of the rings of a body that are round to the clearance, the widest first."""
     bodies, shapes = ready.bodies, ready.bodies.shapes
     first = slice(int(shapes.first[bodies.shape[body]]), int(shapes.first[bodies.shape[body] + 1]))
@@ -102,7 +102,7 @@ def _middles(ready: Prepared, body: int) -> list[Floats]:
     return [place for _, place in sorted(found, key=lambda one: -one[0])]
 
 
-def _turned(ready: Prepared, body: int, middle: Floats, angle: Floats) -> Floats:
+def turned_about(ready: Prepared, body: int, middle: Floats, angle: Floats) -> Floats:
     """Motions (k, n, 3) in which a body turns about a place by some angles (k,), and nothing else moves."""
     motions = np.zeros((len(angle), len(ready.bodies.fixed), 3))
     turn = np.zeros((len(angle), 1, 3))

@@ -145,6 +145,11 @@ def _fitting(assembly: Assembly, larger: float) -> AllowableGap:
     while high - low > SETTINGS.geometric_tolerance * high:
         middle = (low + high) / 2
         low, high = (low, middle) if at(middle).verdict == "fits" else (middle, high)
+    if (
+        overlap_depth(assembly.drawing, gap=high, offset={}) is None
+    ):  # outlines so much larger may stand a gap that those drawn do not
+        why = f"no gap makes room: at a gap of {high:g} mm parts as drawn fall to pieces"
+        return _fits(assembly, larger, None, low, trials, why)
     return _fits(assembly, larger, high, low, trials, "")
 
 

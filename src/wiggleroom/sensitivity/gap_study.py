@@ -126,7 +126,7 @@ class GapStudy(Protocol[Found]):
         """What many such motions need: `work(shared, inward)` is a `PerturbedObjective`."""
 
     def draws_afresh(self, answer: Found) -> tuple[Work, Any] | None:
-        """The same with nothing used again; None where `draws` uses nothing again either."""
+        """The same, pairs and free spaces worked out anew; None where `draws` does that too."""
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the boundary of each part (n,) may move out [mm] until `aim` of the gap `whole` is left."""

@@ -2,8 +2,8 @@
 
 Walls are linear in the displacement of outlines, so pairs and free spaces of a prepared assembly are used again with
 their walls moved. `objective_in_same_walls` solves the last program of an answer once more: what derivatives need.
-`perturbed_objective` begins at rest with the moved cells and goes through the rounds of the search, and where a global search found more
-than that, at the end it found: for changes of any size.
+`perturbed_objective` goes through the rounds of the search with the moved cells, from rest and from the end that a global search found:
+for changes of any size.
 """
 
 from __future__ import annotations
@@ -20,18 +20,23 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.freespace.cells.cells import grow_cells
+from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.global_search import MAX_BODIES
-from wiggleroom.search.incumbent import Incumbent, start_at_rest
+from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.sensitivity.found_motion import FoundMotion, endless, verdict_of
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
@@ -151,16 +156,27 @@ def objective_in_same_walls(base: PerturbationBase, inward: Floats) -> float:
 
     Meant for displacements far below the gap. nan where the walls do not do any more: no solution, parts overlap, or an edge is lost.
     """
+    found = _in_same_walls(base, inward)
+    return np.nan if found is None else found[0].objective.value(found[0].motion(found[1].u))
+
+
+def _in_same_walls(base: PerturbationBase, inward: Floats) -> tuple[Program, Solution] | None:
+    """The last program of an answer with moved walls, solved; None where the walls do not do any more."""
     old = base.program
     try:
         bodies = offset_bodies(old.bodies, inward)
     except InputError:
-        return np.nan
+        return None
     program = build_program(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
     solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
-    motion = program.motion(solution.u)
-    overlapping = overlaps(bodies, motion, base.ready.ignored).deepest > OVERLAP_TOLERANCE * base.ready.size
-    return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
+    if solution.status is not SolverStatus.CONVERGED or _overlap(bodies, program.motion(solution.u), base.ready):
+        return None
+    return program, solution
+
+
+def _overlap(bodies: Bodies, motion: Floats, ready: Prepared) -> bool:
+    """True where bodies overlap at a motion (n, 3)."""
+    return bool(overlaps(bodies, motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size)
 
 
 def perturbed_objective(
@@ -176,12 +192,40 @@ def perturbed_objective(
     The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the path
     from rest is not checked: one answer of `flex` for the middle of many perturbations does that. Where the moved cells do
     not lead to an optimum, or an outline loses an edge, everything is worked out anew; so too where it leads to much more than
-    `usual`, the objective without perturbation: then the path may go through parts. `end` is where a global search without
-    perturbation found more than a climb from rest: then the larger of both counts.
+    `usual`, the objective without perturbation: then the path may go through parts. `end` is what a global search found without
+    perturbation; the rounds begin there too, and the larger of both counts.
     """
-    climbed = _climbed_from_rest(ready, objective, goals, inward, (1 + UNUSUAL_GAIN) * usual)
-    beyond = np.nan if end is None or not np.isfinite(climbed.value) else objective_in_same_walls(end, inward)
+    most = (1 + UNUSUAL_GAIN) * usual
+    climbed = _climbed_from_rest(ready, objective, goals, inward, most)
+    if end is None or not np.isfinite(climbed.value):
+        return climbed
+    found = _gone_on(end, inward)
+    beyond = found.value if found is not None and found.value <= most else objective_in_same_walls(end, inward)
     return PerturbedObjective(float(beyond), Verdict.OPTIMAL) if beyond > climbed.value else climbed
+
+
+def _gone_on(end: PerturbationBase, inward: Floats) -> Incumbent | None:
+    """Where the rounds of the search lead from the end of an answer, in its moved walls first; None where they come to no end."""
+    first = _in_same_walls(end, inward)
+    if first is None:
+        return None
+    program, solution = first
+    inner = solution.inner
+    if not (program.values(inner) > 0).all():  # where it began, outside the moved walls
+        if not solution.path:
+            return None
+        inner = solution.path[-1]
+    moved = replace(end.ready, bodies=program.bodies)
+    start = Start(program.cells, program.motion(inner), mu=solution.inner_mu)
+    return _converged(LocalSearch(moved, program.objective, solve, WITHOUT_BRANCHES), start)
+
+
+def _converged(finder: LocalSearch, start: Start) -> Incumbent | None:
+    """The optimum that a search comes to; None where that is none, or one where parts overlap."""
+    found = finder.improve(start)
+    if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
+        return None
+    return None if _overlap(finder.ready.bodies, found.motion, finder.ready) else found
 
 
 def _climbed_from_rest(
@@ -195,24 +239,48 @@ def _climbed_from_rest(
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.ignored).deepest > 0:
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
     moved = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = LocalSearch(moved, objective, solve, WITHOUT_BRANCHES)
-    found = finder.improve(start_at_rest(moved))
-    if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
-        return perturbed_objective_anew(ready.assembly, goals, inward)
-    if found.value > most or overlaps(bodies, found.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
+    found = _converged(LocalSearch(moved, objective, solve, WITHOUT_BRANCHES), start_at_rest(moved))
+    if found is None or found.value > most:
         return perturbed_objective_anew(ready.assembly, goals, inward)
     return PerturbedObjective(found.value, Verdict.OPTIMAL)
 
 
 def perturbed_objective_anew(
-    assembly: Assembly, goals: tuple[Goal, ...], inward: Floats, *, search: bool = False
+    assembly: Assembly,
+    goals: tuple[Goal, ...],
+    inward: Floats,
+    usual: float = np.inf,
+    end: PerturbationBase | None = None,
 ) -> PerturbedObjective:
-    """The same as `perturbed_objective`, by a climb from rest for parts made so, or as `wiggleroom.flex` answers it: with `search`."""
-    look = searched_answer if search else witness
+    """The same as `perturbed_objective` with pairs and free spaces worked out anew, for parts made so.
+
+    It is a climb from rest, its path audited, and where there is an `end` also what rounds lead to in cells that are grown there anew.
+    """
     try:
-        answer = look(varied(assembly, inward), goals)
+        ready = prepare_walls(varied(assembly, inward))
+        answer = witness(ready, goals)
     except InputError as why:
         return PerturbedObjective(np.nan, verdict_of(why))
     if answer.objective is None:
         return PerturbedObjective(np.inf, Verdict.UNBOUNDED)
+    found = None if end is None else _grown_anew(end, inward, ready, ready.objective(goals))
+    if found is not None and answer.objective < found.value <= (1 + UNUSUAL_GAIN) * usual:
+        return PerturbedObjective(found.value, Verdict.OPTIMAL)
     return PerturbedObjective(answer.objective, answer.verdict)
+
+
+def _grown_anew(end: PerturbationBase, inward: Floats, ready: Prepared, objective: Objective) -> Incumbent | None:
+    """Where the rounds of the search lead from the end of an answer in cells that are grown anew; None where they come to no end."""
+    found = _gone_on(end, inward)
+    if found is None:
+        return None
+    program = found.program
+    motion = of_parts(end.ready.assembly, program.bodies, program.motion(found.solution.inner)[None])
+    inner = of_bodies(ready.assembly, ready.bodies, motion)[0]
+    a, b = program.cells.a, program.cells.b
+    cells, good = grow_cells(
+        ready.bodies, a, b, relative_pose(ready.bodies, a, b, inner), np.full(len(a), ready.clearance)
+    )
+    if not good.all():
+        return None
+    return _converged(LocalSearch(ready, objective, solve, WITHOUT_BRANCHES), Start(cells, inner))

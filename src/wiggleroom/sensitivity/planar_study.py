@@ -180,13 +180,16 @@ class PlanarStudy:
     def draws(self, answer: Answer, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""
         ready = refined_at_contacts(self.ready, answer, self._climb(answer, stop))  # draws climb from rest
-        end = base(self.ready, ended(answer)) if self.is_beyond_climb(answer, stop) else None
-        usual = np.inf if answer.objective is None else answer.objective
-        return one_draw, (ready, ready.objective(answer.goals), answer.goals, usual, end)
+        return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._end(answer))
 
     def draws_afresh(self, answer: Answer) -> tuple[Work, Any]:
-        """The same, everything worked out anew."""
-        return one_afresh, (self.assembly, answer.goals)
+        """The same, pairs and free spaces worked out anew."""
+        return one_afresh, (self.assembly, answer.goals, *self._end(answer))
+
+    def _end(self, answer: Answer) -> tuple[float, PerturbationBase | None]:
+        """Objective of an answer, and its end where a direct question does more than climb from rest."""
+        usual = np.inf if answer.objective is None else answer.objective
+        return usual, base(self.ready, ended(answer)) if is_searched(self.assembly) else None
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the outline of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
@@ -250,9 +253,12 @@ def one_draw(
     return perturbed_objective(ready, objective, goals, inward, usual, end)
 
 
-def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
-    """One draw, everything worked out anew."""
-    return perturbed_objective_anew(*shared, inward, search=True)
+def one_afresh(
+    shared: tuple[Assembly, tuple[Goal, ...], float, PerturbationBase | None], inward: Floats
+) -> PerturbedObjective:
+    """One draw, pairs and free spaces worked out anew."""
+    assembly, goals, usual, end = shared
+    return perturbed_objective_anew(assembly, goals, inward, usual, end)
 
 
 def _carried(smaller: PlanarStudy, made: Assembly) -> Prepared | None:

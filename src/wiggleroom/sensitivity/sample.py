@@ -23,7 +23,7 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 
 RESOLVED_DRAWS = 10
-"""Number of draws that are solved again with nothing reused: the largest, the smallest, and some between."""
+"""Number of draws whose pairs and free spaces are worked out anew: the largest, the smallest, and some between."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Sample(Drawable):
     limit : float or None
         Largest motion that is wanted.
     checked : (k, 3) float64
-        Draw, its value, and the value of the same parts with nothing used again; in space nothing is used again anyway.
+        Draw, its value, and that of the same parts with pairs and free spaces worked out anew; in space they always are.
     ranking : Ranking
         Of the answer; says which parts contribute to the spread.
     asked : int
@@ -141,8 +141,9 @@ def sample(
     """Largest motion when the gap round every part varies at random.
 
     Pairs and free spaces are worked out once: walls are linear in the gaps, so every draw begins with the same walls,
-    moved. It then goes through the rounds of the search, and its end is free of overlap by exact geometry. A few draws,
-    the extremes among them, are answered again from nothing, see `Sample.checked`.
+    moved. It goes through the rounds of the search from rest, and where a direct question searches also from the end of the answer without
+    variation; its end is free of overlap by exact geometry. A few draws, the extremes among them, are worked out anew, see
+    `Sample.checked`. No draw is searched for other optima.
 
     Parameters
     ----------

@@ -14,8 +14,9 @@ from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import ParallelRun
-from wiggleroom.sensitivity.found_motion import Found
+from wiggleroom.sensitivity.found_motion import Found, endless, is_checked
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
+from wiggleroom.sensitivity.perturbation import exceeds
 from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import ranking_of
 
@@ -145,7 +146,8 @@ def tighten(
     Raises
     ------
     InputError
-        If neither or both of `parts` and `limit` are given, or a number makes no sense, or nothing stops the motion.
+        If neither or both of `parts` and `limit` are given, or a number makes no sense, or nothing stops the motion, as may show when
+        larger parts get away.
 
     Examples
     --------
@@ -167,11 +169,16 @@ def tighten(
     choice, after = _choose(study, before, room, parts, limit, stop)
     if choice:  # what the choice was made by need not be the largest motion
         after = study.confirmed(before, after, _inward(choice, room), stop)
+    searched = before
+    if exceeds(after, before) and is_checked(after):  # where larger parts get, smaller ones do
+        if after.objective is None:
+            raise endless(study.with_assembly(after))
+        before = study.in_place_of(before, after)
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
     subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
-    results = many.each(*study.draws(before, stop), [_inward(subset, room) for subset in subsets])
+    results = many.each(*study.draws(searched, stop), [_inward(subset, room) for subset in subsets])
     names = tuple(study.assembly.names[k] for k in choice)
     return Tightening(
         before, after, names, aim, limit, np.array([r.value for r in results if r is not None], dtype=float)
@@ -203,8 +210,9 @@ def _choose(
     while len(chosen) < most and answer.objective is not None and not (stop is not None and stop.is_set()):
         if limit is not None and answer.objective <= limit:
             break
-        if study.can_be_ranked(answer):  # mm of motion that each would take
-            worth = 2 * np.maximum(ranking_of(answer, study.derivatives(answer)).by_duals, 0.0) * room
+        if study.can_be_ranked(answer):
+            # mm of motion that each would take: what less gap loses, which of shared loads is more than what more gap gains
+            worth = 2 * np.maximum(ranking_of(answer, study.derivatives(answer)).tighter, 0.0) * room
         left = np.flatnonzero(able)
         order = left[np.argsort(-worth[left], kind="stable")]
         batch = min(max(1, -(-most // SETTINGS.max_rankings)), most - len(chosen))

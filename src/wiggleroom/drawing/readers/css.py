@@ -58,5 +58,5 @@ def properties(tag: str, attributes: Mapping[str, str], rules: Rules) -> dict[st
 
 _PRESENTATION = (
     "fill", "fill-rule", "fill-opacity", "stroke", "stroke-opacity", "opacity", "display", "visibility", "color",
-    "font-size", "text-anchor", "dominant-baseline", "transform",
+    "font-size", "text-anchor", "dominant-baseline", "transform", "transform-origin", "clip-path", "mask",
 )  # fmt: skip

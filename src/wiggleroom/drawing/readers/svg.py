@@ -46,6 +46,8 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
     if walk.repeated:
         named = ", ".join(walk.repeated[:3]) + (", ..." if len(walk.repeated) > 3 else "")
         notes = (*notes, f"{text.name}: ids that are used more than once: {named}; parts are told apart by a number")
+    if walk.clipped:
+        notes = (*notes, f"{text.name}: {walk.clipped} elements are clipped (clip-path or mask); they are read whole")
     low = matrix.point(complex(port.x, port.y + port.height))
     view = (low.real, low.imag, matrix.a * port.width, -matrix.d * port.height)
     return Artwork(

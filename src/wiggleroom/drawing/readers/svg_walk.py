@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from wiggleroom.drawing.readers.css import Rules, parse_rules, properties
 from wiggleroom.drawing.readers.xmltree import Element
@@ -14,9 +14,20 @@ from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, Group, Lettering, 
 from wiggleroom.drawing.strokes.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.strokes.pathdata import Subpath
 from wiggleroom.drawing.strokes.shapes import SHAPES, subpaths_of
-from wiggleroom.drawing.strokes.strokes import mapped
-from wiggleroom.drawing.strokes.transforms import Affine, Box, fit, parse_length, parse_transform, parse_view_box
+from wiggleroom.drawing.strokes.strokes import mapped, trace
+from wiggleroom.drawing.strokes.transforms import (
+    Affine,
+    Box,
+    fit,
+    parse_length,
+    parse_origin,
+    parse_transform,
+    parse_view_box,
+)
 from wiggleroom.errors import InputError, Stop, go_on
+
+if TYPE_CHECKING:
+    from shapely import Geometry
 
 GROUP_ELEMENTS = ("g", "a", "switch")
 UNSUPPORTED_ELEMENTS = ("image", "foreignObject")
@@ -26,6 +37,7 @@ INVISIBLE_ELEMENTS = (
     "font-face", "color-profile", "solidcolor", "hatch", "mesh", "meshgradient", "animateMotion", "animateColor",
 )  # fmt: skip
 """Elements that draw nothing where they stand."""
+NOT_INHERITED = ("display", "transform", "transform-origin", "clip-path", "mask")
 MAX_NESTING = 200
 """Groups inside each other at most."""
 
@@ -43,6 +55,7 @@ class _SvgState:
     layer: str = ""
     fixed: bool = False
     copies: tuple[Element, ...] = ()
+    clips: tuple[Geometry | None, ...] = ()
     depth: int = 0
 
 
@@ -58,6 +71,7 @@ class SvgWalk:
     repeated: list[str] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
+    clipped: int = 0
 
     def __post_init__(self) -> None:
         elements = list(_everything(self.root))
@@ -65,6 +79,7 @@ class SvgWalk:
         self._rules: Rules = parse_rules(element.text for element in elements if element.tag == "style")
         drawn = (*SHAPES, *GROUP_ELEMENTS, "use", "symbol", "svg")
         named = [element for element in elements if element.tag in drawn and element.attributes.get("id")]
+        self._clips = {e.attributes.get("id", ""): e for e in elements if e.tag in ("clipPath", "mask")}
         self._by_id = {element.attributes["id"]: element for element in reversed(named)}
         counts = Counter(element.attributes["id"] for element in named)
         self.repeated = [name for name, count in counts.items() if count > 1]
@@ -79,8 +94,11 @@ class SvgWalk:
         own = properties(element.tag, element.attributes, self._rules)
         matrix = state.matrix
         if "transform" in own:
-            matrix = matrix.after(self._try(element, parse_transform, own["transform"], Affine()))
-        style = {key: value for key, value in state.style.items() if key != "display"}
+            transform = self._try(element, parse_transform, own["transform"], Affine())
+            port, about = state.port, own.get("transform-origin", "0 0")
+            at = self._try(element, lambda text: parse_origin(text, port.width, port.height), about, 0j)
+            matrix = matrix.after(Affine(e=at.real, f=at.imag)).after(transform).after(Affine(e=-at.real, f=-at.imag))
+        style = {key: value for key, value in state.style.items() if key not in NOT_INHERITED}
         style |= {key: value for key, value in own.items() if value != "inherit"}
         # Ids below a <use> belong to the original: they neither name nor fix the copy.
         fixed = state.fixed or (not state.copies and "fixed" in _marks(element))
@@ -91,7 +109,10 @@ class SvgWalk:
             message = f"{self.file}: line {element.line}: groups are nested deeper than {MAX_NESTING}; ungroup them"
             raise InputError(message)
         inner = replace(state, depth=state.depth + 1)
-        for child in element.children:
+        children = element.children
+        if element.tag == "switch":
+            children = [child for child in children if _is_taken(child)][:1]
+        for child in children:
             self._visit(child, inner)
 
     def _visit(self, element: Element, outer: _SvgState) -> None:
@@ -112,6 +133,7 @@ class SvgWalk:
             return
         if tag == "g" and not state.copies and LABELS in _marks(element):
             return
+        state = self._clipped(element, state)
         if tag in SHAPES:
             self._shape(element, state)
             return
@@ -141,6 +163,7 @@ class SvgWalk:
         fill = self._colour("fill", state, "black")
         copied = bool(state.copies)
         paths, problem = self._paths(element, state)
+        self.clipped += any(clip is None or not all(_covers(clip, path) for path in paths) for clip in state.clips)
         stroke = Stroke(
             tag=element.tag,
             place=f"line {element.line}",
@@ -163,6 +186,31 @@ class SvgWalk:
             self.findings.append(f"{self.file}: {stroke}: {problem}")
         else:
             self.strokes.append(stroke)
+
+    def _clipped(self, element: Element, state: _SvgState) -> _SvgState:
+        """With the region on the page that a clip path of an element leaves; None where it is not known."""
+        links = [state.style.get(key, "none") for key in ("clip-path", "mask")]
+        for link in links:
+            target = self._clips.get(link.removeprefix("url(").strip("\"') ")[1:])
+            if link == "none" or (target is None and link.startswith("url(")):
+                continue
+            region = None
+            if target and target.tag == "clipPath" and target.attributes.get("clipPathUnits") != "objectBoundingBox":
+                inner = self._inherit(target, replace(state, copies=(*state.copies, element)))
+                shapes = [child for child in target.children if child.tag in SHAPES]
+                rest = any(child.tag in ("use", "text") for child in target.children)
+                region = None if rest else self._region(shapes, inner)
+            state = replace(state, clips=(*state.clips, region))
+        return state
+
+    def _region(self, shapes: list[Element], state: _SvgState) -> Geometry:
+        """What shapes cover together on the page."""
+        import shapely
+
+        traces = [trace(path) for shape in shapes for path in self._paths(shape, self._inherit(shape, state))[0]]
+        pieces = [shapely.Polygon([(p.real, p.imag) for p in points]) for points in traces if len(points) > 2]
+        whole = shapely.union_all(shapely.make_valid(pieces))
+        return whole.buffer(1e-6 * whole.length)
 
     def _paths(self, element: Element, state: _SvgState) -> tuple[tuple[Subpath, ...], str]:
         """Subpaths of a shape on the page, and what is wrong with them."""
@@ -238,6 +286,19 @@ class SvgWalk:
         except ValueError as error:
             self.findings.append(f"{self.file}: {element.tag} in line {element.line}: {error}")
             return otherwise
+
+
+def _covers(region: Geometry, path: Subpath) -> bool:
+    import shapely
+
+    return bool(region.covers(shapely.MultiPoint([(p.real, p.imag) for p in trace(path)])))
+
+
+def _is_taken(element: Element) -> bool:
+    """Whether a `switch` may draw a child: it asks for no extension, and for no language or English."""
+    languages = element.attributes.get("systemLanguage", "en").split(",")
+    plain = "requiredExtensions" not in element.attributes and any(s.strip().startswith("en") for s in languages)
+    return plain and element.tag in (*SHAPES, *GROUP_ELEMENTS, *UNSUPPORTED_ELEMENTS, "text", "use", "svg")
 
 
 def _id(element: Element) -> str:

@@ -79,6 +79,30 @@ def parse_transform(text: str) -> Affine:
     return result
 
 
+def parse_origin(text: str, width: float, height: float) -> complex:
+    """Point of a `transform-origin` in user units; percentages and words are of a viewport's width and height.
+
+    Raises
+    ------
+    ValueError
+        With a plain reason, where the text is no point.
+
+    Examples
+    --------
+    >>> parse_origin("right 25%", 100.0, 80.0), parse_origin("top", 100.0, 80.0)
+    ((100+20j), (50+0j))
+    """
+    sides = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
+    words = text.replace(",", " ").lower().split()
+    if not 1 <= len(words) <= 3:
+        message = f'transform-origin "{text[:40]}" cannot be read; it takes two lengths'
+        raise ValueError(message)
+    x, y = (*words, "center")[:2]
+    if x in ("top", "bottom") or y in ("left", "right"):
+        x, y = y, x
+    return complex(parse_length(sides.get(x, x), width), parse_length(sides.get(y, y), height))
+
+
 def _one(name: str, text: str) -> Affine:
     values = [float(number) for number, _ in _VALUE.findall(text)]
     kind = name.lower()

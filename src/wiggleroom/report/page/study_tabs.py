@@ -59,8 +59,9 @@ def sample_message(found: Sample, command: str) -> StudyReply:
         numbers.append(("mean", float(bounded.mean())))
     if len(bounded) > 1:
         numbers.append(("standard deviation", float(bounded.std(ddof=1))))
-    numbers += [(f"{100 * q:g} % of the draws below", found.quantile(q)) for q in QUANTILES]
-    numbers.append(("worst", float(found.value[found.worst])))
+    if found.misfits < len(found.value):
+        numbers += [(f"{100 * q:g} % of the draws below", found.quantile(q)) for q in QUANTILES]
+        numbers.append(("worst", float(found.value[found.worst])))
     worst = found.extra[found.worst].tolist()
     parts = [(names[k], float(share[k]), worst[k]) for k in np.argsort(-share, kind="stable").tolist()]
     sections = [

@@ -166,6 +166,8 @@ def lost_sentence(found: Sweep) -> str:
     free = [s.gap for s in found.steps if s.verdict == Verdict.UNBOUNDED]
     if free:
         return f"nothing stops the motion at a gap of {number(free[0])} mm, the first that leaves room"
+    if found.steps and all(s.verdict in (Verdict.TOUCHING, Verdict.NOT_MAKEABLE) for s in found.steps):
+        return "at none of these gaps is there a motion to ask for"
     return "nothing in this range sets it free" if found.steps else "stopped before the first gap was done"
 
 
@@ -210,9 +212,10 @@ def sample_table(found: Sample) -> Group:
         rows.add_row("mean", number(float(bounded.mean())))
         if len(bounded) > 1:
             rows.add_row("standard deviation", number(float(bounded.std(ddof=1)), 3))
-    for q in QUANTILES:
-        rows.add_row(f"{100 * q:g} % of the draws below", number(found.quantile(q)))
-    rows.add_row("worst", number(float(found.value[found.worst])), style="bold")
+    if found.misfits < len(found.value):
+        for q in QUANTILES:
+            rows.add_row(f"{100 * q:g} % of the draws below", number(found.quantile(q)))
+        rows.add_row("worst", number(float(found.value[found.worst])), style="bold")
     share = found.contributions
     parts = columns("contributes", "%")
     for k in np.argsort(-share, kind="stable")[:MAX_WORST_PARTS].tolist():
@@ -221,11 +224,11 @@ def sample_table(found: Sample) -> Group:
         Text(f"{headline(found.answer)} without variation", style="bold"),
         Text(f"gaps vary: {spread_words(found)}; {len(found.value)} draws, seed {found.seed}"),
     ]
+    shown = (rows, Text()) if rows.row_count else ()
     return Group(
         *lines,
         Text(),
-        rows,
-        Text(),
+        *shown,
         parts,
         Text(),
         *[Text(f"{term + ':':<9} {line}") for term, line in sample_sure(found)],
@@ -261,5 +264,7 @@ def sample_sure(found: Sample) -> list[tuple[str, str]]:
         said.append(("stopped", f"after {len(found.value)} of {found.asked} draws"))
     if not math.isnan(found.largest_difference):
         off = f"off by {found.largest_difference:.1e}"
-        said.append(("checked", f"every end for overlap; {len(found.checked)} draws again from nothing, {off}"))
+        said.append(("checked", f"every end for overlap; {len(found.checked)} draws worked out anew, {off}"))
+    if found.answer.search is not None:
+        said.append(("searched", "the answer without variation; draws begin at rest and at its end"))
     return said
