@@ -130,3 +130,14 @@ def test_nothing_that_is_said_is_wrong(number: int) -> None:
     finding = ask(name, number, made, programs=12)
     assert not severe(finding), finding.wrong
     assert finding.path in ("checked", "")  # "" where the file was refused
+
+
+def test_the_judge_finds_ways_out_of_its_own_in_space_and_none_of_what_is_locked() -> None:
+    found = []
+    for number in (71, 17, 1, 15):  # a drawer and a dovetail that are open, two drawers behind rims
+        _, made = draw_solids(number)
+        reference = np.array([np.vstack(p.pieces()).mean(axis=0) for p in made.parts])
+        found.append(
+            (made.comes_apart, SolidGround(made, reference).way_out(np.random.default_rng(number), 60) is not None)
+        )
+    assert [way for _, way in found] == [apart for apart, _ in found]

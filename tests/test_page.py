@@ -953,3 +953,111 @@ def test_a_sheet_is_put_together_before_anything_is_asked_of_it(browser: Any) ->
         page.get_by_role("button", name="Put them together").click()
         page.get_by_role("button", name="Assemble").click()
         page.locator("#assembled", has_text="5 of 5 panels placed, sure").wait_for()
+
+
+def held_back(kinds: set[str]) -> Any:
+    """A handler of web sockets that keeps the replies of some kinds from the page: what was asked goes on."""
+
+    def between(line: Any) -> None:
+        server, frames = line.connect_to_server(), []
+
+        def pass_on(said: str | bytes) -> None:
+            frames.append(said)
+            if isinstance(said, str):  # frames come before the text that they belong to
+                for one in [] if json.loads(said)["kind"] in kinds else frames:
+                    line.send(one)
+                frames.clear()
+
+        server.on_message(pass_on)
+
+    return between
+
+
+SIZES = ((1280, 720), (1440, 900), (390, 844))
+
+
+def test_much_work_at_once_leaves_the_picture_where_it_is(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        page.route_web_socket(re.compile("/socket"), held_back({"study", "rank", "check", "sweep", "step", "progress"}))
+        page.goto(f"http://127.0.0.1:{peg.port}/?token={TOKEN}")
+        answered(page, "peg moves 1 mm")
+        settled(page, lambda: canvas(page))
+
+        def looks() -> list[Any]:
+            found = []
+            for width, height in SIZES:
+                page.set_viewport_size({"width": width, "height": height})
+                page.evaluate(LATER)
+                found.append((canvas(page), page.locator(".headline").bounding_box()))
+            page.set_viewport_size({"width": 1440, "height": 900})
+            return found
+
+        for tab in ("Come apart", "Gaps", "Vary"):
+            page.get_by_role("tab", name=tab).click()
+        before = looks()
+        page.get_by_role("button", name="Sweep", exact=True).click()
+        page.get_by_role("button", name="Find them").click()
+        page.get_by_role("button", name="Draw", exact=True).click()
+        page.get_by_role("tab", name="Gaps").click()
+        page.get_by_role("button", name="Rank", exact=True).click()
+        page.get_by_role("tab", name="Vary").click()
+        page.locator(".work .waiting", has_text="3 more wait").wait_for()
+        assert looks() == before
+        title = page.locator(".work .waiting").get_attribute("title")
+        assert title is not None
+        assert len(title.split(", ")) == 3
+        page.locator(".work").get_by_role("button", name="cancel").click()
+        page.locator(".work .waiting", has_text="2 more wait").wait_for()
+
+
+def test_what_does_not_move_is_not_enlarged(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "tight.json"
+    path.write_text(json.dumps(PEG | {"gap": 1e-4}))
+    with serving(path) as served, visiting(browser, served) as page:
+        answered(page, "peg moves 0.0001 mm")
+        assert page.locator(".player select option").first.inner_text() == "×1 auto"
+        assert "motion shown" not in page.locator(".headline").inner_text()
+
+
+def test_on_a_phone_arrows_and_what_is_to_be_mended_are_seen_whole(browser: Any, tmp_path: Path) -> None:
+    text = (EXAMPLES / "02_chain_of_tees" / "chain.json").read_text()
+    for part in json.loads(text)["parts"]:
+        text = text.replace(json.dumps(part["name"]), json.dumps(LONG.format(part["name"])))
+    told = json.loads(text)
+    last = told["parts"][-1]
+    shape = told["shapes"][last["shape"]] if "shape" in last else last
+    right = max(shape["outline"])
+    path = tmp_path / "chain.json"
+    for where, out in (((1, 0), right), ((-1, 0), min(shape["outline"]))):
+        point = [a + b for a, b in zip(out, last["at"], strict=False)]
+        path.write_text(json.dumps(told | {"pull": [{"part": last["name"], "direction": where, "point": point}]}))
+        with serving(path) as served, visiting(browser, served) as page:
+            page.set_viewport_size({"width": 390, "height": 844})
+            page.locator("#answer[data-settled=true]").wait_for()
+            box, head = canvas(page), page.locator(".pull polygon.head").bounding_box()
+            assert box["x"] <= head["x"]
+            assert head["x"] + head["width"] <= box["x"] + box["width"]
+    for part in told["parts"]:
+        part.pop("fixed", None)
+    path.write_text(json.dumps({key: value for key, value in told.items() if key != "pull"} | {"gap": 0}))
+    with serving(path) as served, visiting(browser, served) as page:
+        page.set_viewport_size({"width": 390, "height": 844})
+        page.locator(".findings .button.main").first.wait_for()
+        for each in page.locator(".findings :is(p, .button), .likely .button").all():
+            box = each.bounding_box()
+            assert box["x"] + box["width"] <= 390
+            assert each.evaluate("(e) => e.scrollWidth <= e.clientWidth + 1")
+
+
+def test_what_is_left_of_rounding_is_no_number(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "chain.json"
+    path.write_text(write_assembly(wr.patterns.chain(2, joint="swallowtail", gap=0.4, pitch=20).drawing))
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for()
+        page.get_by_role("tab", name="Free space").click()
+        page.get_by_role("button", name="Show", exact=True).click()
+        page.locator(".space3d canvas").wait_for()
+        said = page.locator(".tabpanel .now").inner_text()
+        assert all(value == 0 or abs(value) > 1e-4 for value in map(float, re.findall(r"-?[\d.]+(?:e-?\d+)?", said))), (
+            said
+        )

@@ -134,7 +134,7 @@ def test_a_bolt_passes_where_the_gap_is_large_although_it_is_held_as_drawn() -> 
     parts = {"name": "case", "boxes": case + sides, "fixed": True}, {"name": "bolt", "boxes": bolt}
     held = wr.check(spatial(*parts, gap=0.05))
     assert held.verdict == "interlocked"
-    assert held.certainty == "searched"
+    assert held.certainty == "proven"
     assert wr.check(spatial(*parts, gap=0.5)).verdict == "comes apart"
 
 

@@ -5,7 +5,8 @@ judged by polygons of shapely and by a short search of its own, see oracle.py an
 again with the same DIR it goes on where it was stopped. What is wrong is written there: the assembly, what is wrong with the answer,
 and the better path where there is one (the number of waypoints, then one a line: dx dy turn of all parts [mm, mm, rad]).
 With `--space` it is about assemblies in space: families_solid.py draws them, judge_solids.py has them judged by the library python-fcl,
-and what is wrong is written as an assembly file with its meshes.
+which also looks for ways out of what `check` says is interlocked, see search_solids.py. What is wrong is written as an assembly
+file with its meshes.
 """
 
 from __future__ import annotations

@@ -9,11 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.attack.judge import Finding, answered, judge_begin
+from benchmarks.attack.search_solids import way_out
 from benchmarks.attack.solids import Solids
 from benchmarks.spatial_overlaps import Judge, worst_on
 
 SHALLOW, ROUNDED = 1e-6, 1e-6
 """Overlaps count as touching that are shallower than this [mm] and this share of the size: meshes go through a file of seven digits."""
+MOVES = 150
+"""Moves of the judge's own search for a way out of what is said to be interlocked."""
 CHECK_SECONDS = 30.0
 """After so long `check` is asked to stop; answers say then that they are unfinished."""
 
@@ -53,6 +56,7 @@ class SolidGround:
         self.near = SHALLOW + ROUNDED * float(np.abs(corners).max())
         self.reference = reference
         self.held = [p.fixed for p in made.parts]
+        self.axes = np.unique(np.vstack([p.R.T for p in made.parts]).round(9), axis=0)
 
     def overlap(self, waypoints: np.ndarray, gone: frozenset[str] = frozenset()) -> float:
         """Deepest overlap on a path [mm]; 0 where parts at most touch."""
@@ -60,6 +64,16 @@ class SolidGround:
         judge = Judge([self.pieces[k] for k in stay], self.reference[stay], [self.held[k] for k in stay])
         deepest = worst_on(judge, np.asarray(waypoints)[:, stay])
         return deepest if deepest > self.near else 0.0
+
+    def way_out(self, rng: np.random.Generator, moves: int) -> np.ndarray | None:
+        """A way out that the judge finds itself; None where it finds none."""
+        judge = Judge(self.pieces, self.reference, self.held)
+        corners = np.vstack([piece for pieces in self.pieces for piece in pieces])
+        free = [k for k, fixed in enumerate(self.held) if not fixed]
+        found = way_out(
+            judge.depth, len(self.held), free, self.axes, float(np.ptp(corners, axis=0).max()), rng, moves, self.near
+        )
+        return None if found is None or self.overlap(found) else found
 
 
 def _judge_check(made: Solids, ground: SolidGround, wr, assembly, out: Finding) -> None:
@@ -74,14 +88,18 @@ def _judge_check(made: Solids, ground: SolidGround, wr, assembly, out: Finding) 
         return
     finally:
         clock.cancel()
-    out.check = str(found.verdict)
+    out.check = f"{found.verdict}, {found.certainty}"
     gone: set[str] = set()
     for escape in found.escapes:
         depth = ground.overlap(escape.path, frozenset(gone))
         gone |= set(escape.parts)
         if depth:
             out.wrong.append(f"escape of {', '.join(escape.parts)}: parts overlap by {depth:.3g} mm")
-    if found.verdict == "interlocked" and made.comes_apart:
-        out.wrong.append("low: check says interlocked, it comes apart")
+    if found.verdict == "interlocked":
+        kind = "check:" if found.certainty == "proven" else "low:"
+        if made.comes_apart:
+            out.wrong.append(f"{kind} it says interlocked, {found.certainty}, and it comes apart")
+        elif ground.way_out(np.random.default_rng([out.number, 5]), MOVES) is not None:
+            out.wrong.append(f"{kind} it says interlocked, {found.certainty}, and the judge finds a way out")
     if found.verdict == "comes apart" and made.comes_apart is False:
         out.wrong.append("check: it says comes apart, and it is locked")

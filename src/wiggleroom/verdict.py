@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+SAME_END = 1e-6
+"""Values of motions that differ by less than this share are the same end."""
+
 
 class Verdict(StrEnum):
     """How the search for the largest motion ended."""

@@ -14,6 +14,11 @@ const REST: Shown = { what: "rest", frames: null, label: "", back: false };
 const BLEND = 170;
 const PAUSE = 700;
 
+/** Magnifications. */
+export const FACTORS = [1, 2, 5, 10, 20, 50, 100];
+/** What is smaller than this share of a drawing's radius is not seen: about a pixel. */
+const SEEN = 1 / 400;
+
 export const shown = signal<Shown>(REST);
 export const place = signal(1);
 export const playing = signal(false);
@@ -83,11 +88,11 @@ export function valueBetween(solved: readonly { gap: number; objective: number |
 
 /** Factor from a row of round numbers that makes a motion of `size` visible in a drawing of `radius`; keeps `now` where that serves. */
 export function fittingFactor(size: number, radius: number, now = 1): number {
-  if (size <= 0) return 1;
+  if (size * FACTORS.at(-1)! < radius * SEEN) return 1;
   const good = (f: number): boolean => (f === 1 || size * f < radius / 3) && size * f > radius / 25;
   if (good(now)) return now;
   let best = 1;
-  for (const f of [2, 5, 10, 20, 50, 100]) if (size * best < radius / 12 && size * f < radius / 4) best = f;
+  for (const f of FACTORS.slice(1)) if (size * best < radius / 12 && size * f < radius / 4) best = f;
   return best;
 }
 
@@ -120,7 +125,10 @@ export function show(next: Shown, soft = true): void {
 }
 
 /** Shows the parts at rest. */
-export const showRest = (soft = true): void => show(REST, soft);
+export function showRest(soft = true): void {
+  autoFactor.value = 1; // nothing moves
+  show(REST, soft);
+}
 
 /** Shows the path of an answer at its end; where parts leave it plays, for at the end they are gone. */
 export function showAnswer(frames: Frames, leaves: boolean, soft = true): void {

@@ -39,4 +39,7 @@ test("small motions are enlarged by a round factor that stays while it serves", 
   assert.equal(fittingFactor(0.5, 100), 20);
   assert.equal(fittingFactor(0.6, 100, 20), 20);
   assert.equal(fittingFactor(0, 100), 1);
+  assert.equal(fittingFactor(1e-3, 100), 1); // no factor makes it seen
+  assert.equal(fittingFactor(1e-3, 100, 100), 1);
+  assert.equal(fittingFactor(0.01, 100), 100);
 });

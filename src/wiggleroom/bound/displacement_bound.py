@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.bound.joint_constraints import first_ranges
-from wiggleroom.bound.outer_regions import outer_regions
+from wiggleroom.bound.joint_constraints import AngleRanges, first_ranges
+from wiggleroom.bound.outer_regions import local_outer_regions, outer_regions
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import Stop
 from wiggleroom.search.prepare import survey
@@ -14,6 +14,8 @@ from wiggleroom.search.prepare import survey
 
 def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> float | None:
     """A distance [mm] that no point of any part exceeds in any motion that starts at rest; None where none was found in time.
+
+    Walls round rest have some `seconds` for it; where they do not close joints enough, outer slices have as many.
 
     It needs joints that close round each other. Along paths to what is fixed, turns add up, and so do shifts of the joints' pivots
     and the swing of the arms between them.
@@ -24,11 +26,16 @@ def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> fl
     >>> 0.03 < furthest(wr.patterns.chain(2, joint="swallowtail", gap=0.02), 60) < 0.2
     True
     """
-    clock = Deadline(seconds, stop)
     surveyed = survey(assembly)
-    links, regions = outer_regions(surveyed, clock.is_set)
-    ranges = first_ranges(surveyed.bodies.fixed, links, regions)
-    if not np.isfinite(ranges.far).all():
+    fixed = surveyed.bodies.fixed
+    ranges = first_ranges(fixed, *local_outer_regions(surveyed, Deadline(seconds, stop).is_set))
+    if not _bounded(ranges):
+        ranges = first_ranges(fixed, *outer_regions(surveyed, Deadline(seconds, stop).is_set))
+    if not _bounded(ranges):
         return None
     turn = np.minimum(np.maximum(-ranges.low, ranges.high), np.pi)
     return float((ranges.far + 2 * np.sin(turn / 2) * surveyed.bodies.radius).max())
+
+
+def _bounded(ranges: AngleRanges) -> bool:
+    return bool(np.isfinite(ranges.far).all())

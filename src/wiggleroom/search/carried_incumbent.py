@@ -20,13 +20,12 @@ from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.solution import Solution
+from wiggleroom.verdict import SAME_END
 
 Floats = NDArray[np.float64]
 
 ONE_ROUND = replace(WITHOUT_BRANCHES, moves=())
 """The same end, solved again in new cells."""
-SAME_END = 1e-6
-"""A value lower than the answer's by more than this share is not the same end."""
 
 
 def carried_incumbent(

@@ -9,13 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import FreeSpaceError, InputError, OverlapError, StoppedError, TouchingError
-from wiggleroom.verdict import PathState, Verdict
+from wiggleroom.verdict import SAME_END, PathState, Verdict
 
 Floats = NDArray[np.float64]
-
-
-SAME_END = 1e-6
-"""Values that differ by less than this share are the same end."""
 
 
 class MadeAssembly(Protocol):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.solids.convex import distinct_axes
@@ -33,6 +34,8 @@ MAX_PLACES, MAX_PULLED = 200, 3
 """Places, each reached by a checked path, from which straight paths are tried, and from which largest motions are searched."""
 UNDECIDED = 1e-2
 """A largest motion whose error is above this was not decided, and nothing is said about what lies beyond it."""
+PROVE_AFTER = (0, 1, 20)
+"""After so many places the proofs that nothing leaves are tried, each with more effort; what is left of them before largest motions."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 
@@ -98,12 +101,13 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
     alive = list(range(len(names)))
     far = np.zeros((len(names), 6))
     escapes: list[SpatialEscape] = []
-    asked, cut = 0, False
+    asked, cut, proven = 0, False, False
     while True:
         stage = _Stage(prepare_spatial(left), stop)
         found = stage.escape_path()
         asked += stage.questions
         if found is None:
+            proven = stage.proven
             cut = stage.cut_short() or (stage.cut and not stage.exhaustive)
             break
         who, own = found
@@ -122,7 +126,8 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
     if escapes:
         verdict, sure = Separability.COMES_APART, Certainty.PROVEN
     else:
-        verdict, sure = (Separability.UNKNOWN if cut else Separability.INTERLOCKED), Certainty.SEARCHED
+        verdict = Separability.UNKNOWN if cut and not proven else Separability.INTERLOCKED
+        sure = Certainty.PROVEN if proven else Certainty.SEARCHED
     remains = tuple(names[k] for k in alive)
     return SpatialDisassembly(assembly, verdict, sure, tuple(escapes), remains, asked, time.perf_counter() - began)
 
@@ -137,6 +142,8 @@ class _Stage:
     cut: bool = False
     exhaustive: bool = False
     """True where parts made of boxes were searched exhaustively by whole steps: then pulls that were not decided do not count."""
+    proven: bool = False
+    """True where it is proven that none leave."""
 
     def escape_path(self) -> tuple[list[int], Floats] | None:
         """Parts that leave, and the path of all (k, n, 6); None where none was found."""
@@ -146,10 +153,14 @@ class _Stage:
         out = self._straight(rest[None], axes) or self._by_steps()
         if out is not None or self.cut_short():
             return out
-        asked = 0
+        asked, efforts, held = 0, list(EFFORTS), PairwiseConfinement(self.ready, self.stop)
         while asked < len(places):
             # straight paths are cheap: all of them from all places first
             for path in places[asked:]:
+                if asked in PROVE_AFTER:
+                    self.proven = held.prove(efforts.pop(0))
+                if self.proven or self.cut_short():
+                    return None
                 out = self._straight(path, axes)
                 if out is not None:
                     return out
@@ -158,8 +169,10 @@ class _Stage:
                     return out
                 self._slide(path, axes, places)
                 asked += 1
-                if self.cut_short():
-                    return None
+        for effort in efforts:
+            self.proven = held.prove(effort)
+            if self.proven or self.cut_short():
+                return None
         known = len(places)
         for path in places[:MAX_PULLED]:
             out = self._pulled(path, axes, places)
@@ -208,7 +221,7 @@ class _Stage:
                     return
                 if not moves[b][np.abs(direction) > 1e-12].all():
                     continue
-                far = self._room(path[-1], mine, direction)
+                far = ready.checker.room(path[-1], mine, direction, ready.size)
                 if NEW_PLACE * ready.clearance < far < ready.size:
                     self._add_slide(path, mine, direction, far, places)
 
@@ -227,8 +240,10 @@ class _Stage:
                     group = departure.parts_with([b])
                     if group:
                         return group, np.concatenate([whole, departure.end(group)[None]])
-                    before = room.setdefault(tuple(direction), self._room(path[-1], mine, direction))
-                    far = self._room(turned[-1], mine, direction)
+                    before = room.setdefault(
+                        tuple(direction), ready.checker.room(path[-1], mine, direction, ready.size)
+                    )
+                    far = ready.checker.room(turned[-1], mine, direction, ready.size)
                     if before + NEW_PLACE * ready.clearance < far < ready.size:
                         self._add_slide(whole, mine, direction, far, places)
         return None
@@ -237,26 +252,8 @@ class _Stage:
         """Note the place where some parts have gone straight from the end of a path, their clearance short of how far they can."""
         end = path[-1].copy()
         end[mine, :3] += (far - self.ready.clearance) * direction
-        self._add_place(np.concatenate([path, end[None]]), places)
-
-    def _room(self, motion: Floats, mine: Ints, direction: Floats) -> float:
-        """How far some parts can go straight [mm], to a tenth of the clearance; the size where that is further."""
-        ready = self.ready
-
-        def free(far: float) -> bool:
-            end = motion.copy()
-            end[mine, :3] += far * direction
-            return not ready.checker.doubtful(motion, end, first=True, only=mine.tolist())
-
-        low, high = 0.0, NEW_PLACE * ready.clearance
-        while free(high):
-            low, high = high, 2 * high
-            if low > ready.size:
-                return ready.size
-        while high - low > ready.clearance / 10:
-            middle = (low + high) / 2
-            low, high = (middle, high) if free(middle) else (low, middle)
-        return low
+        if not self.ready.checker.doubtful(path[-1], end, first=True, only=mine.tolist()):
+            self._add_place(np.concatenate([path, end[None]]), places)
 
     def cut_short(self) -> bool:
         """True once somebody asked to stop."""

@@ -83,7 +83,7 @@ def turn_in_place(ready: SpatialPrepared, motion: Floats, body: int, axis: Float
         return None
     arms = [np.zeros(3)]
     if (free[:3] | (1 - np.abs(axis) < ACROSS)).all():
-        arms += [R @ arm for arm in _round_centres(ready, body, R.T @ axis)]
+        arms += [R @ arm for arm in round_centres(ready, body, R.T @ axis)]
     turns = [_turned(ready, motion, body, axis, arm) for arm in arms]
     return max(turns, key=lambda turn: turn.angle)
 
@@ -131,7 +131,7 @@ def turned_by(ready: SpatialPrepared, motion: Floats, body: int, axis: Floats, a
     return np.where(mine[:, None], group.part_motion(SpatialPose(T, R)), motion)
 
 
-def _round_centres(ready: SpatialPrepared, body: int, axis: Floats) -> list[Floats]:
+def round_centres(ready: SpatialPrepared, body: int, axis: Floats) -> list[Floats]:
     """The line along an axis, in the body's frame, at which the normals of most of its faces meet: one point of it, or none.
 
     Normals of the faces of a cylinder, or of a regular prism, meet at its axis.

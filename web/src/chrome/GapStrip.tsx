@@ -173,7 +173,7 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
           {one.objective !== null && <circle class={one.verdict === "proven" ? "dot proven" : "dot"} cx={x(one.gap)} cy={y(one.objective)} r={2.6} />}
         </g>
       ))}
-      <line class="now" x1={x(gap)} x2={x(gap)} y1={6} y2={HIGH} />
+      <line class="now" x1={x(gap)} x2={x(gap)} y1={6} y2={foot + 4} />
       {now !== null && !loose && exact && <circle class="here" cx={x(gap)} cy={Math.max(y(now), 4)} r={4.6} />}
       {known.length === 0 && !edge && <text class="empty" x={LEFT + (width - LEFT) / 2} y={HIGH / 2}>{width - LEFT < 220 ? "the curve grows here" : "motion against gap grows here"}</text>}
     </svg>

@@ -96,19 +96,20 @@ const NAMES: Record<string, string> = {
   assemble: "putting panels together", lay: "laying a panel", space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
-/** Long work under way: what it is, how far, and a way to end it. */
+/** Long work under way: what it is, how far, and a way to end it. One line, however much waits: the picture stays where it is. */
 function Work() {
   const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["assemble", "lay", "check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
-  if (!rows.length) return null;
+  const first = rows.find(([, told]) => told !== null) ?? rows[0];
+  if (!first) return null;
+  const [kind, told] = first;
+  const waiting = rows.filter((one) => one !== first).map(([other]) => NAMES[other]!);
+  const words = `${NAMES[kind]}${told?.objective ? `: ${number(told.objective)} so far` : ""}${told?.stage && kind !== told.stage ? `, ${told.stage}` : ""}`;
   return (
-    <div class="works">
-      {rows.map(([kind, told]) => (
-        <div class="work" key={kind} role="status">
-          <progress aria-label={NAMES[kind]} value={told?.share ?? undefined} />
-          <span title={NAMES[kind]}>{NAMES[kind]}{told?.objective ? `: ${number(told.objective)} so far` : ""}{told?.stage && kind !== told.stage ? `, ${told.stage}` : ""}</span>
-          <button type="button" class="link" onClick={() => cancel(kind as Kind)}>cancel</button>
-        </div>
-      ))}
+    <div class="work" key={kind} role="status">
+      <progress aria-label={NAMES[kind]} value={told?.share ?? undefined} />
+      <span title={words}>{words}</span>
+      <button type="button" class="link" onClick={() => cancel(kind as Kind)}>cancel</button>
+      {waiting.length > 0 && <span class="waiting" title={waiting.join(", ")}>{waiting.length} more {waiting.length === 1 ? "waits" : "wait"}</span>}
     </div>
   );
 }

@@ -1,6 +1,6 @@
 /** Under the canvas: play, the place on the path, magnification, and the zoom. */
 
-import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion.ts";
+import { autoFactor, chosenFactor, FACTORS, place, play, playing, shown } from "../motion.ts";
 import { back, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
@@ -9,8 +9,6 @@ import { inSpace } from "../design.ts";
 import { canKeep, keep, kept } from "../stage/kept.ts";
 import { lassoing } from "../stage/lasso.ts";
 import { Button } from "./Button.tsx";
-
-const FACTORS = [1, 2, 5, 10, 20, 50, 100];
 
 export function Player() {
   if (!drawing.value) return null;

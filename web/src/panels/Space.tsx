@@ -6,7 +6,7 @@ import { design, fixedNames } from "../design.ts";
 import { end, shown } from "../motion.ts";
 import { ask } from "../session.ts";
 import { isDark } from "../stage/colours.ts";
-import { answer, standalone, current, drawing, indexOf, names, selected, space } from "../state.ts";
+import { answer, standalone, current, drawing, extent, indexOf, names, selected, space } from "../state.ts";
 import type { SpaceView } from "../space3d.ts";
 import { nearestBy, number } from "../words.ts";
 import { Run } from "../chrome/Run.tsx";
@@ -61,6 +61,10 @@ async function viewer(): Promise<Show> {
   return here.showSpace!;
 }
 
+/** What is smaller is left of rounding: a shift as a share of the drawing's radius, a turn in degrees. */
+const NO_SHIFT = 1e-6;
+const NO_TURN = 1e-4;
+
 function nearest(slices: { angle_deg: number }[], angle: number): number {
   return slices.indexOf(nearestBy(slices, (one) => one.angle_deg, angle)!);
 }
@@ -96,11 +100,13 @@ function Body() {
   useEffect(() => made.current?.point(state));
   useEffect(() => made.current?.slice(slices[which.value]?.angle_deg ?? 0), [which.value]);
   const slice = slices[which.value];
+  const shift = NO_SHIFT * extent.value.radius;
+  const plain = (value: number, least: number): string => number(Math.abs(value) < least ? 0 : value, 3);
   return (
     <>
       <div class="space3d" ref={box} role="group" aria-label={`free space of ${b} against ${a}, turns from ${number(about.reply.range_deg[0], 3)} to ${number(about.reply.range_deg[1], 3)} degrees`} />
       {failed.value && <p class="quiet">{failed.value}</p>}
-      <p class="quiet">now: {number(state[0], 3)}, {number(state[1], 3)} mm, {number(state[2], 3)}°</p>
+      <p class="quiet now">now: {plain(state[0], shift)}, {plain(state[1], shift)} mm, {plain(state[2], NO_TURN)}°</p>
       {slice && (
         <>
           <label class="slicer">slice at {number(slice.angle_deg, 3)}°

@@ -1,6 +1,8 @@
 /** The view as a signal, with what buttons and keys do to it. */
 
 import { signal } from "@preact/signals";
+import { goals } from "../design.ts";
+import { isPull } from "../protocol.ts";
 import { drawing } from "../state.ts";
 import type { SolidView } from "../stage3d.ts";
 import { type Box, fit, type Inset, panned, type Size, toScreen, type View, zoomed } from "./view.ts";
@@ -14,9 +16,15 @@ export const solidView = signal<SolidView | null>(null);
 /** True until the user pans or zooms: then the drawing stays fitted when the canvas changes size. */
 export const fitted = signal(true);
 
-const inset = (): Inset => (size.value.width < 560
-  ? { top: 14, right: 16, bottom: 14, left: 16 }
-  : { top: 22, right: 40, bottom: 24, left: 40 });
+/** Room round the drawing: for the shortest arrow where something is pulled that way. */
+function inset(): Inset {
+  if (size.value.width >= 560) return { top: 22, right: ARROW_ROOM, bottom: 24, left: ARROW_ROOM };
+  const towards = (axis: 0 | 1, sign: number): boolean => goals.value.some((goal) => isPull(goal) && goal.direction[axis] * sign > 0.3);
+  const room = (least: number, pulled: boolean): number => (pulled ? ARROW_ROOM : least);
+  return { top: room(14, towards(1, 1)), right: room(16, towards(0, 1)), bottom: room(14, towards(1, -1)), left: room(16, towards(0, -1)) };
+}
+/** Of the shortest arrow and its distance from the edge [px]. */
+const ARROW_ROOM = 40;
 
 export function fitAll(): void {
   if (solidView.peek()) return solidView.peek()!.fit();

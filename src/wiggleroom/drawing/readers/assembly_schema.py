@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Any, Literal, TypeVar
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, ClassVar, Literal, TypeVar
 
 import msgspec
 
@@ -17,6 +19,9 @@ T = TypeVar("T")
 
 class Entry(msgspec.Struct, forbid_unknown_fields=True):
     """Base of everything in the file: nothing that is not known is let through."""
+
+    LISTS: ClassVar[dict[str, str]] = {}
+    """What a list of some length holds, by its name."""
 
 
 class OutlineEntry(Entry):
@@ -37,6 +42,7 @@ class ShapeEntry(Entry):
 class PartEntry(Entry):
     """One part: material of its own or that of a shape, and where it lies."""
 
+    LISTS: ClassVar[dict[str, str]] = {"at": "[x, y, degrees]"}
     name: str
     shape: str | None = None
     outline: list[Point] | None = None
@@ -153,7 +159,8 @@ def convert(value: Any, kind: type[T], where: str, findings: list[str]) -> T | N
     try:
         return msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
-        findings.append(f"{where}: {plain_finding(str(error))}")
+        lists = kind.LISTS if issubclass(kind, Entry) else {}
+        findings.append(f"{where}: {plain_finding(str(error), lists)}")
         return None
 
 
@@ -168,12 +175,13 @@ _WORDS = {
 }
 
 
-def plain_finding(text: str) -> str:
-    """Line of the schema library in the words of the file."""
+def plain_finding(text: str, lists: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Line of the schema library in the words of the file; `lists` say by its name what a list holds."""
     text, _, path = text.partition(" - at `")
     place = path.rstrip("`").removeprefix("$").removeprefix(".").replace("[...]", "") or "it"
     if found := re.match(r"Expected `(.*?)` of length (\d+), got (\d+)", text):
-        return f"{place} must be a list of {found.group(2)}, not of {found.group(3)}"
+        holding = f"{lists[place]}, " if place in lists else ""
+        return f"{place} must be {holding}a list of {found.group(2)}, not of {found.group(3)}"
     if found := re.match(r"Expected `(.*?)`, got `(.*?)`", text):
         wanted = [_WORDS.get(word.strip(), word.strip()) for word in found.group(1).split("|") if "null" not in word]
         return f"{place} must be {' or '.join(wanted)}, not {_WORDS.get(found.group(2), found.group(2))}"

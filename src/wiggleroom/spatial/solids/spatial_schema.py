@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from wiggleroom.drawing.readers.assembly_schema import Entry, HeadEntry, Point
 
 Triple = tuple[float, float, float]
@@ -13,6 +15,7 @@ Six = tuple[float, float, float, float, float, float]
 class SolidEntry(Entry):
     """One part: a plate, a mesh or boxes, and where it lies."""
 
+    LISTS: ClassVar[dict[str, str]] = {"at": "[x, y, z]", "rotate": "[x, y, z] in degrees"}
     name: str
     outline: list[Point] | str | None = None
     holes: list[list[Point]] = []

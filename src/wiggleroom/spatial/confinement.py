@@ -1,0 +1,195 @@
+"""Proofs that bodies stay together: no motion of two of them, whatever the others do, takes them apart.
+
+The poses of one body against another that may be reached from rest are covered by cells, so coarse that what is nearly free counts
+as free. Where the cover is closed all round by blocked cells, the two never part. Bodies that such pairs hold together, and to what
+stands, are interlocked. Of a body that is round about an axis the cylinders inside it are looked at, for which turns about it do not
+count: then cells have five axes in place of six.
+
+Source: Zhang, Kim and Manocha, "Efficient cell labelling and path non-existence computation using C-obstacle query" (2008).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import Stop
+from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
+from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
+from wiggleroom.spatial.solids.convex import ConvexPiece
+from wiggleroom.spatial.solids.spatial_model import Surface
+from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.turning_in_place import common_edges, round_centres
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+MARGIN = 1e-6
+"""Cells are blocked where pieces overlap by more than this share of the size of where the bodies meet."""
+VISITS = 200
+"""So many cells are looked at before the request to stop is."""
+
+
+@dataclass(frozen=True)
+class CoverEffort:
+    """How fine a cover is.
+
+    Parameters
+    ----------
+    free_width, blocked_width : float
+        Shares of the size of where two bodies meet, down to which cells are split whose middle seems free, or is blocked.
+    cells : int
+        At most.
+    """
+
+    free_width: float
+    blocked_width: float
+    cells: int
+
+
+EFFORTS = (
+    CoverEffort(1 / 18, 1 / 54, 4000),
+    CoverEffort(1 / 18, 1 / 54, 30_000),
+    CoverEffort(1 / 54, 1 / 160, 100_000),
+)
+"""One after the other: most pairs that are held are shown to be by the first or the second."""
+
+
+@dataclass(eq=False)
+class PairwiseConfinement:
+    """Which bodies are shown to stay together.
+
+    Parameters
+    ----------
+    ready : SpatialPrepared
+    stop : optional
+        Anything with `is_set()`.
+    """
+
+    ready: SpatialPrepared
+    stop: Stop | None
+    _group: list[int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        moves = self.ready.grouping.bodies.moves
+        stands = int(np.flatnonzero(~moves)[0]) if not moves.all() else -1
+        self._group = [k if moves[k] else stands for k in range(len(moves))]
+
+    @property
+    def complete(self) -> bool:
+        """True once all bodies are held together, and so to what stands."""
+        return len(set(self._group)) == 1
+
+    def prove(self, effort: CoverEffort) -> bool:
+        """Look at pairs of bodies that are not held together yet, until all are, or one is held by none; True once all are."""
+        bodies = self.ready.grouping.bodies
+        still = np.flatnonzero(~bodies.moves).tolist()
+        units = [*([still] if still else []), *([k] for k in np.flatnonzero(bodies.moves).tolist())]
+        for unit in units:
+            for other in units:
+                one, two = (other, unit) if len(other) > 1 else (unit, other)
+                if self._stopped() or self._group[one[0]] == self._group[two[0]] or not self._near(one, two):
+                    continue
+                if self._held(one, two, effort):
+                    a, b = self._group[one[0]], self._group[two[0]]
+                    self._group = [a if g == b else g for g in self._group]
+            if self._group.count(self._group[unit[0]]) == len(unit) and len(units) > 1:
+                break
+        return self.complete
+
+    def _near(self, one: Sequence[int], other: Sequence[int]) -> bool:
+        """True where boxes round bodies at rest meet."""
+        (low1, high1), (low2, high2) = self._box(one), self._box(other)
+        return bool((np.minimum(high1, high2) > np.maximum(low1, low2)).all())
+
+    def _box(self, unit: Sequence[int]) -> tuple[Floats, Floats]:
+        bodies = self.ready.grouping.bodies
+        corners = np.vstack([p.corners + bodies.at[k] for k in unit for p in bodies.pieces[k]])
+        return corners.min(axis=0), corners.max(axis=0)
+
+    def _held(self, one: list[int], other: list[int], effort: CoverEffort) -> bool:
+        """True where two bodies, the first of which may be all that stand, are shown never to part."""
+        asked = [(one, other, True)]
+        if len(one) == 1:
+            asked.append((other, one, True))
+        asked.append((one, other, False))
+        return any(self._closed(a, b[0], as_round, effort) for a, b, as_round in asked if not self._stopped())
+
+    def _closed(self, one: list[int], body: int, as_round: bool, effort: CoverEffort) -> bool:
+        """True where the cover of the poses of a body against others is closed; as a round one if asked."""
+        ready = self.ready
+        bodies = ready.grouping.bodies
+        (low1, high1), (low2, high2) = self._box(one), self._box([body])
+        low, high = np.maximum(low1, low2), np.minimum(high1, high2)
+        origin, size = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+        edges = common_edges(ready, body)
+        z = edges[0]
+        if as_round:
+            centre = round_centres(ready, body, z)
+            if not centre:
+                return False
+            through = centre[0] + bodies.at[body]
+            origin = through + ((origin - through) @ z) * z
+        x = next((e for e in edges[1:] if abs(e @ z) < MARGIN), np.linalg.svd(z[None])[2][1])
+        x = x - (x @ z) * z
+        x /= np.linalg.norm(x)
+        frame = np.array([x, np.cross(z, x), z])
+        mine, owner = self._framed([body], frame, origin)
+        theirs, whose = self._framed(one, frame, origin)
+        if as_round:
+            mine, owner = self._cylinders(body, frame, origin)
+            if len(mine) < 2:
+                return False
+        ignored = bodies.ignored
+        allowed = np.array([[(min(p, q), max(p, q)) not in ignored for q in owner] for p in whose])
+        A, B = _packed(theirs), _packed(mine)
+        half_box = float(np.linalg.norm(A[0], axis=1).max() + np.linalg.norm(B[0], axis=1).max())
+        most = effort.cells
+        tree = (
+            np.empty((most, 6)), np.empty((most, 6)), np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most, np.int64),
+        )  # fmt: skip
+        heap = np.empty(FACES * most), np.empty(FACES * most, np.int64)
+        counts = np.zeros(4, np.int64)
+        ended = PAUSED
+        while ended == PAUSED and not self._stopped():
+            ended = cover(
+                A, B, allowed, as_round, half_box, effort.free_width * size, effort.blocked_width * size, MARGIN * size,
+                tree, heap, counts, VISITS,
+            )  # fmt: skip
+        return bool(ended == CLOSED)
+
+    def _framed(self, unit: Sequence[int], frame: Floats, origin: Floats) -> tuple[list[ConvexPiece], list[int]]:
+        """Pieces of bodies in a frame at rest, and the part of each."""
+        bodies = self.ready.grouping.bodies
+        pieces = [p.placed(frame, frame @ (bodies.at[k] - origin)) for k in unit for p in bodies.pieces[k]]
+        return pieces, [part for k in unit for part in bodies.owner[k].tolist()]
+
+    def _cylinders(self, body: int, frame: Floats, origin: Floats) -> tuple[list[ConvexPiece], list[int]]:
+        """Cylinders inside the parts of a body round the z axis of a frame, and the part of each."""
+        assembly = self.ready.assembly
+        pieces: list[ConvexPiece] = []
+        owner: list[int] = []
+        for k in np.flatnonzero(self.ready.grouping.body_of == body).tolist():
+            part, surface = assembly.parts[k], assembly.made[k].surface
+            world = surface.vertices @ part.R.T + part.at
+            found = inscribed_cylinders(Surface((world - origin) @ frame.T, surface.faces))
+            pieces += found
+            owner += [k] * len(found)
+        return pieces, owner
+
+    def _stopped(self) -> bool:
+        return self.stop is not None and self.stop.is_set()
+
+
+def _packed(pieces: Sequence[ConvexPiece]) -> tuple[Any, ...]:
+    """Corners, normals and edges of all pieces, where those of each begin, and the middle, radius and largest coordinates of each."""
+    rows = [[getattr(p, kind) for p in pieces] for kind in ("corners", "normals", "edges")]
+    begins = [np.cumsum([0, *(len(r) for r in some)]) for some in rows]
+    middle = np.array([(p.corners.min(axis=0) + p.corners.max(axis=0)) / 2 for p in pieces])
+    radius = np.array([np.linalg.norm(p.corners - m, axis=1).max() for p, m in zip(pieces, middle, strict=True)])
+    reach = np.array([np.abs(p.corners).max(axis=0) for p in pieces])
+    return (*(np.ascontiguousarray(np.vstack(some)) for some in rows), *begins, middle, radius, reach)

@@ -1,0 +1,139 @@
+"""Proofs that bodies in space stay together: drawn so that they must, or so that a path out is known."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import shapely
+from benchmarks.attack.families_solid import draw_solids
+from shapely import Polygon, box
+
+import wiggleroom as wr
+from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
+from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
+from wiggleroom.spatial.overlaps.pose_cells import beyond_face, quaternion_of, rotation_of, turned_within
+from wiggleroom.spatial.overlaps.swept_check import SweptCheck
+from wiggleroom.spatial.rotations import logarithm
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.solids.spatial_file import read_spatial
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+from wiggleroom.spatial.spatial_disassembly import check_spatial
+from wiggleroom.spatial.spatial_prepare import prepare_spatial
+
+
+def spatial(*parts: dict, gap: float = 0.0) -> SpatialAssembly:
+    return assemble_spatial(read_spatial(json.dumps({"format": "wiggleroom/2", "gap": gap, "parts": list(parts)})))
+
+
+def tray(opening: float) -> SpatialAssembly:
+    """A slab 20 x 12 x 4 in a case whose front is open but for a rim that leaves an opening of some height."""
+    case = [[-2, -2, -2, 24, 14, 0], [-2, -2, 5, 24, 14, 7], [-2, -2, 0, 24, 0, 5], [-2, 12.6, 0, 24, 14, 5]]
+    case += [[-2, 0, 0, 0, 12.6, 5], [22, 0, opening, 24, 12.6, 5]]
+    return spatial(
+        {"name": "case", "boxes": case, "fixed": True}, {"name": "slab", "boxes": [[0.5, 0.3, 0.4, 20.5, 12.3, 4.4]]}
+    )
+
+
+def test_a_loose_slab_behind_a_rim_is_held_and_that_is_proven() -> None:
+    found = check_spatial(tray(opening=3.0))
+    assert (found.verdict, found.certainty) == ("interlocked", "proven")
+
+
+def test_nothing_is_proven_where_the_rim_lets_it_out_only_after_it_is_let_down() -> None:
+    assembly = tray(opening=4.2)  # it lies 0.4 mm above the floor
+    held = PairwiseConfinement(prepare_spatial(assembly), None)
+    assert not held.prove(EFFORTS[0])
+    found = check_spatial(assembly)
+    assert (found.verdict, found.certainty) == ("comes apart", "proven")
+
+
+@pytest.mark.parametrize(("heads", "opening"), [(True, "interlocked"), (False, "comes apart")])
+def test_a_pin_with_heads_is_held_by_its_hole(heads: bool, opening: str) -> None:
+    circle = np.column_stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)])
+    stem = {"outline": (2.0 * circle).tolist(), "thickness": 12, "at": [0, 0, -1]}
+    plate = {"name": "plate", "outline": [[-9, -9], [9, -9], [9, 9], [-9, 9]], "holes": [(2.2 * circle).tolist()]}
+    parts = [plate | {"thickness": 10, "fixed": True}, {"name": "pin"} | stem]
+    glue = []
+    for k, z in enumerate((-4, 10.5) if heads else ()):
+        parts.append({"name": f"head{k}", "outline": (3.6 * circle).tolist(), "thickness": 3.5, "at": [0, 0, z]})
+        glue.append(f"head{k}")
+    file = {"format": "wiggleroom/2", "gap": 0.0, "parts": parts, "glue": [["pin", *glue]] if glue else []}
+    found = check_spatial(assemble_spatial(read_spatial(json.dumps(file))))
+    assert found.verdict == opening
+    assert found.certainty == "proven"
+
+
+def test_all_rotations_of_a_cell_lie_within_its_turn() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        cube = int(rng.integers(4))
+        low = np.zeros(6)
+        low[3:] = rng.uniform(-1, 0.9, 3)
+        high = np.minimum(low + rng.uniform(0, 0.4, 6), 1.0)
+        q0, q, turn = np.empty(4), np.empty(4), np.empty(3)
+        quaternion_of(cube, (low[3:] + high[3:]) / 2, q0)
+        turned_within(cube, low, high, q0, turn)
+        for _ in range(40):
+            quaternion_of(cube, rng.uniform(low[3:], high[3:]), q)
+            vector = logarithm((rotation_of(q0).T @ rotation_of(q))[None])[0]
+            assert (np.abs(vector) <= turn + 1e-9).all()
+
+
+def test_cylinders_lie_inside_a_bored_block_and_reach_its_nearest_face() -> None:
+    import trimesh
+
+    flat = shapely.difference(box(-5, -4, 6, 7), Polygon([(2, -1), (3, -1), (3, 1), (2, 1)]))
+    mesh = trimesh.creation.extrude_polygon(flat, 3.0, engine="manifold")
+    from wiggleroom.spatial.solids.spatial_model import Surface
+
+    (cylinder,) = inscribed_cylinders(Surface(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
+    assert np.linalg.norm(cylinder.corners[:, :2], axis=1).max() == pytest.approx(2.0)
+    assert np.ptp(cylinder.corners[:, 2]) == pytest.approx(3.0)
+
+
+def test_room_along_a_line_is_where_the_swept_check_first_finds_an_overlap() -> None:
+    rng = np.random.default_rng(3)
+    assembly = tray(opening=3.0)
+    checker, rest = SweptCheck(assembly), np.zeros((2, 6))
+    for direction in rng.normal(size=(12, 3)):
+        direction /= np.linalg.norm(direction)
+        far = checker.room(rest, [1], direction, 50.0)
+        end = rest.copy()
+        end[1, :3] = 0.999 * far * direction
+        assert not checker.overlaps(rest, end)
+        end[1, :3] = 1.001 * far * direction
+        assert checker.overlaps(rest, end)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [2, 16, 18, 28, 31, 35, 37])
+def test_what_is_known_to_come_apart_is_never_proven_to_be_held(number: int, tmp_path) -> None:
+    family, made = draw_solids(number)
+    assert made.comes_apart, family
+    held = PairwiseConfinement(prepare_spatial(wr.read(made.write(tmp_path))), None)
+    assert not held.prove(EFFORTS[0])
+    assert not held.prove(EFFORTS[1])
+
+
+def test_beyond_the_edge_of_a_cube_lie_the_same_rotations_in_another_cube() -> None:
+    rng = np.random.default_rng(8)
+    half_box, box_beyond = 5.0, np.empty(12)
+    for side in range(6, 12):
+        for cube in range(4):
+            low, high = np.full(6, -0.2), np.full(6, 0.3)
+            k = side // 2
+            low[k], high[k] = (0.6, 1.0) if side % 2 else (-1.0, -0.6)
+            other = beyond_face(cube, low, high, side, half_box, box_beyond)
+            assert other != cube
+            for _ in range(20):
+                point = rng.uniform(low[3:], high[3:])
+                point[k - 3] = high[k] if side % 2 else low[k]
+                q, same = np.empty(4), np.empty(4)
+                quaternion_of(cube, point, q)
+                scaled = np.delete(q / q[other], other)
+                inside = np.clip(scaled, box_beyond[3:6], box_beyond[9:])
+                assert np.abs(inside - scaled).max() < 1e-8
+                quaternion_of(other, inside, same)
+                assert abs(same @ q) == pytest.approx(1.0, abs=1e-12)
