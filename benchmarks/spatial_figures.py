@@ -1,6 +1,7 @@
 """Figures of assemblies in space: closed forms, chains, a box of six panels, a burr of six pieces, interlocking tetrahedra, a round pin.
 
-`python -m benchmarks.spatial_figures` prints them all; names after it choose: pegs, chains, box, burr, tetrahedra, many, pin.
+`python -m benchmarks.spatial_figures` prints them all; names after it choose: pegs, chains, box, burr, tetrahedra, many, pin,
+starts.
 """
 
 from __future__ import annotations
@@ -8,15 +9,18 @@ from __future__ import annotations
 import itertools
 import random
 import sys
+import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 import wiggleroom as wr
+from benchmarks.attack.families_solid import draw_solids
 from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
 from benchmarks.spatial_overlaps import Judge, finger_box, voxel_judge, worst_on
 from wiggleroom.drawing.model import Region
@@ -227,7 +231,35 @@ def pin() -> None:
     line("pin of 96 sides", *timed(assembly, SpatialPull("peg", (1, 0, 0))), 0.2)
 
 
-FIGURES: tuple[Callable[[], None], ...] = (pegs, chains, between_plates, box, burr, tetrahedra, pin, many)
+def starts() -> None:
+    """Random assemblies of benchmarks/attack whose climb from rest ends: how many more climbs move further, by 1 % or without end."""
+    ends, further, spent = 0, Counter[int](), Counter[int]()
+    for number in range(30_000, 30_140):
+        _, made = draw_solids(number)
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                assembly = wr.read(made.write(Path(folder)))
+            except wr.InputError:
+                continue
+        found = [(more, *clocked(assembly, more)) for more in (0, 2, 4, 8)]
+        nearest = found[0][1].objective
+        if nearest is None:
+            continue
+        ends += 1
+        for more, answer, seconds in found:
+            spent[more] += seconds
+            further[more] += answer.objective is None or answer.objective > 1.01 * nearest
+    print(f"{ends} random assemblies that end from rest in {spent[0]:.0f} s of processor time:")
+    for more in (2, 4, 8):
+        print(f"  with {more} more climbs {further[more]} go further, in {spent[more]:.0f} s")
+
+
+def clocked(assembly: SpatialAssembly, more: int) -> tuple[SpatialAnswer, float]:
+    began = time.process_time()
+    return wr.flex(assembly, search=more), time.process_time() - began
+
+
+FIGURES: tuple[Callable[[], None], ...] = (pegs, chains, between_plates, box, burr, tetrahedra, pin, many, starts)
 
 
 def main(names: list[str]) -> None:

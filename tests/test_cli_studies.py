@@ -114,6 +114,13 @@ def test_sweep_writes_a_table_of_values(run) -> None:
     assert [float(line.split(",")[0]) for line in lines[1:]] == [0.01, 0.02]
 
 
+def test_a_sweep_of_gaps_that_cannot_be_made_holds_nothing(run) -> None:
+    assert "nothing in this range sets it free" in run("sweep", "chain.json", "--gaps", "0,0.01")[1]
+    out = run("sweep", "chain.json", "--gaps", "0,3")[1]
+    assert "at none of these gaps is there a motion" in out
+    assert "sets it free" not in out
+
+
 def test_a_limit_out_of_reach_is_no_success(run) -> None:
     code, out, _ = run("tighten", "chain.json", "--limit", "1e-9", "--draws", "0")
     assert code == 3

@@ -210,9 +210,8 @@ def _choose(
     while len(chosen) < most and answer.objective is not None and not (stop is not None and stop.is_set()):
         if limit is not None and answer.objective <= limit:
             break
-        if study.can_be_ranked(
-            answer
-        ):  # mm of motion that each would take; what less gap loses, which of shared loads is more
+        if study.can_be_ranked(answer):
+            # mm of motion that each would take: what less gap loses, which of shared loads is more than what more gap gains
             worth = 2 * np.maximum(ranking_of(answer, study.derivatives(answer)).tighter, 0.0) * room
         left = np.flatnonzero(able)
         order = left[np.argsort(-worth[left], kind="stable")]

@@ -72,6 +72,8 @@ class SpatialAnswer(Drawable):
         A value that no motion can exceed; only where all parts move in one plane.
     search : SearchEffort or None
         What climbs from other places came to; None where there were none.
+    lead : (k, n, 6) float64 [mm, rad]
+        First part of the path, to half way through a climb that began where a random pull led to; rest alone where it began there.
     warm_start : HeldMotion or None
         The program and the forces that hold the motion, where it ends.
     """
@@ -96,6 +98,7 @@ class SpatialAnswer(Drawable):
     at_most: float | None = None
     model: str = "planes"
     search: SearchEffort | None = None
+    lead: NDArray[np.float64] | None = field(default=None, repr=False)
     warm_start: HeldMotion | None = field(default=None, repr=False)
 
     @property

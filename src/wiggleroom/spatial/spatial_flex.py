@@ -20,7 +20,7 @@ from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
-from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts
+from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts, is_free, random_leads
 from wiggleroom.spatial.turning_in_place import turn_in_place
 from wiggleroom.verdict import PathState, SolverStatus, Verdict
 
@@ -34,6 +34,7 @@ def flex_spatial(
     *,
     solver: str = "interior-point",
     search: int | None = None,
+    lead: Floats | None = None,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> SpatialAnswer:
@@ -43,6 +44,8 @@ def flex_spatial(
     ----------
     search : int, optional
         Number of climbs beside the one from rest; by default none.
+    lead : (k, n, 6) float64, optional [mm, rad]
+        First part of the path of an answer to nearly the same question (`SpatialAnswer.lead`): one climb begins at its end, too.
 
     Raises
     ------
@@ -64,10 +67,13 @@ def flex_spatial(
     prepared = time.perf_counter()
     climb = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
     first = climb.run()
-    best = best_of_starts(climb, first, search or 0)
+    if lead is not None and len(lead) > 1 and is_free(ready, lead):
+        best = best_of_starts(climb, first, [lead], once=False)
+    else:
+        best = best_of_starts(climb, first, random_leads(climb, search or 0), once=True)
     verdict, leaves, turns = _verdict(ready, climb.objective, best.end)
     if first.good and best.end is not first and verdict is Verdict.STOPPED:  # what seemed to leave may not
-        best = BestOfStarts(first, None, climb.iterations, climb.rounds)
+        best = BestOfStarts(first, None, climb.iterations, climb.rounds, first.path[:1])
         verdict, leaves, turns = _verdict(ready, climb.objective, first)
     done = best.end
     solved = time.perf_counter()
@@ -83,7 +89,8 @@ def flex_spatial(
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
         path=PathState.of(whole or bool(done.leaving)), collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
-        deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort, seconds=spent,
+        deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort,
+        lead=best.lead, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip
 

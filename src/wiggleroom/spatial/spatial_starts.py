@@ -5,6 +5,8 @@ Source: multistart, Boender and Rinnooy Kan 1987.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 from wiggleroom.search.global_search import SearchEffort, effort
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.rigid import RigidBodies
+from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.verdict import SolverStatus
 
@@ -36,16 +39,19 @@ class BestOfStarts:
         How the ends compare; None where there was one climb alone, or nothing stops the motion.
     iterations, rounds : int
         What the climb to the best end took.
+    lead : (k, n, 6) float64 [mm, rad]
+        Path from rest to half way through that climb, where parts have room still; rest alone where the climb began there.
     """
 
     end: SearchEnd
     effort: SearchEffort | None
     iterations: int
     rounds: int
+    lead: Floats
 
 
-def best_of_starts(first: SpatialSearch, end: SearchEnd, starts: int) -> BestOfStarts:
-    """The best end of a climb that was made and of more, each from where a random pull leads.
+def best_of_starts(first: SpatialSearch, end: SearchEnd, leads: Iterable[Floats], *, once: bool) -> BestOfStarts:
+    """The best end of a climb that was made and of more, each from the end of a path.
 
     Parameters
     ----------
@@ -53,16 +59,18 @@ def best_of_starts(first: SpatialSearch, end: SearchEnd, starts: int) -> BestOfS
         The climb from rest, done.
     end : SearchEnd
         Where it ended.
-    starts : int
-        Number of further climbs. One that comes to no end does not count in the effort.
+    leads : iterable of (k, n, 6) float64 [mm, rad]
+        Free paths from rest to where the further climbs begin. A climb that comes to no end does not count in the effort.
+    once : bool
+        Whether these climb in one way only, see `SpatialSearch`.
     """
-    best = BestOfStarts(end, None, first.iterations, first.rounds)
+    best = BestOfStarts(end, None, first.iterations, first.rounds, end.path[:1])
     value = first.value(end)
     ends = [value]
-    for seed in range(starts):
-        if not _held(end) or (first.stop is not None and first.stop.is_set()):
-            break
-        found = _climbed(first, seed)
+    if not _held(end):
+        return best
+    for lead in leads:
+        found = _climbed(first, lead, once)
         if found is None:
             continue
         reached = first.value(found.end)
@@ -79,24 +87,36 @@ def _held(end: SearchEnd) -> bool:
     return end.found.status is not SolverStatus.ESCAPING and not end.leaving and not end.turning
 
 
-def _climbed(first: SpatialSearch, seed: int) -> BestOfStarts | None:
-    """A climb from somewhere on the path of a random pull; None where it came to no end."""
-    ready, rng = first.ready, np.random.default_rng(seed)
-    pull = _random_pull(ready.grouping.bodies, rng)
-    lead = SpatialSearch(ready, pull, first.stop, None, once=True).run().path
-    near = np.abs(lead[:, :, :3]).max(axis=(1, 2)) <= ready.size
-    last = int(rng.integers(1, max(2, int(near.sum()))))
-    if len(lead) < 2 or not near[:last].all():
-        return None
-    lead = lead[: last + 1]
-    climb = SpatialSearch(
-        ready, first.objective, first.stop, first.tell, ready.grouping.pose_of(lead[-1]), first.solver, once=True
-    )
+def random_leads(first: SpatialSearch, starts: int) -> Iterator[Floats]:
+    """Paths (k, n, 6) from rest to somewhere on those of random pulls, from as many pulls as asked for, until it is asked to stop."""
+    ready = first.ready
+    for seed in range(starts):
+        if first.stop is not None and first.stop.is_set():
+            return
+        rng = np.random.default_rng(seed)
+        pull = _random_pull(ready.grouping.bodies, rng)
+        path = SpatialSearch(ready, pull, first.stop, None, once=True).run().path
+        near = np.abs(path[:, :, :3]).max(axis=(1, 2)) <= ready.size
+        last = int(rng.integers(1, max(2, int(near.sum()))))
+        if len(path) > 1 and near[:last].all():
+            yield path[: last + 1]
+
+
+def is_free(ready: SpatialPrepared, path: Floats) -> bool:
+    """True where no two parts overlap anywhere along a path (k, n, 6)."""
+    return not any(ready.checker.overlaps(*piece) for piece in itertools.pairwise(path))
+
+
+def _climbed(first: SpatialSearch, lead: Floats, once: bool) -> BestOfStarts | None:
+    """A climb from the end of a path; None where it came to no end."""
+    begin = first.ready.grouping.pose_of(lead[-1])
+    climb = SpatialSearch(first.ready, first.objective, first.stop, first.tell, begin, first.solver, once)
     end = climb.run()
     if not end.good:
         return None
     whole = replace(end, path=np.concatenate([lead, end.path[1:]]))
-    return BestOfStarts(whole, None, climb.iterations, climb.rounds)
+    half = len(lead) + len(end.path) // 2
+    return BestOfStarts(whole, None, climb.iterations, climb.rounds, whole.path[:half])
 
 
 def _random_pull(bodies: RigidBodies, rng: np.random.Generator) -> SumOfTerms:

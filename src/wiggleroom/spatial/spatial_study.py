@@ -112,24 +112,24 @@ class SpatialStudy:
         return _derivatives(answer.assembly, answer.warm_start)
 
     def quotients(self, answer: SpatialAnswer) -> DifferenceQuotients:
-        """How derivatives are found by solving again from rest."""
-        shared = (self.assembly, answer.goals, answer.objective, self.clearance)
+        """How derivatives are found by solving again from where the answer's climb began."""
+        shared = (self.assembly, answer.goals, answer.lead, answer.objective, self.clearance)
         return DifferenceQuotients(spatial_slope, shared, self.derivatives(answer))
 
     def moved(self, answer: SpatialAnswer, inward: Floats, stop: Stop | None) -> SpatialAnswer:
-        """Largest motion when all faces of each part move inward by `inward` (n,) [mm], each time worked out as a direct question."""
-        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, stop=stop)
+        """Largest motion when all faces of each part move inward by `inward` (n,) [mm], from rest and where the answer's climb began."""
+        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, lead=answer.lead, stop=stop)
 
     def confirmed(
         self, answer: SpatialAnswer, after: SpatialAnswer, inward: Floats, stop: Stop | None
     ) -> SpatialAnswer:
-        """The same: `moved` asks as a direct question does."""
+        """The same: `moved` works everything out anew."""
         del answer, inward, stop
         return after
 
     def draws(self, answer: SpatialAnswer, stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
         """What many such motions need: each is worked out from nothing."""
-        return one_spatial_draw, (self.assembly, answer.goals)
+        return one_spatial_draw, (self.assembly, answer.goals, answer.lead)
 
     def draws_afresh(self, answer: SpatialAnswer) -> None:
         """Pairs and free spaces are worked out anew in every draw."""
@@ -201,23 +201,25 @@ def _moved_inward(assembly: SpatialAssembly, inward: Floats) -> SpatialAssembly:
 
 
 def spatial_slope(
-    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], float, float], task: tuple[int, float]
+    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], Floats | None, float, float], task: tuple[int, float]
 ) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
-    assembly, goals, value, clearance = shared
+    assembly, goals, lead, value, clearance = shared
     part, sign = task
     extra = sign * DIFFERENCE_STEP * clearance
     inward = np.zeros(len(assembly.parts))
     inward[part] = extra / 2
-    found = one_spatial_draw((assembly, goals), inward)
+    found = one_spatial_draw((assembly, goals, lead), inward)
     return (found.value - value) / extra if np.isfinite(found.value) and found.verdict.ends else np.nan
 
 
-def one_spatial_draw(shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...]], inward: Floats) -> PerturbedObjective:
-    """Largest objective with other faces, everything worked out anew."""
-    assembly, goals = shared
+def one_spatial_draw(
+    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], Floats | None], inward: Floats
+) -> PerturbedObjective:
+    """Largest objective with other faces, everything worked out anew, from rest and where an answer's climb began."""
+    assembly, goals, lead = shared
     try:
-        answer = flex_spatial(_moved_inward(assembly, inward), goals)
+        answer = flex_spatial(_moved_inward(assembly, inward), goals, lead=lead)
     except InputError as why:
         return PerturbedObjective(np.nan, verdict_of(why))
     return PerturbedObjective(np.inf if answer.objective is None else answer.objective, answer.verdict)

@@ -233,8 +233,11 @@ def searched(answer: Answer | SpatialAnswer) -> str:
     """Say how many starts were made, how many ended at the value reported, and the best value but one."""
     effort = answer.search
     if effort is None:
-        largest = answer.verdict in (Verdict.PROVEN, Verdict.UNBOUNDED)
-        return "from rest only" if largest else "from rest only; a better local optimum may remain unfound"
+        if answer.verdict in (Verdict.PROVEN, Verdict.UNBOUNDED):
+            return "from rest only"
+        unfound = "a better local optimum may remain unfound"
+        hint = "--search 8 may find a better local optimum"
+        return f"from rest only; {hint if answer.motion.shape[1] == 6 else unfound}"
     if effort.starts == 1:
         return "1 start"
     ends = f"{effort.starts} starts, {effort.at_value} ended at this value"

@@ -166,6 +166,8 @@ def lost_sentence(found: Sweep) -> str:
     free = [s.gap for s in found.steps if s.verdict == Verdict.UNBOUNDED]
     if free:
         return f"nothing stops the motion at a gap of {number(free[0])} mm, the first that leaves room"
+    if found.steps and all(s.verdict in (Verdict.TOUCHING, Verdict.NOT_MAKEABLE) for s in found.steps):
+        return "at none of these gaps is there a motion to ask for"
     return "nothing in this range sets it free" if found.steps else "stopped before the first gap was done"
 
 
