@@ -148,6 +148,22 @@ def test_the_gap_for_a_motion_is_about_the_answer_of_flex(monkeypatch: pytest.Mo
     assert searches.count(None) < len(found.trials)  # larger gaps go on from the ends of smaller ones
 
 
+def test_the_path_of_a_larger_gap_is_followed_as_far_as_it_is_free() -> None:
+    path = np.zeros((4, 2, 3))
+    path[1:, 1, 0], path[2:, 1, 1] = (
+        2.1,
+        (1.5, 2.06),
+    )  # along the corridor and up the shaft, of which 2.05 are left without a gap
+    found = replace(flex(corridor(gap=0.02), search=0), waypoints=path, motion=path[-1])
+    tight = PlanarStudy(corridor(), corridor().goals)
+    kept = tight.followed(found, 1.0)
+    assert kept is not None
+    assert (kept.objective, kept.verdict) == (pytest.approx(1.5), Verdict.STOPPED)
+    assert audit_path(tight.assembly, kept.waypoints).free
+    assert tight.followed(found, 1.6) is None
+    assert tight.followed(found, 3.0) is None
+
+
 def test_a_gap_whose_motion_was_not_searched_in_time_is_said_to_be_stopped() -> None:
     border = MotionBorder(PlanarStudy(corridor(gap=0.01), corridor().goals), 1.0, Deadline(60.0, None), None)
     low = border._bracket()[0]

@@ -107,6 +107,9 @@ class GapStudy(Protocol[Found]):
     def in_place_of(self, lower: Found, smaller: Found) -> Found:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
 
+    def followed(self, larger: Found, limit: float) -> Found | None:
+        """The path of a larger gap, up to where it is worth more than `limit`, as an answer for this one; None where parts meet."""
+
     def can_be_ranked(self, answer: Found) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
 

@@ -92,7 +92,7 @@ class MotionBorder(Generic[Found]):
             if low is None or self._confirmed(low):
                 break
             self.begin = begin
-            self.trials = {gap: trial for gap, trial in self.trials.items() if gap in self.searched}
+            self.trials = {gap: t for gap, t in self.trials.items() if gap in self.searched or self._fails(t)}
             self.ends = {gap: end for gap, end in self.ends.items() if gap in self.searched}
             low, high, why = self._bracket()
         if low is None:
@@ -128,6 +128,9 @@ class MotionBorder(Generic[Found]):
 
     def _above(self, low: float, size: float) -> tuple[float | None, str]:
         """A gap at which a larger motion was found, or None and why there is none."""
+        known = [t.gap for t in self.trials.values() if t.gap > low and self._fails(t)]
+        if known:
+            return min(known), ""
         gap, made, step = low or SETTINGS.first_gap_share * size, low, 0.0
         while not self.deadline.is_set():
             value = self.trials[low].value
@@ -157,26 +160,57 @@ class MotionBorder(Generic[Found]):
 
     def _narrow(self, low: float, high: float) -> tuple[float, float]:
         """Enclose the border to `relative_tolerance`: secant steps from either side in turn, and halving where they are slow."""
-        side, halve = 1.0, False
+        side, halve, high = 1.0, False, self._followed_down(low, high)
         low = max((t.gap for t in self.trials.values() if self._keeps(t) and t.gap < high), default=low)
         while high - low > SETTINGS.relative_tolerance * high and not self.deadline.is_set():
             wide = high - low
             gap = (low + high) / 2
-            below, above = self.trials[low].value, self.trials[high].value
-            if not halve and below is not None and above is not None and below < self.limit < above < math.inf:
-                chord = low + wide * (self.limit - below) / (above - below)
+            below, above = self.trials[low].value, self._end_above(high)
+            if not halve and below is not None and above is not None and below < self.limit:
+                chord = low + (above[0] - low) * (self.limit - below) / (above[1] - below)
                 gap = min(
                     max(chord + side * 0.3 * SETTINGS.relative_tolerance * high, low + 0.02 * wide), high - 0.02 * wide
                 )
             trial = self._at(gap)
             if self._fails(trial):
-                high, side = gap, -1.0
+                high, side = self._followed_down(low, gap), -1.0
             elif self._keeps(trial):
                 low, side = gap, 1.0
             else:
                 break
             halve = high - low > 0.5 * wide
         return low, high
+
+    def _end_above(self, high: float) -> tuple[float, float] | None:
+        """Nearest gap from `high` on whose motion ends beyond the limit, and its value; None where it is endless there."""
+        ends = [t for t in self.trials.values() if t.gap >= high and self._fails(t) and t.verdict != Verdict.STOPPED]
+        nearest = min(ends, key=lambda t: t.gap, default=None)
+        if nearest is None or nearest.value is None or nearest.value == math.inf:
+            return None
+        return nearest.gap, nearest.value
+
+    def _followed_down(self, low: float, high: float) -> float:
+        """Least gap above `low` at which the path by which `high` fails is free: far below it where the curve jumps."""
+        answer, tolerance = self.trials[high].answer, SETTINGS.relative_tolerance
+        if self.begin is TrialStart.REST:  # a climb costs little more than the check of a path
+            return high
+        if answer is None or not self._follows(answer, (1 - tolerance) * high):  # else a contact ends it
+            return high
+        high *= 1 - tolerance
+        while high - low > tolerance * high and not self.deadline.is_set():
+            gap = (low + high) / 2
+            low, high = (low, gap) if self._follows(answer, gap) else (gap, high)
+        return high
+
+    def _follows(self, answer: Found, gap: float) -> bool:
+        """True where the path of a larger gap is free here too until the motion is beyond the limit."""
+        try:
+            found = self.study.at_gap(gap).followed(answer, self.limit)
+        except InputError:
+            return False
+        if found is not None:
+            self.trials[gap] = Trial(gap, found.objective, found.verdict, True, None, found)
+        return found is not None
 
     def _confirmed(self, low: float) -> bool:
         """False where a global search at the answer, which not all trials make, finds a larger motion."""

@@ -23,13 +23,14 @@ from wiggleroom.errors import InputError, MissingExtraError, Stop
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import flex, witness
 from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.program.gap_sensitivity import OUTLINE_TOLERANCE, carried, gains
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search.active_set import touching
-from wiggleroom.search.answer import Answer
+from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.incumbent import Start
 from wiggleroom.search.local_search import LocalSearch
@@ -57,7 +58,7 @@ from wiggleroom.sensitivity.perturbation import (
 )
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
-from wiggleroom.verdict import PathState
+from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -129,6 +130,19 @@ class PlanarStudy:
     def in_place_of(self, lower: Answer, smaller: Answer) -> Answer:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
         return self.with_assembly(_in_place_of(lower, smaller))
+
+    def followed(self, larger: Answer, limit: float) -> Answer | None:
+        """The path of a larger gap, up to where it is worth more than `limit`, as an answer for this one; None where parts meet."""
+        its = bodies(self.assembly)
+        goal = objective(self.assembly, its, self.goals)
+        worth = np.array([goal.value(motion) for motion in of_bodies(self.assembly, its, larger.waypoints)])
+        beyond = np.flatnonzero(worth > limit)
+        if not len(beyond):
+            return None
+        path = larger.waypoints[: beyond[0] + 1]
+        if not audit_path(self.assembly, path).free:
+            return None
+        return witnessed(self.assembly, self.goals, Verdict.STOPPED, float(worth[beyond[0]]), path, PathState.CHECKED)
 
     @property
     def _asked(self) -> Assembly | Prepared:

@@ -99,6 +99,9 @@ class SpatialStudy:
         verdict = verdict_of_carried(smaller, lower)
         return replace(self.with_assembly(smaller), verdict=verdict, at_most=None, search=None)
 
+    def followed(self, *_: Any) -> None:
+        """None: checking a path in space for larger parts costs as much as looking for one."""
+
     def can_be_ranked(self, answer: SpatialAnswer) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
         return answer.warm_start is not None and answer.objective is not None and answer.verdict.ends
