@@ -347,3 +347,8 @@ def test_numbers_fit_into_their_discs():
     marks = re.findall(r'<circle [^>]*r="([\d.]+)"[^>]*/><text [^>]*font-size="([\d.]+)"[^>]*>(\d+)</text>', svg)
     assert {int(number) for _, _, number in marks} == set(range(1, 21))
     assert all(0.64 * len(number) * float(size) < 2 * float(radius) * 0.95 for radius, size, number in marks)
+
+
+def test_a_part_that_is_named_twice_is_taken_out_once() -> None:
+    assembly = turning_room(False)
+    assert wr.plan(assembly, ["bar", "bar"]).targets == ("bar",)

@@ -297,3 +297,12 @@ def test_differences_where_an_outline_cannot_move():
     differences, duals = wr.rank(assembly, by="differences"), wr.rank(assembly)
     assert differences.looser == pytest.approx(duals.looser, rel=1e-3)
     assert (differences.unique == duals.unique).all()
+
+
+def test_no_derivative_is_shown_that_is_only_rounding() -> None:
+    hole = shapely.box(0, 0, 30, 20).difference(shapely.box(5, 5, 25, 15))
+    parts = part_at("tray", hole, fixed=True), box("a", 5, 5, 14, 15), box("b", 14, 5, 22, 15)
+    ranking = wr.rank(assemble(Drawing(parts, gap=0.2, goals=(Turn("a", "ccw"),))))
+    slopes = np.abs([ranking.looser, ranking.tighter])
+    assert slopes.max() > 0.1
+    assert ((slopes == 0) | (slopes > 1e-9)).all()

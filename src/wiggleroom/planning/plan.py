@@ -141,10 +141,11 @@ def plan(
     began = time.perf_counter()
     limit = stop if seconds is None else Deadline(seconds, stop)
     standing = with_ground(assembly)
+    targets = tuple(dict.fromkeys(targets))
     check_targets(standing, targets)
     weight = None if gravity is None else Gravity(standing, survey(standing), gravity)
     holding_cost = None if weight is None else partial(weight.holding_cost, stop=limit)
-    done = disassemble(standing, targets=tuple(targets), holding_cost=holding_cost, stop=limit, tell=progress or silent)
+    done = disassemble(standing, targets=targets, holding_cost=holding_cost, stop=limit, tell=progress or silent)
     steps: tuple[Step, ...] = ()
     if done.departures:
         surveyed = survey(standing)
@@ -158,7 +159,7 @@ def plan(
     missed = bool(remains) if targets else not gone
     return Plan(
         assembly=assembly,
-        targets=tuple(targets),
+        targets=targets,
         verdict=done.last.ended if missed else Separability.COMES_APART,
         certainty=done.last.certainty if missed else Certainty.PROVEN,
         rest=done.last.ended,

@@ -26,6 +26,9 @@ Ints = NDArray[np.int64]
 MAX_LP_ROWS = 3000
 """With more active rows than this, ranges are estimated from random directions, not found by linear programs."""
 
+ROUNDING = 1e-9
+"""Share of the largest derivative below which one is none."""
+
 MAX_SOLVED_AGAIN = 40
 """Where the motion may slide without loss, up to so many parts whose derivative is not unique are solved again without being asked for."""
 
@@ -213,15 +216,22 @@ def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS,
         least, most = np.column_stack([low, elsewhere]).min(axis=1), np.column_stack([high, elsewhere]).max(axis=1)
         # with more gap the motion takes the best place for it: where forces are one at each place, that is where it is worth most
         looser, tighter = np.where(one_force, most, least), np.where(one_force, least, most)
-        ranges.append((np.where(unique, middle, looser), np.where(unique, middle, tighter), unique, middle))
+        looser, tighter = np.where(unique, middle, looser), np.where(unique, middle, tighter)
+        ranges.append((*_without_rounding(looser, tighter), unique, middle))
     (looser, tighter, unique, middle), (joint_looser, joint_tighter, joint_unique, _) = ranges
     most = np.maximum(joint_looser, joint_tighter)
-    held = most > 1e-9 * most.max(initial=0.0)
+    held = most > ROUNDING * most.max(initial=0.0)
     known = whole and not found.part_elsewhere.shape[1]
     return Ranking(
         answer, "duals", looser, tighter, unique, middle, joints[held], joint_looser[held], joint_tighter[held],
         joint_unique[held], "whole" if known else "sampled", found.virtual,
     )  # fmt: skip
+
+
+def _without_rounding(looser: Floats, tighter: Floats) -> tuple[Floats, Floats]:
+    """Derivatives (n,) with more and with less gap, zero where they are rounding beside the largest."""
+    least = ROUNDING * np.abs([looser, tighter]).max(initial=0.0)
+    return np.where(np.abs(looser) > least, looser, 0.0), np.where(np.abs(tighter) > least, tighter, 0.0)
 
 
 def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, by: str, many: ParallelRun) -> Ranking:
@@ -238,6 +248,7 @@ def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, b
     ends = "whole" if known else ranking.ends
     looser, tighter = ranking.looser.copy(), ranking.tighter.copy()
     looser[parts], tighter[parts] = pair.T
+    looser, tighter = _without_rounding(looser, tighter)
     unique = ranking.unique.copy()
     low, high = pair.min(axis=1), pair.max(axis=1)
     # a difference over a finite step feels the curvature a little

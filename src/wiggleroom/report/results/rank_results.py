@@ -97,7 +97,7 @@ def ranking_sure(ranking: Ranking) -> list[tuple[str, str]]:
     if not ranking.unique.all():
         said.append(("unique", ranking_unique(ranking)))
     if ranking.virtual > 1e-6:
-        held = f"{100 * ranking.virtual:.2g} % of the force is held where nothing touches: these numbers are no surer than that"
+        held = f"{number(100 * ranking.virtual, 2)} % of the force is held where nothing touches: these numbers are no surer than that"
         said.append(("walls", held))
     return said
 
