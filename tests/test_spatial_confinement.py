@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
 import shapely
 from benchmarks.attack.families_solid import draw_solids
+from scipy.optimize import brentq, linprog
 from shapely import Polygon, box
 
 import wiggleroom as wr
-from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
+from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement, packed_pieces
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
-from wiggleroom.spatial.overlaps.pose_cells import beyond_face, quaternion_of, rotation_of, turned_within
+from wiggleroom.spatial.overlaps.pose_cells import beyond_face, quaternion_of, rotation_of, turned_within, worn_by_pair
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.rotations import logarithm
+from wiggleroom.spatial.solids.convex import cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
@@ -137,3 +141,65 @@ def test_beyond_the_edge_of_a_cube_lie_the_same_rotations_in_another_cube() -> N
                 assert np.abs(inside - scaled).max() < 1e-8
                 quaternion_of(other, inside, same)
                 assert abs(same @ q) == pytest.approx(1.0, abs=1e-12)
+
+
+def together(P: np.ndarray, Q: np.ndarray) -> bool:
+    """Whether the hulls of some corners meet, by linear programming."""
+    same = np.zeros((5, len(P) + len(Q)))
+    same[:3, : len(P)], same[:3, len(P) :] = P.T, -Q.T
+    same[3, : len(P)] = same[4, len(P) :] = 1.0
+    return linprog(np.zeros(same.shape[1]), A_eq=same, b_eq=[0, 0, 0, 1, 1], bounds=(0, None)).status == 0
+
+
+def border(worn: Callable[[np.ndarray], float], at: np.ndarray, along: np.ndarray) -> np.ndarray | None:
+    """The last place on the way from one along a direction where pieces overlap for sure; None where they never do, or for ever."""
+
+    def overlap(far: float) -> float:
+        return worn(at + far * along)
+
+    if overlap(0.0) <= 0 or overlap(40.0) > 0:
+        return None
+    return at + brentq(overlap, 0.0, 40.0) * (1 - 1e-6) * along
+
+
+def test_pieces_meet_at_all_poses_of_a_blocked_cell() -> None:
+    rng, blocked = np.random.default_rng(1), 0
+    nothing, axis, q0, turn = np.zeros(2, dtype=np.int64), np.empty(3), np.empty(4), np.empty(3)
+    for _ in range(400):  # a bar long beside its width pulls back as it turns, and more than in proportion
+        size, long, at = np.exp(rng.uniform(-1, 3, 3)), np.exp(rng.uniform(-2, 3, 3)), rng.normal(size=3)
+        P, Q = cuboid(-size / 2, size / 2), cuboid(at - long / 2, at + long / 2)
+        middle, width = rng.uniform(-0.5, 0.5, 3), np.exp(rng.uniform(-2, 0, 3)) * rng.choice([0, 1], 3)
+        low, high = np.append(np.zeros(3), middle - width / 2), np.append(np.zeros(3), middle + width / 2)
+        quaternion_of(0, middle, q0)
+        turned_within(0, low, high, q0, turn)
+        R = rotation_of(q0)
+        pieces = packed_pieces([P]), packed_pieces([Q]), nothing
+        T = border(partial(_worn, pieces=pieces, R=R, turn=turn, axis=axis), -R @ at, rng.normal(size=3))
+        if T is None:
+            continue
+        blocked += 1
+        for _ in range(6):
+            q = np.empty(4)
+            quaternion_of(0, np.where(rng.random(3) < 0.5, low[3:], high[3:]), q)
+            assert together(P.corners, Q.corners @ rotation_of(q).T + T + rng.choice([-0.01, 0.01], 3))
+    assert blocked > 100
+
+
+def _worn(T: np.ndarray, pieces: tuple, R: np.ndarray, turn: np.ndarray, axis: np.ndarray) -> float:
+    return worn_by_pair(*pieces, T, R, np.full(3, 0.01), turn, -np.inf, axis)
+
+
+def test_a_bar_that_turns_out_of_a_wall_does_not_meet_it_at_all_poses() -> None:
+    wall, bar = (
+        cuboid(np.array([20.0, -50, -50]), np.array([25.0, 50, 50])),
+        cuboid(*np.array([[-20.3, -0.2, -0.2], [20.3, 0.2, 0.2]])),
+    )
+    low, high, q0, turn = np.zeros(6), np.zeros(6), np.array([1.0, 0, 0, 0]), np.empty(3)
+    low[5], high[5] = -np.tan(0.125), np.tan(0.125)  # a quarter of a radian either way
+    turned_within(0, low, high, q0, turn)
+    q = np.empty(4)
+    quaternion_of(0, high[3:], q)
+    assert together(wall.corners, bar.corners)
+    assert not together(wall.corners, bar.corners @ rotation_of(q).T)
+    pieces = packed_pieces([wall]), packed_pieces([bar]), np.zeros(2, dtype=np.int64)
+    assert worn_by_pair(*pieces, np.zeros(3), np.eye(3), np.zeros(3), turn, -np.inf, np.empty(3)) <= 0

@@ -146,7 +146,7 @@ class PairwiseConfinement:
                 return False
         ignored = bodies.ignored
         allowed = np.array([[(min(p, q), max(p, q)) not in ignored for q in owner] for p in whose])
-        A, B = _packed(theirs), _packed(mine)
+        A, B = packed_pieces(theirs), packed_pieces(mine)
         half_box = float(np.linalg.norm(A[0], axis=1).max() + np.linalg.norm(B[0], axis=1).max())
         most = effort.cells
         tree = (
@@ -185,7 +185,7 @@ class PairwiseConfinement:
         return self.stop is not None and self.stop.is_set()
 
 
-def _packed(pieces: Sequence[ConvexPiece]) -> tuple[Any, ...]:
+def packed_pieces(pieces: Sequence[ConvexPiece]) -> tuple[Any, ...]:
     """Corners, normals and edges of all pieces, where those of each begin, and the middle, radius and largest coordinates of each."""
     rows = [[getattr(p, kind) for p in pieces] for kind in ("corners", "normals", "edges")]
     begins = [np.cumsum([0, *(len(r) for r in some)]) for some in rows]

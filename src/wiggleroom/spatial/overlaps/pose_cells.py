@@ -210,15 +210,26 @@ def pop(far, faces, count):
 
 
 @njit(**OPTIONS)
+def corner_shifts(turn, reach, shift):
+    """Largest components (3,) [mm] of how far corners move, none further out than `reach` (3,), by rotation vectors within `turn` (3,).
+
+    Rodrigues: R v - v = sin(t) / t w x v + (1 - cos(t)) / t^2 w x (w x v), where t = |w|; the factors are at most 1 and 1/2.
+    """
+    for j in range(3):
+        i, k = (j + 1) % 3, (j + 2) % 3
+        first = turn[i] * reach[k] + turn[k] * reach[i]
+        second = turn[j] * (turn[i] * reach[i] + turn[k] * reach[k]) + reach[j] * (turn[i] ** 2 + turn[k] ** 2)
+        shift[j] = first + second / 2
+
+
+@njit(**OPTIONS)
 def worn_by_pair(A, B, pair, T, R, half, turn, above, axis):
     """Overlap [mm] of a pair (2,) of packed pieces at all poses of a cell, see `worn_overlap`."""
     PC, PN, PE, pc, pn, pe, _, _, _ = A
     QC, QN, QE, qc, qn, qe, _, _, Qa = B
     i, j = pair[0], pair[1]
     shift = np.empty(3)
-    shift[0] = turn[1] * Qa[j, 2] + turn[2] * Qa[j, 1]
-    shift[1] = turn[0] * Qa[j, 2] + turn[2] * Qa[j, 0]
-    shift[2] = turn[0] * Qa[j, 1] + turn[1] * Qa[j, 0]
+    corner_shifts(turn, Qa[j], shift)
     return worn_overlap(
         PC[pc[i] : pc[i + 1]], PN[pn[i] : pn[i + 1]], PE[pe[i] : pe[i + 1]],
         QC[qc[j] : qc[j + 1]], QN[qn[j] : qn[j + 1]], QE[qe[j] : qe[j + 1]], T, R, half, shift, above, axis,
@@ -228,15 +239,14 @@ def worn_by_pair(A, B, pair, T, R, half, turn, above, axis):
 @njit(**OPTIONS)
 def gains(B, j, cube, low, high, q0, R, half, axis, gain):
     """What the overlap of B's piece j along an axis (3,) loses across each axis of a cell: gain (6,) [mm]."""
-    m, turn = np.empty(3), np.empty(3)
+    m, turn, shift = np.empty(3), np.empty(3), np.empty(3)
     for i in range(3):
         m[i] = abs(R[0, i] * axis[0] + R[1, i] * axis[1] + R[2, i] * axis[2])
         gain[i] = abs(axis[i]) * half[i]
-    a = B[8][j]
     for d in range(3):
         turn_along(cube, low, high, d, q0, turn)
-        gain[3 + d] = turn[0] * (m[1] * a[2] + m[2] * a[1]) + turn[1] * (m[0] * a[2] + m[2] * a[0])
-        gain[3 + d] += turn[2] * (m[0] * a[1] + m[1] * a[0])
+        corner_shifts(turn, B[8][j], shift)
+        gain[3 + d] = m[0] * shift[0] + m[1] * shift[1] + m[2] * shift[2]
 
 
 @njit(**OPTIONS)
