@@ -257,8 +257,11 @@ class Solver:
         self.orders: asyncio.Queue[StartOrder] = asyncio.Queue()
         self.words: asyncio.Queue[Outgoing | Done] = asyncio.Queue()
         self.stopped: list[int] = []
-        self.warming = Warming()
+        self.warming = Warming(self.prepare)
         self.warming.done = True
+
+    async def prepare(self) -> None:
+        return None
 
     async def take(self) -> Solver:
         return self
