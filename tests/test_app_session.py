@@ -257,6 +257,7 @@ class Solver:
         self.orders: asyncio.Queue[StartOrder] = asyncio.Queue()
         self.words: asyncio.Queue[Outgoing | Done] = asyncio.Queue()
         self.stopped: list[int] = []
+        self.killed = 0
         self.warming = Warming(self.prepare)
         self.warming.done = True
 
@@ -279,7 +280,34 @@ class Solver:
         self.stopped.append(ticket)
 
     def kill(self) -> None:
+        self.killed += 1
+
+
+def test_a_job_that_stopped_in_time_and_goes_on_keeps_its_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "IDLE_SECONDS", 0.05)
+    monkeypatch.setattr(session, "STOP_SECONDS", 0.5)
+    solver = Solver()
+
+    async def send(_: list[bytes], __: bytes) -> None:
         return None
+
+    async def play() -> None:
+        one = session.Session(solver, send)  # type: ignore[arg-type]
+        work = asyncio.create_task(one.run())
+        await one.submit(b'{"kind": "check", "id": 1, "design": {}}')
+        first = await solver.orders.get()
+        await one.submit(b'{"kind": "shape", "id": 2, "design": {}}')
+        await solver.words.put(Done(first.ticket, good=False))
+        shape = await solver.orders.get()
+        await solver.words.put(Done(shape.ticket))
+        again = await solver.orders.get()
+        assert again.request == first.request
+        await asyncio.sleep(1.0)  # the time in which the first one had to stop is long over
+        work.cancel()
+
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, asyncio.wait_for(play(), 120)).result()
+    assert solver.killed == 0
 
 
 @pytest.mark.parametrize(

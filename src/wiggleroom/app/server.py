@@ -30,8 +30,6 @@ from wiggleroom.schema.replies import Hello, UploadLimits
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
-SPARE_SECONDS = 4.0
-"""So long after a page is opened [s], when its first answer is out, a process for the next one is begun."""
 MESSAGES_PER_SECOND = 500
 """Messages that a page may send in a second on average; further ones wait. A moving hand sends up to 240."""
 BURST_SECONDS = 1.0
@@ -154,13 +152,10 @@ class Page:
     async def _talk(self, socket: WebSocket, session: Session) -> None:
         """Frames in, answers out, until one side ends; then the next page's process is made ready."""
         loop = asyncio.get_running_loop()
-        # also while a part is dragged: a process that does not stop in time is replaced by the one that waits
-        ready = loop.call_later(SPARE_SECONDS, lambda: asyncio.ensure_future(self.pool.prepare()))
         sides = [asyncio.create_task(session.run()), asyncio.create_task(_listen(socket, session))]
         try:
             await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            ready.cancel()
             for side in sides:
                 side.cancel()
             await asyncio.gather(*sides, return_exceptions=True)

@@ -147,7 +147,8 @@ class Session:
         loop = asyncio.get_running_loop()
         left = job.began + GRACE_SECONDS - loop.time()
         if job.kind in ("drag", "flex") and not job.replied and left > 0:
-            loop.call_later(left, lambda: self._halt(job) if self._running is job else None)
+            ticket = job.ticket
+            loop.call_later(left, lambda: self._halt(job) if self._still(job, ticket) else None)
         else:
             self._halt(job)
 
@@ -161,9 +162,14 @@ class Session:
         if job is None or job.stopped or self._process is None:
             return
         job.stopped = True
-        process = self._process
-        process.stop(job.ticket)
-        asyncio.get_running_loop().call_later(STOP_SECONDS, lambda: process.kill() if self._running is job else None)
+        process, ticket = self._process, job.ticket
+        process.stop(ticket)
+        loop = asyncio.get_running_loop()
+        loop.call_later(STOP_SECONDS, lambda: process.kill() if job.stopped and self._still(job, ticket) else None)
+
+    def _still(self, job: Job, ticket: int) -> bool:
+        """True while a job runs as it did under a ticket: one that was stopped and begun again has another."""
+        return self._running is job and job.ticket == ticket
 
     async def run(self) -> None:
         """Work off requests until the page is gone."""
