@@ -157,7 +157,11 @@ def objective_in_same_walls(base: PerturbationBase, inward: Floats) -> float:
     Meant for displacements far below the gap. nan where the walls do not do any more: no solution, parts overlap, or an edge is lost.
     """
     found = _in_same_walls(base, inward)
-    return np.nan if found is None else found[0].objective.value(found[0].motion(found[1].u))
+    return np.nan if found is None else _objective(*found)
+
+
+def _objective(program: Program, solution: Solution) -> float:
+    return program.objective.value(program.motion(solution.u))
 
 
 def _in_same_walls(base: PerturbationBase, inward: Floats) -> tuple[Program, Solution] | None:
@@ -199,17 +203,16 @@ def perturbed_objective(
     climbed = _climbed_from_rest(ready, objective, goals, inward, most)
     if end is None or not np.isfinite(climbed.value):
         return climbed
-    found = _gone_on(end, inward)
-    beyond = found.value if found is not None and found.value <= most else objective_in_same_walls(end, inward)
+    first = _in_same_walls(end, inward)
+    if first is None:
+        return climbed
+    found = _gone_on(end, *first)
+    beyond = found.value if found is not None and found.value <= most else _objective(*first)
     return PerturbedObjective(float(beyond), Verdict.OPTIMAL) if beyond > climbed.value else climbed
 
 
-def _gone_on(end: PerturbationBase, inward: Floats) -> Incumbent | None:
-    """Where the rounds of the search lead from the end of an answer, in its moved walls first; None where they come to no end."""
-    first = _in_same_walls(end, inward)
-    if first is None:
-        return None
-    program, solution = first
+def _gone_on(end: PerturbationBase, program: Program, solution: Solution) -> Incumbent | None:
+    """Where the rounds of the search lead from the end of an answer, solved in its moved walls; None where they come to no end."""
     inner = solution.inner
     if not (program.values(inner) > 0).all():  # where it began, outside the moved walls
         if not solution.path:
@@ -271,7 +274,8 @@ def perturbed_objective_anew(
 
 def _grown_anew(end: PerturbationBase, inward: Floats, ready: Prepared, objective: Objective) -> Incumbent | None:
     """Where the rounds of the search lead from the end of an answer in cells that are grown anew; None where they come to no end."""
-    found = _gone_on(end, inward)
+    first = _in_same_walls(end, inward)
+    found = None if first is None else _gone_on(end, *first)
     if found is None:
         return None
     program = found.program
