@@ -608,6 +608,32 @@ def test_bad_drawings(sheet, draw, said):
     assert said in caught.value.findings[0] or said == "LINE"
 
 
+def hatched(space, x: float) -> None:
+    """A filled square, whose boundary is no entity of its own."""
+    hatch = space.add_hatch(color=1, dxfattribs={"layer": "fill"})
+    hatch.paths.add_polyline_path([(x, 0), (x + 4, 0), (x + 4, 4), (x, 4)], is_closed=True)
+
+
+def test_filled_areas_alone_are_refused_in_one_line(sheet):
+    """What there is, where, and what would be right."""
+    for x in (0, 5):
+        hatched(sheet.space, x)
+    with pytest.raises(InputError) as caught:
+        sheet.read()
+    assert list(caught.value.findings) == [
+        'x.dxf: has no closed outline, only 2 HATCH (filled, on layer "fill"); '
+        "draw the boundary of every part as a closed line"
+    ]
+
+
+def test_filled_areas_beside_outlines_are_left_out_and_said(sheet):
+    hatched(sheet.space, 0)
+    sheet.space.add_lwpolyline(SQUARE, close=True)
+    drawing = sheet.read()
+    assert len(drawing.parts) == 1
+    assert 'x.dxf: 1 HATCH (filled, on layer "fill") elements are left out; only outlines are parts' in drawing.notes
+
+
 def test_blocks_without_end(sheet):
     """In themselves, in a ring, and copies of copies of copies."""
     one, two = sheet.block("one", None), sheet.block("two", None)

@@ -98,7 +98,13 @@ def _chord_error(
     Refused is one of nothing, or of a size that cannot be worked with.
     """
     if not paths:
-        message = f"{artwork.file}: has no closed outline; every part must be closed"
+        kinds = " and ".join(f"{count} {kind}" for kind, count in artwork.left_out)
+        right = (
+            f", only {kinds}; draw the boundary of every part as a closed line"
+            if kinds
+            else "; every part must be closed"
+        )
+        message = f"{artwork.file}: has no closed outline{right}"
         raise InputError(artwork.findings or [message])
     chosen = [pair for pair, is_closed in zip(paths, closed, strict=True) if is_closed] or list(paths)
     curved = Curved()

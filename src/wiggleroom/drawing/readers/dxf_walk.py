@@ -113,6 +113,8 @@ class DxfWalk:
             self._insert(entity, state)
         elif kind in TEXT_KINDS:
             self._text(entity, state)
+        elif kind == "HATCH":
+            self.left_out[f'HATCH (filled, on layer "{state.layer}")'] += 1
         elif kind not in STROKES or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
             self.left_out[kind] += 1
         elif abs(entity.dxf.get("extrusion", (0, 0, 1))[2]) < 1 - TILT_TOLERANCE and kind not in ("LINE", "SPLINE"):
