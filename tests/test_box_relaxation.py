@@ -11,6 +11,7 @@ from wiggleroom.assembly.assembly import place
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, MAX_ROWS, add_rows, linear_program_maximum
 from wiggleroom.freespace.subdivision.disc_tree import disc_tree
+from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
 
 
 @njit(**OPTIONS)
@@ -22,10 +23,10 @@ def relaxed(at, half, swing, a, b, goal):
     some, one = np.empty(MAX_EDGES + 1, dtype=np.int64), np.empty(1, dtype=np.int64)
     line, rows = np.empty(3), np.empty((MAX_ROWS, 4))
     m = add_rows(
-        at[0], at[1], at[2], half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line, rows, 0,
+        at[0], at[1], at[2], half, swing, 0.0, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line, rows, 0,
     )  # fmt: skip
     m = add_rows(
-        at[0], at[1], at[2], half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line, rows, m,
+        at[0], at[1], at[2], half, swing, 0.0, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line, rows, m,
     )  # fmt: skip
     return rows[:m], linear_program_maximum(goal[0], goal[1], goal[2], rows, m, np.empty((3, 4)), np.empty((3, 3)))
 
@@ -60,3 +61,22 @@ def test_rows_hold_at_free_motions(joint, gap, shift):
         assert most >= goal @ z - 1e-9
         looked_at += len(rows)
     assert looked_at > 300
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_bound_lies_below_the_play_however_small_and_far_from_the_origin(seed):
+    """A rectangle in a hole that is wider by its play all round: pulled along its side it moves by the play."""
+    rng = np.random.default_rng(seed)
+    w, h = rng.uniform(0.5, 2, 2)
+    play, far, angle = 10 ** rng.uniform(-6, -4), 10 ** rng.uniform(4, 6), rng.uniform(0, 7)
+    peg = np.array([[-w, -h], [w, -h], [w, h], [-w, h]]) / 2
+    middle = rng.uniform(-far, far, 2)
+    hole, peg = (place(corners, (*middle, angle)) for corners in (peg + play * np.sign(peg), peg))
+    block = shapely.Polygon(place(np.array([[-3, -3], [3, -3], [3, 3], [-3, 3]]), (*middle, angle)), [hole])
+    pull = np.array([np.cos(angle), np.sin(angle)])
+    lever = np.array([pull @ middle, middle[0] * pull[1] - middle[1] * pull[0]])
+    boxes = MotionBoxes(1, block, shapely.Polygon(peg), pull, lever, 0.0, 60_000)
+    told = [boxes.beyond(np.inf, play * (1 + share), 300_000)[0] for share in (1e-2, 1e-4, 1e-6, 1e-8)]
+    at_most = [bound for bound in told if bound is not None]
+    assert at_most
+    assert all(bound >= play for bound in at_most)

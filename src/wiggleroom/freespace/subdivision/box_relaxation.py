@@ -23,6 +23,8 @@ MAX_PIVOTS = 40
 """Steps of the simplex method; every one of them is a bound, so it may end at any."""
 TOLERANCE = 1e-9
 """Share of a row that counts as nothing."""
+SUM_ROUNDING = 1e-14
+"""Sums of a few products are as exact as this share of their terms."""
 SURE_VIOLATION = 1e-7
 """Rows contradict each other only where their sum fails by more than this share."""
 
@@ -144,15 +146,17 @@ def supporting_line(x, y, radius, edge, some, count, line):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def add_rows(
-    x, y, turn, half, swing, of_b, p_edge, p_disc, p_kid, q_edge, q_disc, q_kid, stack, nodes, some, first, line, rows, m
+    x, y, turn, half, swing, slack, of_b, p_edge, p_disc, p_kid, q_edge, q_disc, q_kid, stack, nodes, some, first, line, rows, m
 ):  # fmt: skip
     """Append rows a . z <= b, z in [-1, 1]^3 the motions of the box, of the corners p of one body against edges q of the other.
 
-    `of_b` tells whether the corners are the moving body's. Returns the new number of rows.
+    `of_b` tells whether the corners are the moving body's. Corners may lie up to `slack` [mm] behind an edge, which is more than
+    rounding puts them elsewhere. Returns the new number of rows.
     """
     c, s = np.cos(turn), np.sin(turn)
-    shift, spread = np.sqrt(2.0) * half, 2.0 * np.sin(min(swing, np.pi) / 2)
+    shift, spread = np.sqrt(2.0) * half + slack, 2.0 * np.sin(min(swing, np.pi) / 2)
     tiny = 1e-12 * q_disc[0, 2]
+    least_room = tiny + slack
     nodes[0] = 0
     waiting = 1
     while waiting:
@@ -192,10 +196,10 @@ def add_rows(
                 ex, ey = q_edge[e, 2] - q_edge[e, 0], q_edge[e, 3] - q_edge[e, 1]
                 long = np.sqrt(ex * ex + ey * ey)
                 nx, ny = ey / long, -ex / long
-                room = nx * (zx - q_edge[e, 0]) + ny * (zy - q_edge[e, 1]) + tiny
+                room = nx * (zx - q_edge[e, 0]) + ny * (zy - q_edge[e, 1]) + least_room
             else:
                 nx, ny = line[0], line[1]
-                room = nx * zx + ny * zy - line[2] + tiny
+                room = nx * zx + ny * zy - line[2] + least_room
             if of_b:
                 gx, gy, gt = nx, ny, ny * (zx - x) - nx * (zy - y)
                 room += far * swing * swing / 2
@@ -247,13 +251,15 @@ def linear_program_maximum(c0, c1, c2, rows, m, active, inverse):
             max(c0 * b[0, 1] + c1 * b[1, 1] + c2 * b[2, 1], 0.0),
             max(c0 * b[0, 2] + c1 * b[1, 2] + c2 * b[2, 2], 0.0),
         )
-        value = 0.0
+        value, summed = 0.0, 0.0
         left0, left1, left2 = c0, c1, c2
         for k in range(3):
             value += y[k] * a[k, 3]
+            summed += y[k] * (abs(a[k, 0]) + abs(a[k, 1]) + abs(a[k, 2]) + abs(a[k, 3]))
             left0, left1, left2 = left0 - y[k] * a[k, 0], left1 - y[k] * a[k, 1], left2 - y[k] * a[k, 2]
-        # weak duality over the cube: it holds for whatever multipliers rounding has left
-        best = min(best, value + abs(left0) + abs(left1) + abs(left2))
+        # weak duality over the cube: it holds for whatever multipliers rounding has left, but for that of these sums: rows that are nearly
+        # parallel have large multipliers, which cancel
+        best = min(best, value + abs(left0) + abs(left1) + abs(left2) + SUM_ROUNDING * summed)
         worst, r0, r1, r2, r3 = 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(m):
             behind = rows[k, 0] * z0 + rows[k, 1] * z1 + rows[k, 2] * z2 - rows[k, 3]

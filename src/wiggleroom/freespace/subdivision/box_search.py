@@ -172,7 +172,10 @@ def cheapest_paths(
 def split_box(
     n, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
 ):  # fmt: skip
-    """Split box n into eight and classify them; returns the new number of boxes."""
+    """Split box n into eight and classify them; returns the new number of boxes.
+
+    `scale` (3,) holds the half sides of the window [mm] and [rad], and how far rounding may put points elsewhere [mm].
+    """
     stack = np.empty(STACK_SIZE, dtype=np.int64)
     nodes = np.empty(STACK_SIZE, dtype=np.int64)
     pieces = np.empty((128, 4))
@@ -190,16 +193,34 @@ def split_box(
         x, y = origin[0] + scale[0] * middle[m, 0], origin[1] + scale[0] * middle[m, 1]
         turn = origin[2] + scale[1] * middle[m, 2]
         state[m] = classify_box(
-            x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
+            x,
+            y,
+            turn,
+            half,
+            swing,
+            scale[2],
+            a_edge,
+            a_normal,
+            a_disc,
+            a_kid,
+            b_edge,
+            b_disc,
+            b_kid,
+            stack,
+            nodes,
+            pieces,
+            some,
         )
         upper[m] = objective_bound(asked, x, y, turn, half, swing)
         if state[m] != MIXED:
             continue
         found = add_rows(
-            x, y, turn, half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line, rows, 0,
+            x, y, turn, half, swing, scale[2], True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line,
+            rows, 0,
         )  # fmt: skip
         found = add_rows(
-            x, y, turn, half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line, rows, found,
+            x, y, turn, half, swing, scale[2], False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line,
+            rows, found,
         )  # fmt: skip
         if asked[5] == np.inf:  # nothing is asked but whether any motion in the box is free
             if found and linear_program_maximum(*NO_GOAL, rows, found, active, inverse) == -np.inf:

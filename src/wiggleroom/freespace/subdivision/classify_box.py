@@ -64,11 +64,14 @@ def signed_distance(x, y, edge, normal, disc, kid, stack):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def classify_box(
-    x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
+    x, y, turn, half, swing, slack, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
 ):
-    """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
+    """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad].
+
+    Points count as moving `slack` [mm] further than they do, which is more than rounding puts them elsewhere.
+    """
     c, s = np.cos(turn), np.sin(turn)
-    shift, spread = np.sqrt(2.0) * half, 2.0 * np.sin(min(swing, np.pi) / 2)
+    shift, spread = np.sqrt(2.0) * half + slack, 2.0 * np.sin(min(swing, np.pi) / 2)
     mixed = False
     nodes[0] = 0
     count = 1
@@ -148,7 +151,7 @@ def is_free_segment(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
         half = max(abs(d[0]), abs(d[1])) * (t1 - t0) / 2
         swing = abs(d[2]) * (t1 - t0) / 2
         how = classify_box(
-            m[0], m[1], m[2], half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
+            m[0], m[1], m[2], half, swing, 0.0, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
         )  # fmt: skip
         if how == FREE:
             continue

@@ -17,9 +17,11 @@ from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.box_search import CLOSED, FOUND, PAUSED, best_corner, search_boxes
 from wiggleroom.freespace.subdivision.disc_tree import disc_tree
 from wiggleroom.freespace.subdivision.passage import (
+    COORDINATE_ROUNDING,
     WINDOW_OFFSET,
     middle_of_contact,
     rim_point,
+    rounding_slack,
     shortcut,
     waypoints_through,
 )
@@ -78,7 +80,9 @@ class MotionBoxes:
         one, other = disc_tree(self.a, self.pivot), disc_tree(self.b, self.pivot)
         self._pair = (*one.arrays, other.edge, other.disc, other.kid)
         self._wrap = self.turn == 0.0
-        self._scale = np.array([1.1 * (one.radius + other.radius), np.pi if self._wrap else MAX_TURN])
+        self._scale = np.array(
+            [1.1 * (one.radius + other.radius), np.pi if self._wrap else MAX_TURN, rounding_slack(self.a, self.b)]
+        )
         self._origin = WINDOW_OFFSET * self._scale[[0, 0, 1]]
         self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
         self._state, self._first = np.zeros(self.most, dtype=np.int64), np.full(self.most, -1)
@@ -89,6 +93,8 @@ class MotionBoxes:
         # arms are measured from the pivot
         alpha, beta = self.lever[0] - (dx * x + dy * y), self.lever[1] - (x * dy - y * dx)
         self._asked = np.array([dx, dy, alpha, beta, self.turn, np.inf, np.inf])
+        terms = np.abs(self.lever).sum() + np.abs(self.pull).sum() * np.abs(self.pivot).sum() + self.largest_value
+        self._rounding = COORDINATE_ROUNDING * float(terms)
 
     @property
     def visits(self) -> int:
@@ -119,7 +125,7 @@ class MotionBoxes:
         Returns
         -------
         at_most : float or None
-            A value that no motion exceeds, no larger than `most`, where that is proven.
+            A value that no motion exceeds, larger than `most` by rounding at most, where that is proven.
         path : (k, 3) float64 [mm, mm, rad] or None
             Free motions about `pivot` from rest to one that is worth more, or out of the window; straight about it between them.
         """
@@ -133,7 +139,7 @@ class MotionBoxes:
                 self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._path, self._visits,
             )  # fmt: skip
         if how != FOUND:
-            return (largest if how == CLOSED else None), None
+            return (largest + self._rounding if how == CLOSED else None), None
         path = self._path[:length]
         points = waypoints_through(path, self._middle, self._level, self._origin, self._scale)
         reach = np.abs(self._middle[path[-1]]) + 0.5 ** self._level[path[-1]]
@@ -141,7 +147,7 @@ class MotionBoxes:
             return None, np.vstack([points, self._round(rim_point(self._middle[path[-1]], self._origin, self._scale))])
         if not self._wrap and reach[2] >= 1.0:
             return None, points
-        half = 0.5 ** self._level[path[-1]] * self._scale
+        half = 0.5 ** self._level[path[-1]] * self._scale[:2]
         x, y, turn = points[-1]
         _, turn = best_corner(self._asked, x, y, turn, *half)
         corner = [x + np.copysign(half[0], self.pull[0]), y + np.copysign(half[0], self.pull[1]), turn]

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.box_search import CLOSED, PAUSED, SPENT, search_boxes
 from wiggleroom.freespace.subdivision.classify_box import is_free_segment
@@ -22,6 +23,8 @@ STOP_CHECK_SECONDS = 0.2
 """About this often the search is asked whether it should stop [s]; it goes on as if it had not been interrupted."""
 WINDOW_OFFSET = np.array([0.0371, 0.0213, 0.0157])
 """The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
+COORDINATE_ROUNDING = 64 * float(np.finfo(np.float64).eps)
+"""Places at rest and in motion are as exact as this share of the largest coordinate."""
 NOTHING_ASKED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf, np.inf])
 """Only the rim is a goal."""
 
@@ -69,7 +72,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
     """
     pivot = middle_of_contact(a, b)
     one, other = disc_tree(a, pivot), disc_tree(b, pivot)
-    scale = np.array([1.1 * (one.radius + other.radius), np.pi])
+    scale = np.array([1.1 * (one.radius + other.radius), np.pi, rounding_slack(a, b)])
     origin = WINDOW_OFFSET * scale[[0, 0, 1]]
     middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
     state, first, upper = np.zeros(most, dtype=np.int64), np.full(most, -1), np.full(most, np.inf)
@@ -96,6 +99,17 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
             points = np.vstack([points, rim_point(middle[path[length - 1]], origin, scale)])
             return Passage(False, False, shortcut(points, pair), pivot)
     return Passage(False, False, None, pivot)
+
+
+def rounding_slack(a: shapely.Geometry, b: shapely.Geometry) -> float:
+    """How far points of two bodies may lie elsewhere [mm] than they should: by rounding, and by overlaps that count as none.
+
+    Rounding is a share of the largest coordinate. Where bodies are far from the origin for their size, or play is small, it counts: what
+    touches would else seem to overlap, and the best motion lie beyond its bound.
+    """
+    bounds = np.array([shapely.bounds(a), shapely.bounds(b)])
+    size = (bounds[:, 2:].max(0) - bounds[:, :2].min(0)).max()
+    return float(COORDINATE_ROUNDING * np.abs(bounds).max() + OVERLAP_TOLERANCE * size)
 
 
 def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
