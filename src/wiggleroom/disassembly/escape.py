@@ -25,6 +25,7 @@ from wiggleroom.disassembly.escape_search import (
     escape_path,
     search_for_escape,
 )
+from wiggleroom.disassembly.group_turns import group_turn
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
@@ -242,6 +243,11 @@ def _beyond_slides(
     known = _walled_in(ready, known, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
+    together = group_turn(assembly, surveyed, known.group, stop)
+    if together is not None:
+        stage = _leave_moving(assembly, surveyed, still, together.path, together.exit)
+        if stage.path is not None:
+            return stage
     for goals in effort.exits[::-1]:
         known_exit = escape_by_goals(simpler, ground, known.group, goals, stop)
         if known_exit is not None:

@@ -24,11 +24,11 @@ from wiggleroom.disassembly.remaining import only
 from wiggleroom.displayable import Displayable, Drawable
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
-from wiggleroom.form_closure.mobility import tight_verdict
+from wiggleroom.form_closure.closure_bound import ClosureBound, closure_bound
 from wiggleroom.maximise import witness
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress, silent
-from wiggleroom.verdict import Certainty, PathState, Separability, Tightness
+from wiggleroom.verdict import Certainty, PathState, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -36,8 +36,8 @@ Ints = NDArray[np.int64]
 
 SAME_AREA = 1e-6
 """Parts as drawn whose areas differ by less than this share are equally large."""
-TRIAL_GAP = 1e-4
-"""Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
+TRIAL_GAPS = 1e-4, 4e-6
+"""Gaps, as shares of the drawing's size, with which parts that touch at rest are looked at: the next where they come apart with one."""
 MIN_BOUND_SECONDS = 1.0
 """The bound on displacements may take as long as the verdict did, and at least this long [s]."""
 MIN_REFINED_SECONDS = 0.1
@@ -88,7 +88,7 @@ class Interlock(Drawable):
     unanswered : int
         Largest motions whose search found no end that is certain.
     tight : bool
-        True where parts touch at rest and the first-order test says that they are locked.
+        True where parts touch at rest and their contacts alone lock them.
     at_most : float or None [mm]
         A distance that no point of any part exceeds in any motion that starts at rest, proven; None where none was found as quickly as the
         verdict.
@@ -149,8 +149,8 @@ def check(
 
     Notes
     -----
-    Parts that touch at rest are locked where the first-order test proves it. Else they are looked at with a little gap: what interlocks
-    with it does so without.
+    Parts that touch at rest are locked where their contacts leave them no way, neither to first order nor further. Else they are looked
+    at with a little gap everywhere, as one what contacts lock: what interlocks with it does so without.
 
     Examples
     --------
@@ -260,7 +260,8 @@ def _tight(
 ) -> Interlock:
     """The same for parts that touch at rest."""
     began = time.perf_counter()
-    if tight_verdict(left).verdict is Tightness.LOCKED:
+    known = closure_bound(left, stop)
+    if known.all_locked:
         # a curve drawn tight may turn where the polygon that stands for it does not
         exact = Path(assembly.drawing.source).suffix.lower() in ("", ".json")
         sure: Certainty = Certainty.PROVEN if exact else Certainty.SEARCHED
@@ -268,11 +269,37 @@ def _tight(
         return Interlock(
             assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
         )
-    edges = replace(left.drawing, flattening=None)  # the edges of the gap that was asked for
-    loose = assemble(edges, gap=left.gap + TRIAL_GAP * left.size)
-    found = interlock(loose, replace(effort, passages=PassagesByGap()), every=every, stop=stop, tell=tell)
+    found = Interlock(left, Separability.UNKNOWN, Certainty.SEARCHED, whole=False)
+    for share in TRIAL_GAPS:
+        try:
+            loose = _loosened(left, known, share * left.size)
+            looked = interlock(loose, replace(effort, passages=PassagesByGap()), every=every, stop=stop, tell=tell)
+        except InputError:  # what is thinner than the little gap is not there with it, so nothing is known
+            continue
+        # what a smaller gap leaves open is no reason to doubt the path of a larger one; that it holds is
+        if looked.verdict is not Separability.UNKNOWN or found.verdict is Separability.UNKNOWN:
+            found = looked
+        if looked.verdict is not Separability.COMES_APART:
+            break
     apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
-    return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)
+    sure = Certainty.SEARCHED if apart else found.certainty
+    return replace(found, assembly=assembly, certainty=sure, seconds=time.perf_counter() - began)
+
+
+def _loosened(assembly: Assembly, known: ClosureBound, gap: float) -> Assembly:
+    """The assembly as made with a little gap [mm] everywhere, whatever its joints had, and as one what contacts certainly lock.
+
+    Raises
+    ------
+    InputError
+        If parts vanish.
+    """
+    names, group = assembly.names, known.group[known.body_of]
+    # a part that gets no further than the little gap from where it would be as one with others covers what is left of it there
+    firm = (known.far < gap / 4)[known.body_of]
+    drawing = assembly.as_cut()
+    glue = tuple(tuple(names[k] for k in np.flatnonzero(firm & (group == g))) for g in np.unique(group[firm]))
+    return assemble(replace(drawing, glue=(*drawing.glue, *(g for g in glue if len(g) > 1)), flattening=None), gap=gap)
 
 
 def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]:

@@ -13,21 +13,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.disassembly.translation_blocking import leaving
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.slices import edges_of
+from wiggleroom.freespace.translations import OVERLAP_NOISE, edges_of_all, translation_directions
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.translation_blocking import leaving
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-EVEN_DIRECTIONS = 24
-"""Directions evenly round, besides those of edges."""
-MAX_EDGE_DIRECTIONS = 48
-"""At most this many directions of edges are tried, the longest edges first."""
-OVERLAP_NOISE = 1e-10
-"""An overlap below this share of the drawing's size counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,37 +80,18 @@ def translation_escapes(
     near = _near(geometry, size)
     if thinner > 0:
         geometry = shapely.buffer(geometry, -thinner, join_style="mitre")
-    edges, first = _edges(geometry)
+    edges, first = edges_of_all(geometry)
     group = np.unique(group, return_inverse=True)[1].ravel()
     never = np.zeros((n, n), dtype=np.bool_)
     never[ignored // n, ignored % n] = never[ignored % n, ignored // n] = True
     found: list[TranslationEscape] = []
     who = np.zeros(n, dtype=np.bool_)
-    for d in _directions(edges):
+    for d in translation_directions(edges):
         if stop is not None and stop.is_set():
             break
         if leaving(edges, first, d, near, never, group, ground, size * OVERLAP_NOISE, who):
             found.append(TranslationEscape(np.flatnonzero(who), d))
     return found
-
-
-def _directions(edges: Floats) -> Floats:
-    """Unit vectors (k, 2): a fan, and both ways along the longest edges."""
-    fan = 2 * np.pi * np.arange(EVEN_DIRECTIONS) / EVEN_DIRECTIONS
-    along = edges[:, 2:] - edges[:, :2]
-    angle = np.arctan2(along[:, 1], along[:, 0]) % np.pi
-    slot = np.round(angle / 1e-3).astype(np.int64)
-    total = np.bincount(slot, weights=np.hypot(*along.T))
-    longest = np.argsort(-total, kind="stable")[:MAX_EDGE_DIRECTIONS]
-    exact = np.array([angle[np.flatnonzero(slot == s)[0]] for s in longest if total[s] > 0])
-    angles = np.concatenate([fan, exact, exact + np.pi])
-    return np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-def _edges(geometry: NDArray[np.object_]) -> tuple[Floats, Ints]:
-    """Edges (m, 4) of all bodies one after the other, and where each begins (n + 1,)."""
-    rows = [edges_of(material).reshape(-1, 4) for material in geometry]
-    return np.concatenate([*rows, np.zeros((0, 4))]), np.cumsum([0, *map(len, rows)])
 
 
 def _near(geometry: NDArray[np.object_], size: float) -> NDArray[np.bool_]:

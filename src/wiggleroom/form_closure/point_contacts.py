@@ -112,12 +112,12 @@ def point_contacts(assembly: Assembly, within: float | None = None) -> PointCont
         message = f"within is {within:g}: it must be more than 0"
         raise InputError(message)
     parts = _as_drawn(assembly)
-    body_of, ground = _bodies(assembly, parts)
-    loops, owner = _outlines(parts)
+    body_of, ground = rigid_bodies(assembly, parts)
+    loops, owner = placed_outlines(parts)
     size = float(np.ptp(loops.points, axis=0).max())
     tolerance = CONTACT_TOLERANCE * size if within is None else within
     body = body_of[owner]
-    found = _Edges(loops, body, _ignored(assembly), owner)
+    found = OutlineEdges(loops, body, ignored_parts(assembly), owner)
     rows = [_flush(found, tolerance), _corners(found, tolerance)]
     a, b, point, edge = (np.concatenate([r[i] for r in rows]) for i in range(4))
     keep = _once(a, b, point / tolerance / 10, edge)
@@ -130,7 +130,7 @@ def point_contacts(assembly: Assembly, within: float | None = None) -> PointCont
 
 
 @dataclass(frozen=True, eq=False)
-class _Edges:
+class OutlineEdges:
     """All outlines in assembly coordinates; edge and corner k share a number."""
 
     loops: Loops
@@ -140,14 +140,17 @@ class _Edges:
 
     @property
     def start(self) -> Floats:
+        """Where each edge begins (e, 2) [mm]."""
         return self.loops.points
 
     @property
     def end(self) -> Floats:
+        """Where each edge ends (e, 2) [mm]."""
         return self.loops.points[self.loops.after]
 
     @property
     def along(self) -> Floats:
+        """Unit directions of the edges (e, 2)."""
         direction = self.end - self.start
         return direction / np.hypot(*direction.T)[:, None]
 
@@ -167,7 +170,7 @@ class _Edges:
 Rows = tuple[Ints, Ints, Floats, Floats]
 
 
-def _flush(them: _Edges, tolerance: float) -> Rows:
+def _flush(them: OutlineEdges, tolerance: float) -> Rows:
     """Contacts at the ends of stretches along which two edges lie on each other."""
     lines = shapely.linestrings(np.stack([them.start, them.end], axis=1))
     i, j = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=tolerance)
@@ -195,7 +198,7 @@ def _flush(them: _Edges, tolerance: float) -> Rows:
     return them.body[i][two], them.body[j][two], np.vstack([first, last]), edge[two]
 
 
-def _corners(them: _Edges, tolerance: float) -> Rows:
+def _corners(them: OutlineEdges, tolerance: float) -> Rows:
     """Contacts of an outward corner with the inside of an edge, or with both edges of the inward corner it fills."""
     corner = np.flatnonzero(them.outward)
     lines = shapely.linestrings(np.stack([them.start, them.end], axis=1))
@@ -238,7 +241,7 @@ def _as_drawn(assembly: Assembly) -> tuple[Part, ...]:
     return apply_gap(replace(assembly.drawing, parts=drawn, gap=0.0, gaps=()))[0]
 
 
-def _bodies(assembly: Assembly, parts: tuple[Part, ...]) -> tuple[Ints, int]:
+def rigid_bodies(assembly: Assembly, parts: tuple[Part, ...]) -> tuple[Ints, int]:
     """Body of every part, and the one that stands."""
     group = glue_groups(assembly.drawing.glue)
     stands = {group[p.name] for p in parts if p.fixed and p.name in group}
@@ -260,7 +263,7 @@ def _bodies(assembly: Assembly, parts: tuple[Part, ...]) -> tuple[Ints, int]:
     return body_of, int(area.argmax())
 
 
-def _outlines(parts: tuple[Part, ...]) -> tuple[Loops, Ints]:
+def placed_outlines(parts: tuple[Part, ...]) -> tuple[Loops, Ints]:
     """Every outline where it lies at rest, and the part of every corner."""
     rings, _ = region_rings([r for p in parts for r in p.regions])
     counts = [sum(1 + len(r.holes) for r in p.regions) for p in parts]
@@ -269,7 +272,7 @@ def _outlines(parts: tuple[Part, ...]) -> tuple[Loops, Ints]:
     return loops, np.repeat(owner, loops.counts)
 
 
-def _ignored(assembly: Assembly) -> Ints:
+def ignored_parts(assembly: Assembly) -> Ints:
     """Pairs of parts that never collide, as numbers low * n + high."""
     index = {name: k for k, name in enumerate(assembly.names)}
     pairs = [sorted((index[one], index[other])) for one, other in assembly.drawing.ignore]

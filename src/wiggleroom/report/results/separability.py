@@ -123,7 +123,7 @@ def why(found: Interlock) -> str:
             return "parts touch at rest; with a little gap this is a path out, every step checked for overlap"
         return "every step of the path checked for overlap"
     if found.tight:
-        return "parts touch at rest and lock each other to first order" + (
+        return "parts touch at rest, and their contacts lock them" + (
             ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
         )
     if found.verdict is Separability.UNKNOWN:

@@ -38,6 +38,25 @@ def blocked(edges, top, b0, b1, a0, a1, unit):
 
 
 @njit(**OPTIONS)
+def turn_edges(edges, first, b, u, v, turned, boxes):
+    """Write the edges of body b in a frame with the x axis (u, v), the lowest first and each upwards, and the box round them."""
+    boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3] = np.inf, -np.inf, np.inf, -np.inf
+    low = np.minimum(
+        v * -edges[first[b] : first[b + 1], 0] + u * edges[first[b] : first[b + 1], 1],
+        v * -edges[first[b] : first[b + 1], 2] + u * edges[first[b] : first[b + 1], 3],
+    )
+    for place, k in enumerate(np.argsort(low, kind="mergesort")):
+        e = edges[first[b] + k]
+        bx, by, cx, cy = u * e[0] + v * e[1], u * e[1] - v * e[0], u * e[2] + v * e[3], u * e[3] - v * e[2]
+        if by > cy:
+            bx, by, cx, cy = cx, cy, bx, by
+        row = first[b] + place
+        turned[row, 0], turned[row, 1], turned[row, 2], turned[row, 3] = bx, by, cx, cy
+        boxes[b, 0], boxes[b, 1] = min(boxes[b, 0], bx, cx), max(boxes[b, 1], bx, cx)
+        boxes[b, 2], boxes[b, 3] = min(boxes[b, 2], by), max(boxes[b, 3], cy)
+
+
+@njit(**OPTIONS)
 def add_blocking_arcs(edges, first, boxes, near, wanted, ignored, group, arcs, unit):
     """Note in `arcs` which groups are blocked by which, looking at the pairs of bodies whose `near` is as `wanted`.
 
@@ -120,20 +139,7 @@ def leaving(edges, first, direction, near, ignored, group, ground, unit, who):
     u, v = direction[0], direction[1]
     turned, boxes = np.empty((len(edges), 4)), np.empty((n, 4))
     for b in range(n):
-        boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3] = np.inf, -np.inf, np.inf, -np.inf
-        low = np.minimum(
-            v * -edges[first[b] : first[b + 1], 0] + u * edges[first[b] : first[b + 1], 1],
-            v * -edges[first[b] : first[b + 1], 2] + u * edges[first[b] : first[b + 1], 3],
-        )
-        for place, k in enumerate(np.argsort(low, kind="mergesort")):
-            e = edges[first[b] + k]
-            bx, by, cx, cy = u * e[0] + v * e[1], u * e[1] - v * e[0], u * e[2] + v * e[3], u * e[3] - v * e[2]
-            if by > cy:
-                bx, by, cx, cy = cx, cy, bx, by
-            row = first[b] + place
-            turned[row, 0], turned[row, 1], turned[row, 2], turned[row, 3] = bx, by, cx, cy
-            boxes[b, 0], boxes[b, 1] = min(boxes[b, 0], bx, cx), max(boxes[b, 1], bx, cx)
-            boxes[b, 2], boxes[b, 3] = min(boxes[b, 2], by), max(boxes[b, 3], cy)
+        turn_edges(edges, first, b, u, v, turned, boxes)
     arcs, label = np.zeros((groups, groups), dtype=np.bool_), np.zeros(groups, dtype=np.int64)
     count = 0
     for wanted in (True, False):  # near ones decide most graphs
@@ -155,3 +161,37 @@ def leaving(edges, first, direction, near, ignored, group, ground, unit, who):
     for b in range(n):
         who[b] = best >= 0 and label[group[b]] == best
     return best >= 0
+
+
+@njit(**OPTIONS)
+def taken_along(edges, first, direction, ignored, fixed, unit, who):
+    """Mark in `who`, which holds one body, all that it pushes ahead of it along a direction; False where a fixed body is among them.
+
+    It is the smallest set with that body that no arc of the blocking graph leads out of.
+    """
+    n = len(first) - 1
+    turned, boxes, top = np.empty((len(edges), 4)), np.empty((n, 4)), np.empty(len(edges))
+    order = np.argsort(np.where(fixed, 0, 1), kind="mergesort")  # fixed ones end most questions
+    for b in order:
+        turn_edges(edges, first, b, direction[0], direction[1], turned, boxes)
+        highest = -np.inf
+        for i in range(first[b], first[b + 1]):
+            highest = max(highest, turned[i, 3])
+            top[i] = highest
+    waiting, height = np.empty(n, dtype=np.int64), 1
+    waiting[0] = np.flatnonzero(who)[0]
+    while height:
+        height -= 1
+        b = waiting[height]
+        for a in order:
+            if who[a] or ignored[b, a] or boxes[b, 0] >= boxes[a, 1] - unit:
+                continue
+            if boxes[b, 2] >= boxes[a, 3] - unit or boxes[b, 3] <= boxes[a, 2] + unit:
+                continue
+            if blocked(turned, top, first[b], first[b + 1], first[a], first[a + 1], unit):
+                if fixed[a]:
+                    return False
+                who[a] = True
+                waiting[height] = a
+                height += 1
+    return True
