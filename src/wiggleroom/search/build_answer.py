@@ -15,6 +15,7 @@ from wiggleroom.errors import WiggleroomError
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.search.answer import Answer, Contact, Period
 from wiggleroom.search.contact_forces import ContactForces, contact_forces, contacts
 from wiggleroom.search.incumbent import Incumbent
@@ -55,8 +56,11 @@ def answer_of(
         motions, deepest = _safe_part(search, motions, safe)
         verdict, value = Verdict.STOPPED, search.objective.value(motions[-1])
     first = search.objective.value(motions[0])
-    if verdict is Verdict.STOPPED and value < first:  # where it began is better than what was reached
+    at_rest = (verdict is Verdict.STOPPED and value < first) or (verdict.ends and value <= first)
+    if at_rest:  # where it began is better than what was reached, or as good
         motions, value, deepest = motions[:1], first, 0.0
+        if verdict.ends and not _best_at_rest(search):
+            verdict = Verdict.STOPPED
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
     waypoints, period = checked.waypoints[: len(motions)], None
@@ -67,7 +71,7 @@ def answer_of(
     elif verdict is Verdict.UNBOUNDED:
         leaves, turns = unlimited(ready.assembly, ready.bodies, found.motion, ready.size)
     held: tuple[Contact, ...] = ()
-    if verdict.ends:
+    if verdict.ends and not at_rest:
         held = contacts(ready.assembly, found.program, found.solution.u, forces)
     seconds = {k: v for k, v in search.seconds.items() if k != "check"}
     seconds["check"] = search.seconds["check"] + time.perf_counter() - started
@@ -93,6 +97,14 @@ def answer_of(
         period=period,
         warm_start=found if isinstance(found.program.cells, Cells) else None,  # stopped before there were cells
     )
+
+
+def _best_at_rest(search: LocalSearch) -> bool:
+    """True where the optimality conditions hold at rest, where nothing touches."""
+    ready = search.ready
+    program = build_program(ready.bodies, ready.cells, search.objective, length=ready.clearance)
+    rest = program.variables(np.zeros((len(ready.bodies.fixed), 3)))
+    return conditions(program, rest, np.zeros(program.rows)).hold(ready.size)
 
 
 def _safe_part(search: LocalSearch, motions: Floats, safe: float) -> tuple[Floats, float]:

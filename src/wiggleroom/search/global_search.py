@@ -16,6 +16,7 @@ from wiggleroom.search.local_search import LocalSearch, Policy
 from wiggleroom.search.moves import CLIMB, RANDOM_CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.state_tree import ClimbTree
+from wiggleroom.search.translational_escape import translational_escape
 
 Floats = NDArray[np.float64]
 
@@ -161,10 +162,10 @@ class _GlobalSearch:
             self.values.append(self.optima[met])
         if between is None:
             return
-        climb = self._search(self.first.objective, CLIMB)
-        found = self._run(climb, self.tree.states[between].step.start)
-        if found is None or not climb.ended or not climb.checked_path(found).sure:
+        climbed = self._escape_from(between) or self._climb(self.tree.states[between].step.start)
+        if climbed is None:
             return
+        climb, found = climbed
         self.values.append(found.value)
         self.optima[between] = found.value
         if not climb.unlimited and self.tree.known(found.motion) is None:
@@ -175,6 +176,22 @@ class _GlobalSearch:
             self._follow(whole, len(self.values) - 1)
         elif self.highest is None or found.value > self.highest[0].value:
             self.highest = whole, len(self.values) - 1
+
+    def _escape_from(self, state: int) -> tuple[LocalSearch, Incumbent] | None:
+        """A search that has gone on from the end of a straight path out of a state; None where none is known that leads on without end."""
+        far = self._escape(self.tree.states[state].step.start)
+        climbed = None if far is None else self._climb(far)
+        return climbed if climbed is not None and climbed[0].unlimited else None
+
+    def _escape(self, start: Start) -> Start | None:
+        """Far out on a straight path from a start, along which the true objective grows without end; None where there is none."""
+        return translational_escape(self.first.ready, self.first.objective, start)
+
+    def _climb(self, start: Start) -> tuple[LocalSearch, Incumbent] | None:
+        """A search that has climbed the true objective for a short while, and its end; None where that is not certainly reached."""
+        climb = self._search(self.first.objective, CLIMB)
+        found = self._run(climb, start)
+        return (climb, found) if found is not None and climb.ended and climb.checked_path(found).sure else None
 
     def follow_highest(self) -> None:
         """Follow the highest of the ends that were hardly better than the best at the time, where it is better than the best of all."""
@@ -196,8 +213,10 @@ class _GlobalSearch:
         """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
         search = self._search(objective, RANDOM_CLIMB)
         found = self._run(search, self.tree.states[state].step.start)
-        if found is None or search.unlimited or search.stopped:
+        if found is None or search.stopped:
             return None, None
+        if search.unlimited and self._escape(found.start()) is None:
+            return None, None  # nothing is gained where others have gone
         known = self.tree.known(found.motion)
         if known is not None or not search.checked_path(found).sure:
             return None, known

@@ -41,7 +41,7 @@ def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -
             continue
         for body in asked:
             who = _taken_along(ready, shapes, int(body), direction / length)
-            if who is not None and _grows(ready, objective, motion, who, direction / length):
+            if who is not None and grows(ready, objective, motion, who, direction / length):
                 return direction / length
     return None
 
@@ -72,7 +72,7 @@ def _taken_along(
     return who
 
 
-def _grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[np.bool_], direction: Floats) -> bool:
+def grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[np.bool_], direction: Floats) -> bool:
     """True where the objective grows without end."""
     away = np.zeros_like(motion)
     away[who, :2] = FAR * ready.size * direction

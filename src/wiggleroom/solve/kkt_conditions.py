@@ -19,7 +19,8 @@ class Conditions:
     Parameters
     ----------
     stationarity : float
-        Largest unbalanced force, as a share of the largest derivative of the objective.
+        Largest unbalanced force, as a share of the largest derivative of the objective; near a maximum of its own, where all derivatives
+        vanish, of what its curvature makes of them one length of the program away.
     violation : float [mm]
         Deepest violated row.
     complementarity : float
@@ -54,7 +55,7 @@ def conditions(program: Program, u: Floats, lam: Floats) -> Conditions:
         Derivative of the objective by each row, in units of the objective per `program.length`.
     """
     at = program.linearise(u)
-    unit = float(np.abs(at.gradient).max()) or 1.0
+    unit = max(float(np.abs(at.gradient).max()), _curvature(at)) or 1.0
     force = at.gradient + _forces(at, lam)
     value = max(abs(at.value), unit)
     return Conditions(
@@ -63,6 +64,15 @@ def conditions(program: Program, u: Floats, lam: Floats) -> Conditions:
         float(np.abs(lam * at.h).sum()) / value,
         float(lam.min(initial=0.0)) / max(float(lam.max(initial=0.0)), 1e-300),
     )
+
+
+def _curvature(at: Linearised) -> float:
+    """Largest curvature of the objective downwards, along any scaled variable."""
+    P = at.program
+    body, own, _ = P.objective.hessian(at.motion)
+    diagonal = np.zeros((len(P.slot), 3))
+    np.add.at(diagonal, body, own[:, [0, 1, 2], [0, 1, 2]])
+    return float(-(diagonal[P.free].ravel() * P.scale**2).min(initial=0.0))
 
 
 def _forces(at: Linearised, lam: Floats) -> Floats:
