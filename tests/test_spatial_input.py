@@ -427,7 +427,7 @@ def test_the_narrow_rim_of_a_rounded_box_is_one_plane_again(turned: int) -> None
     from shapely import box
     from trimesh.creation import extrude_polygon
 
-    from wiggleroom.spatial.solids.mesh_pieces import face_planes
+    from wiggleroom.spatial.solids.face_planes import face_planes
     from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
     from wiggleroom.spatial.solids.spatial_model import Surface
 

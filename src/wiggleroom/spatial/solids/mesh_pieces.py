@@ -5,20 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.spatial.solids.convex import ConvexPiece, convex_piece
+from wiggleroom.spatial.solids.convex_hulls import hull_surface, hull_volume
+from wiggleroom.spatial.solids.face_planes import FLAT, face_planes
 from wiggleroom.spatial.solids.face_triangulation import triangulated_anew
+from wiggleroom.spatial.solids.fins import convex_without_fins
 from wiggleroom.spatial.solids.solid_boolean import centroid_of, is_sound, solid_of, surface_of
 from wiggleroom.spatial.solids.spatial_model import MadeSolid, Surface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FLAT = 1e-7
-"""Faces whose normals differ by less and that share an edge lie in one plane [rad]."""
 CONVEX = 1e-9
 """A piece whose hull has no more than this share of additional volume is convex."""
 INEXACT = 1e-7
@@ -51,32 +50,11 @@ def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
     return MadeSolid(tuple(pieces), surface, volume, centroid), []
 
 
-def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
-    """Unit normals (f, 3) and offsets (f,) [mm] of the planes of all faces, and the plane of each face."""
-    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
-    cross = np.cross(b - a, c - a)
-    area = np.linalg.norm(cross, axis=1)
-    normal = cross / np.maximum(area, 1e-300)[:, None]
-    sides = np.sort(np.vstack([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]]), axis=1)
-    face = np.tile(np.arange(len(surface.faces)), 3)
-    order = np.lexsort(sides.T)
-    pairs = face[order].reshape(-1, 2)
-    flat = np.linalg.norm(normal[pairs[:, 0]] - normal[pairs[:, 1]], axis=1) < FLAT
-    links = sp.coo_matrix((np.ones(flat.sum()), pairs[flat].T), shape=(len(area), len(area)))
-    count, label = connected_components(links, directed=False)
-    total = np.zeros((count, 3))
-    np.add.at(total, label, cross)
-    unit = total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
-    level = np.full(count, -np.inf)
-    np.maximum.at(level, label, np.einsum("ij,ij->i", unit[label], a))
-    return unit, level, label
-
-
 def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
     """The surface with every plane moved inward (outward where negative); None and the reason where corners cannot follow."""
     normal, level, label = face_planes(drawn)
-    hull_volume = solid_of(drawn).hull().volume()
-    if hull_volume - centroid_of(drawn)[0] <= CONVEX * hull_volume:
+    whole = hull_volume(drawn.vertices)
+    if whole - centroid_of(drawn)[0] <= CONVEX * whole:
         return _convex_inward(normal, level, inward)
     vertices = drawn.vertices.copy()
     touch = [set() for _ in vertices]  # type: list[set[int]]
@@ -114,34 +92,34 @@ def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surfac
     if deepest.status != 0 or deepest.x[3] <= 0:
         return None, "vanishes"
     cut = HalfspaceIntersection(np.column_stack([normal, inward - level]), deepest.x[:3])
-    import manifold3d
-
-    return surface_of(manifold3d.Manifold.hull_points(cut.intersections)), ""
+    return hull_surface(cut.intersections), ""
 
 
 def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
 
     No plane cuts a part more than `PEELS` times: corners off their planes would come off film after film without end. Films of rounding
-    are left out: they are no material, and may lie across holes. Pieces lie on different sides of a cut, so they make up the solid where
-    none has more volume than its part and no part is lost.
+    are left out, and fins on what else is convex: they are no material, and may lie across holes. Pieces lie on different sides of a cut,
+    so they make up the solid where none has more volume than its part and no part is lost.
 
     Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
     """
     todo = [(lump, np.zeros((0, 4))) for lump in _lumps(solid)]
-    whole, hulls = solid.volume(), []
+    whole = solid.volume()
+    found: list[Floats] = []
     left, excess = whole, 0.0
     low, high = np.split(np.array(solid.bounding_box()), 2)
-    near, thin = FLAT * np.abs([low, high]).max(), FILM * np.linalg.norm(high - low)
+    near, thin = FLAT * np.abs([low, high]).max(), FILM * float(np.linalg.norm(high - low))
     while todo:
         part, done = todo.pop()
         if part.volume() <= 1e-12 * whole:
             continue
-        hull = part.hull()
-        film = _thickness(surface_of(part).vertices) <= thin
+        corners = surface_of(part).vertices
+        film = _thickness(corners) <= thin
+        hull = hull_volume(corners)
         halves: list[Any] = []
-        if not film and hull.volume() - part.volume() > CONVEX * hull.volume():
-            best, enough = np.inf, hull.volume() * (1 - CONVEX)
+        if not film and hull - part.volume() > CONVEX * hull:
+            best, enough = np.inf, hull * (1 - CONVEX)
             by: Floats = done[:0]
             compared = 0
             for cut in _cuts(surface_of(part)):
@@ -151,22 +129,24 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
                     continue
                 compared += 1
                 both = [h for half in part.split_by_plane(tuple(cut[:3].tolist()), cut[3]) for h in _lumps(half)]
-                hollow = sum(h.hull().volume() for h in both)
+                hollow = sum(hull_volume(surface_of(h).vertices) for h in both)
                 useful = len(both) > 1 or hollow < enough  # also where only a film without a volume falls off
                 sound = abs(sum(h.volume() for h in both) - part.volume()) <= SPLIT * whole
                 if useful and sound and both and hollow < best:
                     best, halves, by = hollow, both, cut[None]
             todo += [(half, np.vstack([done, by])) for half in halves]
+            if not halves and (bare := convex_without_fins(part, thin)) is not None:
+                corners, hull = bare, hull_volume(bare)
         if not halves:
             left -= part.volume()
         if not halves and not film:
-            hulls.append(hull)
-            excess += abs(hull.volume() - part.volume())
-        if len(hulls) + len(todo) > MAX_PIECES:
+            found.append(corners)
+            excess += abs(hull - part.volume())
+        if len(found) + len(todo) > MAX_PIECES:
             return None
     if excess + abs(left) > INEXACT * whole:
         return None
-    return [convex_piece(surface_of(hull).vertices) for hull in hulls]
+    return [convex_piece(corners) for corners in found]
 
 
 def _lumps(solid: Any) -> list[Any]:

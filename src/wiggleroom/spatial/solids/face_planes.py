@@ -1,0 +1,37 @@
+"""Planes in which the faces of a surface lie."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from wiggleroom.spatial.solids.spatial_model import Surface
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FLAT = 1e-7
+"""Faces whose normals differ by less and that share an edge lie in one plane [rad]."""
+
+
+def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
+    """Unit normals (f, 3) and offsets (f,) [mm] of the planes of all faces, and the plane of each face."""
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    normal = cross / np.maximum(area, 1e-300)[:, None]
+    sides = np.sort(np.vstack([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]]), axis=1)
+    face = np.tile(np.arange(len(surface.faces)), 3)
+    order = np.lexsort(sides.T)
+    pairs = face[order].reshape(-1, 2)
+    flat = np.linalg.norm(normal[pairs[:, 0]] - normal[pairs[:, 1]], axis=1) < FLAT
+    links = sp.coo_matrix((np.ones(flat.sum()), pairs[flat].T), shape=(len(area), len(area)))
+    count, label = connected_components(links, directed=False)
+    total = np.zeros((count, 3))
+    np.add.at(total, label, cross)
+    unit = total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
+    level = np.full(count, -np.inf)
+    np.maximum.at(level, label, np.einsum("ij,ij->i", unit[label], a))
+    return unit, level, label
