@@ -16,7 +16,14 @@ from shapely import Polygon, box
 import wiggleroom as wr
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement, packed_pieces
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
-from wiggleroom.spatial.overlaps.pose_cells import beyond_face, quaternion_of, rotation_of, turned_within, worn_by_pair
+from wiggleroom.spatial.overlaps.pose_cells import (
+    CLOSED,
+    beyond_face,
+    quaternion_of,
+    rotation_of,
+    turned_within,
+    worn_by_pair,
+)
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.rotations import logarithm
 from wiggleroom.spatial.solids.convex import cuboid
@@ -31,13 +38,39 @@ def spatial(*parts: dict, gap: float = 0.0) -> SpatialAssembly:
     return assemble_spatial(read_spatial(json.dumps({"format": "wiggleroom/2", "gap": gap, "parts": list(parts)})))
 
 
-def tray(opening: float) -> SpatialAssembly:
+def tray(opening: float, scale: float = 1.0, shift: float = 0.0) -> SpatialAssembly:
     """A slab 20 x 12 x 4 in a case whose front is open but for a rim that leaves an opening of some height."""
     case = [[-2, -2, -2, 24, 14, 0], [-2, -2, 5, 24, 14, 7], [-2, -2, 0, 24, 0, 5], [-2, 12.6, 0, 24, 14, 5]]
     case += [[-2, 0, 0, 0, 12.6, 5], [22, 0, opening, 24, 12.6, 5]]
-    return spatial(
-        {"name": "case", "boxes": case, "fixed": True}, {"name": "slab", "boxes": [[0.5, 0.3, 0.4, 20.5, 12.3, 4.4]]}
-    )
+    slab = [[0.5, 0.3, 0.4, 20.5, 12.3, 4.4]]
+    case, slab = ((scale * (np.array(boxes) + shift)).tolist() for boxes in (case, slab))
+    return spatial({"name": "case", "boxes": case, "fixed": True}, {"name": "slab", "boxes": slab})
+
+
+@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e3])
+@pytest.mark.parametrize("shift", [0.0, 1e5])
+@pytest.mark.parametrize(("opening", "held"), [(3.0, True), (4.0 + 1e-4, False), (4.2, False)])
+def test_what_is_held_does_not_hang_on_size_and_place(scale, shift, opening, held) -> None:
+    """An opening a little higher than the slab lets it out, though pieces overlap by next to nothing where they would have to touch."""
+    assembly = tray(opening, scale, shift)
+    assert PairwiseConfinement(prepare_spatial(assembly), None).prove(EFFORTS[1]) == held
+
+
+@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e3])
+def test_cells_are_blocked_by_more_than_the_reach_hides(scale, monkeypatch) -> None:
+    """Small where they meet, large besides: what must overlap is a share of the bodies' reach, not of the place where they meet."""
+    seen = []
+    monkeypatch.setattr("wiggleroom.spatial.confinement.cover", lambda *given: seen.append(given[4:8]) or CLOSED)
+    rod = [[0, 0, 0, 400, 1, 1]]
+    hook = [[399, -1, -1, 402, 2, -0.1], [399, -1, 1.1, 402, 2, 2], [401, -1, -0.1, 402, 2, 1.1]]
+    made = [
+        {"name": n, "boxes": (scale * np.array(b, dtype=float)).tolist()} for n, b in (("rod", rod), ("hook", hook))
+    ]
+    assembly = spatial({**made[0], "fixed": True}, made[1])
+    assert PairwiseConfinement(prepare_spatial(assembly), None).prove(EFFORTS[0])
+    half_box, *_, margin = seen[0]
+    assert half_box > 400 * scale
+    assert 1e-7 * half_box < margin < 1e-5 * half_box
 
 
 def test_a_loose_slab_behind_a_rim_is_held_and_that_is_proven() -> None:

@@ -10,6 +10,8 @@ from shapely import affinity
 
 import wiggleroom as wr
 from tests.test_spatial import ring, sound, spatial
+from wiggleroom.spatial.spatial_prepare import prepare_spatial
+from wiggleroom.spatial.turning_in_place import round_centres
 
 PLAY = 0.05
 
@@ -94,3 +96,14 @@ def test_a_bayonet_comes_apart_by_a_turn() -> None:
 
 def test_a_bayonet_without_a_slot_is_held() -> None:
     assert wr.check(spatial(*bayonet(False, 77.0)[0], glue=GLUE)).verdict == "interlocked"
+
+
+def test_the_axis_of_a_loose_pin_is_that_of_one_of_its_round_parts_and_lies_not_between_them() -> None:
+    hole = shapely.box(-15, -15, 15, 15).difference(disc(8, 9))
+    shaft, cam = plate("shaft", disc(16, 5), -5, 0), plate("cam", affinity.translate(disc(20, 5), 0.12, 0.05), 0, 5)
+    ready = prepare_spatial(
+        spatial(plate("frame", hole, -5, 5, fixed=True), shaft, cam, gap=2, glue=[["shaft", "cam"]])
+    )
+    body = int(np.flatnonzero(ready.grouping.bodies.moves)[0])
+    (centre,) = round_centres(ready, body, np.array([0.0, 0, 1]))
+    assert (centre + ready.grouping.bodies.at[body])[:2] == pytest.approx([0.12, 0.05], abs=1e-6)

@@ -10,15 +10,20 @@ Source: Zhang, Kim and Manocha, "Efficient cell labelling and path non-existence
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
+from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
+from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
+from wiggleroom.spatial.linking_number import CurveGraph, curve_graph, linked
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
 from wiggleroom.spatial.solids.convex import ConvexPiece
 from wiggleroom.spatial.solids.spatial_model import Surface
@@ -29,7 +34,14 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 MARGIN = 1e-6
-"""Cells are blocked where pieces overlap by more than this share of the size of where the bodies meet."""
+"""Cells are blocked where pieces overlap by more than this share of the bodies' reach: edges that are parallel but for rounding are left
+out of the axes, which hides up to a hundredth of it."""
+COORDINATE_ROUNDING = 64 * float(np.finfo(np.float64).eps)
+"""Corners at rest are as exact as this share of the largest coordinate."""
+MIN_WIDTH = 1e-7
+"""No cell may be narrower than this share of the reach: neighbours are looked for a thousandth of that beyond its faces."""
+PERPENDICULAR = 1e-6
+"""Unit vectors are perpendicular up to this product."""
 VISITS = 200
 """So many cells are looked at before the request to stop is."""
 
@@ -73,6 +85,7 @@ class PairwiseConfinement:
     ready: SpatialPrepared
     stop: Stop | None
     _group: list[int] = field(init=False)
+    _graphs: dict[int, CurveGraph] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         moves = self.ready.grouping.bodies.moves
@@ -84,22 +97,81 @@ class PairwiseConfinement:
         """True once all bodies are held together, and so to what stands."""
         return len(set(self._group)) == 1
 
+    def prove_by_shape(self) -> bool:
+        """Look for bodies that are linked, and for those that lie in a cage of others, whatever the cells say; True once all are held."""
+        units = self._units
+        for one, two in itertools.combinations(units, 2):
+            if self._apart(one, two) and (self._linked(one, two) or self._caged(one, two) or self._caged(two, one)):
+                self._join(one, two)
+        return self.complete
+
     def prove(self, effort: CoverEffort) -> bool:
         """Look at pairs of bodies that are not held together yet, until all are, or one is held by none; True once all are."""
-        bodies = self.ready.grouping.bodies
-        still = np.flatnonzero(~bodies.moves).tolist()
-        units = [*([still] if still else []), *([k] for k in np.flatnonzero(bodies.moves).tolist())]
+        units = self._units
         for unit in units:
             for other in units:
                 one, two = (other, unit) if len(other) > 1 else (unit, other)
-                if self._stopped() or self._group[one[0]] == self._group[two[0]] or not self._near(one, two):
-                    continue
-                if self._held(one, two, effort):
-                    a, b = self._group[one[0]], self._group[two[0]]
-                    self._group = [a if g == b else g for g in self._group]
+                if self._apart(one, two) and self._closed_in(one, two, effort):
+                    self._join(one, two)
             if self._group.count(self._group[unit[0]]) == len(unit) and len(units) > 1:
                 break
         return self.complete
+
+    @cached_property
+    def _units(self) -> list[list[int]]:
+        """All bodies that stand, and each of the others."""
+        moves = self.ready.grouping.bodies.moves
+        still = np.flatnonzero(~moves).tolist()
+        return [*([still] if still else []), *([k] for k in np.flatnonzero(moves).tolist())]
+
+    def _apart(self, one: list[int], two: list[int]) -> bool:
+        """True where two neighbours are not known to be held together, and nobody asked to stop."""
+        return not self._stopped() and self._group[one[0]] != self._group[two[0]] and self._near(one, two)
+
+    def _join(self, one: list[int], two: list[int]) -> None:
+        a, b = self._group[one[0]], self._group[two[0]]
+        self._group = [a if g == b else g for g in self._group]
+
+    def _linked(self, one: list[int], two: list[int]) -> bool:
+        """True where closed curves in two bodies go through each other, and no two of their parts ignore each other."""
+        first, second = (self._parts(unit) for unit in (one, two))
+        if any((min(p, q), max(p, q)) in self.ready.grouping.bodies.ignored for p in first for q in second):
+            return False
+        return linked(self._curves(one), self._curves(two))
+
+    def _curves(self, unit: list[int]) -> CurveGraph:
+        """Closed curves in some bodies at rest."""
+        known = self._graphs.get(unit[0])
+        if known is None:
+            known = self._graphs[unit[0]] = curve_graph(self._framed(unit, np.eye(3), np.zeros(3))[0])
+        return known
+
+    def _parts(self, unit: list[int]) -> list[int]:
+        return np.flatnonzero(np.isin(self.ready.grouping.body_of, unit)).tolist()
+
+    def _caged(self, one: list[int], two: list[int]) -> bool:
+        """True where something of the second lies in a closed cavity of the first, or holds a ball that cannot leave it."""
+        if len(two) > 1:
+            return False
+        assembly, ignored = self.ready.assembly, self.ready.grouping.bodies.ignored
+        cage, owner = self._framed(one, np.eye(3), np.zeros(3))
+        inner, whose = self._framed(two, np.eye(3), np.zeros(3))
+        ball: tuple[float, Floats, int] = (0.0, np.zeros(3), 0)
+        low, high = self._box(one)
+        for piece, part in zip(inner, whose, strict=True):
+            if not ((piece.corners.mean(axis=0) > low) & (piece.corners.mean(axis=0) < high)).all():
+                continue
+            around = [k for k in self._parts(one) if (min(k, part), max(k, part)) not in ignored]
+            for k in around:
+                p, surface = assembly.parts[k], assembly.made[k].surface
+                world = Surface(surface.vertices @ p.R.T + p.at, surface.faces)
+                if in_closed_cavity(world, piece.corners[:1]):
+                    return True
+            middle, radius = inscribed_ball(piece)
+            ball = max(ball, (radius, middle, part), key=lambda found: found[0])
+        radius, middle, part = ball
+        facing = [p for p, k in zip(cage, owner, strict=True) if (min(k, part), max(k, part)) not in ignored]
+        return radius > 0 and bool(facing) and ball_stays(facing, middle, radius, self.stop)
 
     def _near(self, one: Sequence[int], other: Sequence[int]) -> bool:
         """True where boxes round bodies at rest meet."""
@@ -111,7 +183,7 @@ class PairwiseConfinement:
         corners = np.vstack([p.corners + bodies.at[k] for k in unit for p in bodies.pieces[k]])
         return corners.min(axis=0), corners.max(axis=0)
 
-    def _held(self, one: list[int], other: list[int], effort: CoverEffort) -> bool:
+    def _closed_in(self, one: list[int], other: list[int], effort: CoverEffort) -> bool:
         """True where two bodies, the first of which may be all that stand, are shown never to part."""
         asked = [(one, other, True)]
         if len(one) == 1:
@@ -134,7 +206,7 @@ class PairwiseConfinement:
                 return False
             through = centre[0] + bodies.at[body]
             origin = through + ((origin - through) @ z) * z
-        x = next((e for e in edges[1:] if abs(e @ z) < MARGIN), np.linalg.svd(z[None])[2][1])
+        x = next((e for e in edges[1:] if abs(e @ z) < PERPENDICULAR), np.linalg.svd(z[None])[2][1])
         x = x - (x @ z) * z
         x /= np.linalg.norm(x)
         frame = np.array([x, np.cross(z, x), z])
@@ -148,6 +220,9 @@ class PairwiseConfinement:
         allowed = np.array([[(min(p, q), max(p, q)) not in ignored for q in owner] for p in whose])
         A, B = packed_pieces(theirs), packed_pieces(mine)
         half_box = float(np.linalg.norm(A[0], axis=1).max() + np.linalg.norm(B[0], axis=1).max())
+        if min(effort.free_width, effort.blocked_width) * size < MIN_WIDTH * half_box:
+            return False
+        margin = MARGIN * half_box + COORDINATE_ROUNDING * float(np.abs([*self._box(one), *self._box([body])]).max())
         most = effort.cells
         tree = (
             np.empty((most, 6)), np.empty((most, 6)), np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most, np.int64),
@@ -157,7 +232,7 @@ class PairwiseConfinement:
         ended = PAUSED
         while ended == PAUSED and not self._stopped():
             ended = cover(
-                A, B, allowed, as_round, half_box, effort.free_width * size, effort.blocked_width * size, MARGIN * size,
+                A, B, allowed, as_round, half_box, effort.free_width * size, effort.blocked_width * size, margin,
                 tree, heap, counts, VISITS,
             )  # fmt: skip
         return bool(ended == CLOSED)

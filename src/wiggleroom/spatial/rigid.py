@@ -45,6 +45,13 @@ class RigidBodies:
         """Bodies (n,) that are not fixed."""
         return np.asarray(self.free.any(axis=1))
 
+    def may_overlap(self, a: int, piece: int, b: int, other: int) -> bool:
+        """True where pieces of two bodies belong to parts that never collide."""
+        if not self.ignored:
+            return False
+        p, q = int(self.owner[a][piece]), int(self.owner[b][other])
+        return (min(p, q), max(p, q)) in self.ignored
+
     @cached_property
     def corners(self) -> tuple[Floats, Ints, Ints]:
         """Corners of all pieces (c, 3) in the frames of their bodies, the body of each, and the first one of each piece."""

@@ -14,6 +14,7 @@ from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
+from wiggleroom.spatial.planar_slides import TranslationSpace
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.solids.convex import distinct_axes
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
@@ -36,6 +37,10 @@ UNDECIDED = 1e-2
 """A largest motion whose error is above this was not decided, and nothing is said about what lies beyond it."""
 PROVE_AFTER = (0, 1, 20)
 """After so many places the proofs that nothing leaves are tried, each with more effort; what is left of them before largest motions."""
+SAME_PLACE = 1e-9
+"""What has moved and turned by less is where it was [mm, rad]."""
+MAX_AXES = 4
+"""Paths by translations are looked for along and across at most so many axes."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 
@@ -150,10 +155,17 @@ class _Stage:
         rest = np.zeros((len(self.ready.assembly.parts), 6))
         places: list[Floats] = [rest[None]]
         axes = self._axes()
-        out = self._straight(rest[None], axes) or self._by_steps()
+        out = self._straight(rest[None], axes)
         if out is not None or self.cut_short():
             return out
-        asked, efforts, held = 0, list(EFFORTS), PairwiseConfinement(self.ready, self.stop)
+        held = PairwiseConfinement(self.ready, self.stop)
+        self.proven = held.prove_by_shape()
+        if self.proven:
+            return None
+        out = self._by_steps()
+        if out is not None or self.cut_short():
+            return out
+        asked, efforts = 0, list(EFFORTS)
         while asked < len(places):
             # straight paths are cheap: all of them from all places first
             for path in places[asked:]:
@@ -164,7 +176,7 @@ class _Stage:
                 out = self._straight(path, axes)
                 if out is not None:
                     return out
-                out = self._turn(path, places)
+                out = self._translated(path, axes, places[:asked]) or self._turn(path, places)
                 if out is not None:
                     return out
                 self._slide(path, axes, places)
@@ -246,6 +258,27 @@ class _Stage:
                     far = ready.checker.room(turned[-1], mine, direction, ready.size)
                     if before + NEW_PLACE * ready.clearance < far < ready.size:
                         self._add_slide(whole, mine, direction, far, places)
+        return None
+
+    def _translated(self, path: Floats, axes: Floats, before: Sequence[Floats]) -> tuple[list[int], Floats] | None:
+        """A path out by translations of a body alone; places that it reaches by translations from earlier ones are not looked at again."""
+        ready = self.ready
+        bodies, body_of = ready.grouping.bodies, ready.grouping.body_of
+        for b in np.flatnonzero(bodies.free[:, :3].all(axis=1)).tolist():
+            mine = np.where(body_of == b, 1.0, 0.0)[:, None] * [1, 1, 1, 0, 0, 0]
+            if any(np.allclose(path[-1] * (1 - mine), p[-1] * (1 - mine), rtol=0, atol=SAME_PLACE) for p in before):
+                continue
+            found = TranslationSpace(ready, path[-1], b, self.stop).way_out(axes[:MAX_AXES])
+            if self.cut_short():
+                return None
+            if found is None:
+                continue
+            slid, axis = found
+            for direction in (axis, -axis):
+                departure = StraightDeparture(ready, slid[-1], direction)
+                group = departure.parts_with([b])
+                if group:
+                    return group, np.concatenate([path, slid[1:], departure.end(group)[None]])
         return None
 
     def _add_slide(self, path: Floats, mine: Ints, direction: Floats, far: float, places: list[Floats]) -> None:

@@ -25,6 +25,7 @@ from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.spatial.straight_departure import StraightDeparture
+from wiggleroom.spatial.tunnelling import passing_pairs
 from wiggleroom.spatial.turning_in_place import TurnInPlace, common_edges, turn_in_place
 from wiggleroom.verdict import SolverStatus
 
@@ -228,6 +229,9 @@ class SpatialSearch:
             missed, rest_of_way = self._missed(program, found)
             if not len(missed) or self._asked_to_stop():
                 done = self._checked(program, found)
+                if not done.whole and not self._asked_to_stop():
+                    missed, rest_of_way = self._passed_through(program, found), []
+            if not len(missed) or self._asked_to_stop():
                 if before is not None and not done.good and self.value(before) > self.value(done):
                     return before
                 if end is None or done.good or self._asked_to_stop():
@@ -336,6 +340,12 @@ class SpatialSearch:
         return np.unique(np.vstack([nothing, *near]), axis=0), [
             p for p, n in zip(some, near, strict=True) if not len(n)
         ]
+
+    def _passed_through(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Ints:
+        """Pairs of pieces outside the program that meet between two waypoints: small pieces go through each other in one step."""
+        pairs = passing_pairs(self.ready.grouping.bodies, [point.pose for point in found.path])
+        known = set(map(tuple, program.pieces.tolist()))
+        return np.array([p for p in pairs.tolist() if tuple(p) not in known], dtype=np.int64).reshape(-1, 4)
 
     def _near(self, known: set[tuple[tuple[int, int], ...]], points: Sequence[SeparatingPlanePoint]) -> Ints:
         """Pairs of pieces that are not known and come near at some point, if any of them meet there."""

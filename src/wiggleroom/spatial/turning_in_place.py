@@ -20,6 +20,8 @@ MAX_FACES = 200
 """At most so many faces are looked at for one axis."""
 LEAST_FACES = 4
 """A line at which the normals of fewer faces meet is the axis of no round surface."""
+ON_AXIS = 1e-5
+"""Normals of faces that miss a line by a smaller share of the size meet there, at any clearance: numbers of four bytes miss by less."""
 CHORD = 0.02
 """A step leaves the arc by at most this multiple of the clearance."""
 MAX_AXES = 3
@@ -159,6 +161,6 @@ def round_centres(ready: SpatialPrepared, body: int, axis: Floats) -> list[Float
     met = p[i] + (np.einsum("kd,kd->k", p[j] - p[i], v) / slant)[:, None] * u
     met -= (met @ axis)[:, None] * axis
     off = np.cross(met[:, None] - p[None], n[None]) @ axis
-    on = np.abs(off) < ready.clearance / 10
+    on = np.abs(off) < ON_AXIS * ready.size
     best = int(on.sum(axis=1).argmax())
     return [met[best]] if on[best].sum() >= LEAST_FACES else []

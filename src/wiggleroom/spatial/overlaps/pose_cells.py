@@ -297,7 +297,7 @@ def cover(A, B, allowed, round_body, half_box, free_width, blocked_width, margin
     free_width, blocked_width : float [mm]
         Cells are split until that is what they gain: those whose middle seems free, and those whose middle is blocked.
     margin : float [mm]
-        An overlap is deeper.
+        An overlap is deeper: more than rounding, and than edges that count as parallel, may hide of bodies of that reach.
     tree : low (n, 6), high (n, 6), cube (n,), first child (n,), state (n,)
     heap : (12 n,) float64, (12 n,) int64
         Faces that are left to look beyond, as cell times 12 plus side, and how far out they are.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from wiggleroom.spatial.solids.mesh_pieces import face_planes
+from wiggleroom.spatial.solids.face_planes import face_planes
 from wiggleroom.spatial.solids.spatial_model import MadeSolid
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.facing import OPPOSITE
-from wiggleroom.spatial.solids.mesh_pieces import FLAT, face_planes
+from wiggleroom.spatial.solids.face_planes import FLAT, face_planes
 from wiggleroom.spatial.solids.spatial_model import Surface
 
 Floats = NDArray[np.float64]

@@ -49,7 +49,7 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
             axis[0], axis[1], axis[2] = -x[0], -x[1], -x[2]
     if best > 0 or best < -HARDLY * _farthest(P, Q):
         return best
-    nearest = _nearest_difference(P, Q, axis)
+    nearest = nearest_difference(P, Q, axis)
     room = _room(P, Q, nearest)
     if room > best:
         axis[:] = nearest
@@ -80,7 +80,7 @@ def distance(P, NP, EP, Q, NQ, EQ, axis, ratio):
     best = separation(P, NP, EP, Q, NQ, EQ, axis)
     if best <= 0:
         return best
-    nearest = _nearest_difference(P, Q, axis)
+    nearest = nearest_difference(P, Q, axis)
     room = _room(P, Q, nearest)
     if room <= best * (1 + 1e-9):
         return best
@@ -96,7 +96,7 @@ NEAREST = 1e-12
 
 
 @njit(**OPTIONS)
-def _nearest_difference(P, Q, axis):
+def nearest_difference(P, Q, axis):
     """Of all q - p, with p and q in two convex pieces that are apart along an axis, the one nearest to the origin [mm].
 
     Source: Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance between complex objects" (1988).

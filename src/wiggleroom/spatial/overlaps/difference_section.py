@@ -1,0 +1,100 @@
+"""Minkowski differences of convex pieces: where one may not lie against another, and the shadow of the part between two heights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FLAT = 1e-7
+"""Neighbouring triangles of a hull whose normals differ by less are one face."""
+
+
+@dataclass(frozen=True, eq=False)
+class MinkowskiDifference:
+    """Translations by which a convex piece Q comes to overlap a convex piece P: all differences p - q.
+
+    Parameters
+    ----------
+    corners : (k, 3) float64 [mm]
+    edges : (e, 2) int64
+        Corners at the ends of each.
+    """
+
+    corners: Floats
+    edges: Ints
+
+    def turned(self, frame: Floats) -> MinkowskiDifference:
+        """The same in the axes that are the rows of a frame (3, 3)."""
+        return MinkowskiDifference(self.corners @ frame.T, self.edges)
+
+    @cached_property
+    def is_prism(self) -> bool:
+        """True where all edges stand or lie, so that sections are the same at all heights."""
+        along = np.abs(self.corners[self.edges[:, 1]] - self.corners[self.edges[:, 0]])
+        return bool((np.minimum(along[:, 2], along[:, :2].max(axis=1)) <= FLAT * along.max()).all())
+
+    @cached_property
+    def footprint(self) -> shapely.Geometry:
+        """Its projection along z."""
+        return shapely.MultiPoint(self.corners[:, :2]).convex_hull
+
+
+def minkowski_difference(P: Floats, Q: Floats) -> MinkowskiDifference:
+    """Differences p - q of the hulls of corners P (k, 3) and Q (m, 3) [mm].
+
+    Examples
+    --------
+    >>> cube = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    >>> np.ptp(minkowski_difference(cube, 2 * cube).corners, axis=0).round(9).tolist()
+    [3.0, 3.0, 3.0]
+    """
+    from scipy.spatial import ConvexHull
+
+    points = (P[:, None] - Q[None]).reshape(-1, 3)
+    middle = points.mean(axis=0)
+    hull = ConvexHull(points - middle, qhull_options="Qt Q12")
+    normal, found = hull.equations[:, :3], []
+    for k in range(3):  # the side of every triangle opposite to a corner, and the triangle beyond it
+        other = hull.neighbors[:, k]
+        bent = np.linalg.norm(normal - normal[other], axis=1) > FLAT
+        once = bent & (other > np.arange(len(other)))
+        found.append(np.delete(hull.simplices[once], k, axis=1))
+    kept, numbers = np.unique(np.vstack(found), return_inverse=True)
+    return MinkowskiDifference(points[kept], numbers.reshape(-1, 2).astype(np.int64))
+
+
+def slab_shadow(differences: Sequence[MinkowskiDifference], low: float, high: float) -> shapely.Geometry:
+    """Union of the projections along z of what lies between two heights [mm]: of translations there, those that overlap.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]])
+    >>> wedge = minkowski_difference(corners, np.zeros((1, 3)))
+    >>> round(slab_shadow([wedge], 1.0, 5.0).area, 9)
+    0.5
+    """
+    polygons = []
+    for solid in differences:
+        z = solid.corners[:, 2]
+        if z.min() >= high or z.max() <= low:
+            continue
+        if solid.is_prism:
+            polygons.append(solid.footprint)
+            continue
+        flat = [solid.corners[(z >= low) & (z <= high), :2]]
+        for level in (low, high):
+            start, end = solid.corners[solid.edges[:, 0]], solid.corners[solid.edges[:, 1]]
+            crossed = (start[:, 2] - level) * (end[:, 2] - level) < 0
+            start, end = start[crossed], end[crossed]
+            share = (level - start[:, 2]) / (end[:, 2] - start[:, 2])
+            flat.append((start + share[:, None] * (end - start))[:, :2])
+        polygons.append(shapely.MultiPoint(np.vstack(flat)).convex_hull)
+    return shapely.union_all([p for p in polygons if p.geom_type == "Polygon"])

@@ -1,0 +1,289 @@
+"""Ways out by translations of one body: along a direction, and in planes across it, as a keyhole leaves the head of a pin.
+
+Between two neighbouring heights of corners of the Minkowski differences of its pieces and all others the free translations are taken for
+those of a prism: a polygon with holes, exact where faces stand or lie. Pieces of neighbouring polygons that overlap are joined. A path
+through them leads up or down until nothing is above or below. All its steps are checked anew.
+
+Source: exact cell decomposition by sweeping a plane, Latombe, "Robot Motion Planning" 1991; the configuration space of translations as
+the complement of Minkowski differences, Lozano-Pérez 1983.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.errors import Stop
+from wiggleroom.spatial.overlaps.difference_section import MinkowskiDifference, minkowski_difference, slab_shadow
+from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+
+Floats = NDArray[np.float64]
+
+MARGINS = (0.1, 0.002)
+"""The path stays that far from what it may not meet, in multiples of the clearance: first a wide one, then a narrow one."""
+MAX_SLOPING = 2
+"""Where faces slope about all axes, so many of those about which the fewest do are looked at."""
+SAME_HEIGHT = 1e-7
+"""Heights that differ by a smaller share of the size are one."""
+MAX_SLABS = 60
+"""Of more heights those are left out that are nearest to their neighbours; slabs of faces that slope are cut up to so many."""
+STRAIGHT = 1e-9
+"""A waypoint nearer to the line between its neighbours, as a share of the extent of the path, is left out."""
+SLIVER = 1e-8
+"""Polygons of a smaller area, as a share of the square of the length of their border, are rounding."""
+MAX_PAIRS = 4000
+"""Bodies that have more pairs of pieces with others are not looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Slab:
+    """Free translations between two heights: connected polygons (k,) [mm]."""
+
+    low: float
+    high: float
+    free: list[shapely.Polygon]
+
+    @property
+    def middle(self) -> float:
+        return (self.low + self.high) / 2
+
+
+class TranslationSpace:
+    """Translations of a body from a motion (n, 6), all others standing: what it may not meet.
+
+    Parameters
+    ----------
+    ready : SpatialPrepared
+    motion : (n, 6) float64 [mm, rad]
+    body : int
+    stop : optional
+        Anything with `is_set()`.
+    """
+
+    def __init__(self, ready: SpatialPrepared, motion: Floats, body: int, stop: Stop | None = None) -> None:
+        self._ready, self._motion, self._body, self._stop = ready, motion, body, stop
+
+    @cached_property
+    def _differences(self) -> list[MinkowskiDifference]:
+        """Of all pieces of other bodies and all of this one; none where they are too many."""
+        bodies, pose = self._ready.grouping.bodies, self._ready.grouping.pose_of(self._motion)
+
+        def placed(b: int) -> list[tuple[int, Floats]]:
+            corners = [piece.corners @ pose.R[b].T + pose.T[b] for piece in bodies.pieces[b]]
+            return list(zip(bodies.owner[b].tolist(), corners, strict=True))
+
+        mine = placed(self._body)
+        others = [piece for b in range(len(bodies.at)) if b != self._body for piece in placed(b)]
+        if len(mine) * len(others) > MAX_PAIRS:
+            return []
+        found = []
+        for (p, P), (q, Q) in itertools.product(others, mine):
+            if self._stopped():
+                return []
+            if (min(p, q), max(p, q)) not in bodies.ignored:
+                found.append(minkowski_difference(P, Q))
+        return found
+
+    def way_out(self, axes: Floats) -> tuple[Floats, Floats] | None:
+        """Checked motions (k, n, 6) of the body, from where it is to where it is free along one of some axes, ahead or back; and that axis.
+
+        Where all faces stand or lie about an axis, that alone is looked at: what is found there is all there is.
+        """
+        if not self._differences:
+            return None
+        views = []
+        for axis in axes:
+            across = np.linalg.svd(axis[None])[2][1]
+            frame = np.array([across, np.cross(axis, across), axis])
+            turned = [d.turned(frame) for d in self._differences]
+            views.append((sum(not d.is_prism for d in turned), frame, turned))
+        views.sort(key=lambda view: view[0])
+        for sloping, frame, turned in views[:1] if views[0][0] == 0 else views[:MAX_SLOPING]:
+            path = self._along(frame, turned, sloping > 0)
+            if path is not None:
+                return path, frame[2]
+        return None
+
+    def _along(self, frame: Floats, turned: Sequence[MinkowskiDifference], sloping: bool) -> Floats | None:
+        """Checked motions (k, n, 6) to where the body is free along the last axis of a frame; None where none are found."""
+        ready = self._ready
+        shadows = _shadows(turned, SAME_HEIGHT * ready.size, ready.clearance, sloping, self._stop)
+        for margin in MARGINS:
+            if self._stopped():
+                return None
+            translations = _through(_slabs(shadows, margin * ready.clearance, ready.size))
+            if translations is None:
+                continue
+            path = np.repeat(self._motion[None], len(translations), axis=0)
+            mine = np.flatnonzero(ready.grouping.body_of == self._body)
+            path[:, mine, :3] += (translations @ frame)[:, None]
+            steps = itertools.pairwise(path)
+            if not any(ready.checker.doubtful(one, two, first=True, only=mine.tolist()) for one, two in steps):
+                return path
+        return None
+
+    def _stopped(self) -> bool:
+        return self._stop is not None and self._stop.is_set()
+
+
+def _shadows(
+    differences: Sequence[MinkowskiDifference], near: float, clearance: float, sloping: bool, stop: Stop | None
+) -> list[tuple[float, float, shapely.Geometry]]:
+    """Translations that are blocked between all heights, from below everything to above everything: lower and upper ends, and polygons."""
+    levels = _levels(np.concatenate([d.corners[:, 2] for d in differences]), near, sloping, clearance)
+    ends = [levels[0] - 2 * clearance, *levels, levels[-1] + 2 * clearance]
+    found = []
+    for low, high in itertools.pairwise(ends):
+        if stop is not None and stop.is_set():
+            return []
+        found.append((low, high, slab_shadow(differences, low + near / 2, high - near / 2)))
+    return found
+
+
+def _slabs(shadows: Sequence[tuple[float, float, shapely.Geometry]], margin: float, size: float) -> list[_Slab]:
+    """Free translations at some distance from those that are blocked."""
+    bounds = np.array([[0.0, 0, 0, 0], *(blocked.bounds for _, _, blocked in shadows if not blocked.is_empty)])
+    around = shapely.box(*(bounds.min(axis=0)[:2] - size / 10), *(bounds.max(axis=0)[2:] + size / 10))
+    return [
+        _Slab(low, high, _polygons(shapely.difference(around, blocked.buffer(margin, join_style="mitre"))))
+        for low, high, blocked in shadows
+    ]
+
+
+def _levels(heights: Floats, near: float, sloping: bool, clearance: float) -> list[float]:
+    """Heights (k,) each once, in order, with some between where faces slope; those left out that are nearest to others where too many."""
+    levels = np.sort(heights)
+    levels = levels[np.diff(levels, prepend=-np.inf) > near]
+    if sloping:  # where the body is must be free, and so must be what is about there
+        levels = np.sort(np.append(levels[np.abs(levels) > clearance / 10], [-clearance / 10, clearance / 10]))
+    while len(levels) > MAX_SLABS:
+        thin = np.diff(levels)
+        thin[np.searchsorted(levels, 0.0) - 1] = np.inf
+        levels = np.delete(levels, 1 + int(thin[:-1].argmin()))
+    while sloping and len(levels) < MAX_SLABS:
+        k = int(np.diff(levels).argmax())
+        levels = np.insert(levels, k + 1, (levels[k] + levels[k + 1]) / 2)
+    return levels.tolist()
+
+
+def _through(slabs: Sequence[_Slab]) -> Floats | None:
+    """Translations (k, 3) from none to the lowest or the highest slab, through pieces that touch; None where there is no path."""
+    origin = shapely.Point(0.0, 0.0)
+    first = next((k for k, s in enumerate(slabs) if s.low < 0 <= s.high), None)
+    if first is None:
+        return np.zeros((1, 3))
+    begin = next(((first, i) for i, p in enumerate(slabs[first].free) if p.contains(origin)), None)
+    if begin is None:
+        return None
+    before: dict[tuple[int, int], tuple[tuple[int, int], shapely.Point] | None] = {begin: None}
+    todo = deque([begin])
+    while todo:
+        here = todo.popleft()
+        if here[0] in (0, len(slabs) - 1):
+            return _path_to(slabs, before, here)
+        for node, door in _neighbours(slabs, here):
+            if node not in before:
+                before[node] = (here, door)
+                todo.append(node)
+    return None
+
+
+def _neighbours(slabs: Sequence[_Slab], node: tuple[int, int]) -> Iterator[tuple[tuple[int, int], shapely.Point]]:
+    """Polygons above and below that overlap one, and a point well inside of what they share."""
+    k, i = node
+    mine = slabs[k].free[i]
+    for up in (k + 1, k - 1):
+        for j, other in enumerate(slabs[up].free):
+            shared = _polygons(shapely.intersection(mine, other))
+            if shared:
+                inner = max((shapely.maximum_inscribed_circle(p) for p in shared), key=lambda line: line.length)
+                yield (up, j), shapely.Point(inner.coords[0])
+
+
+def _polygons(shape: shapely.Geometry) -> list[shapely.Polygon]:
+    """Polygons of a shape that are no slivers."""
+    parts = shapely.get_parts(shape)
+    return [p for p in parts.tolist() if p.geom_type == "Polygon" and p.area > SLIVER * p.length**2]
+
+
+def _path_to(slabs: Sequence[_Slab], before: dict, node: tuple[int, int]) -> Floats:
+    """Translations (k, 3) to a polygon, backwards through those by which it was reached."""
+    chain = [node]
+    doors: list[shapely.Point] = []
+    while (known := before[chain[-1]]) is not None:
+        chain.append(known[0])
+        doors.append(known[1])
+    points = [np.zeros(3)]
+    for (k, i), door in zip(reversed(chain[1:]), reversed(doors), strict=True):
+        z = slabs[k].middle
+        flat = _inside(slabs[k].free[i], points[-1][:2], np.array([door.x, door.y]))
+        points += [np.array([*xy, z]) for xy in flat]
+    k = node[0]
+    points.append(np.array([*points[-1][:2], slabs[k].middle]))
+    return _bends(np.array(points))
+
+
+def _bends(points: Floats) -> Floats:
+    """First and last of points (k, 3) on a path, and those at which it changes its direction."""
+    near = STRAIGHT * float(np.ptp(points, axis=0).max())
+    kept = [points[0]]
+    for here, after in itertools.pairwise(points[1:]):
+        step, ahead = here - kept[-1], after - kept[-1]
+        far = float(np.linalg.norm(ahead))
+        between = far > near and 0 <= step @ ahead <= far**2
+        if np.linalg.norm(step) > near and not (between and np.linalg.norm(np.cross(step, ahead)) <= near * far):
+            kept.append(here)
+    return np.array([*kept, points[-1]])
+
+
+def _inside(polygon: shapely.Polygon, start: Floats, end: Floats) -> list[Floats]:
+    """Corners of a path inside a polygon with holes between two of its points, through triangles that share sides."""
+    if polygon.contains(shapely.LineString([start, end])):
+        return [start, end]
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    side: dict[frozenset, list[int]] = {}
+    for t, triangle in enumerate(triangles):
+        ring = list(triangle.exterior.coords)
+        for a, b in itertools.pairwise(ring):
+            side.setdefault(frozenset((a, b)), []).append(t)
+    beside: dict[int, list[tuple[int, Floats]]] = {t: [] for t in range(len(triangles))}
+    for ends, both in side.items():
+        if len(both) == 2:
+            middle = np.mean(list(ends), axis=0)
+            beside[both[0]].append((both[1], middle))
+            beside[both[1]].append((both[0], middle))
+    first, last = (int(shapely.distance(triangles, shapely.Point(p)).argmin()) for p in (start, end))
+    before: dict[int, tuple[int, Floats] | None] = {last: None}
+    todo = deque([last])
+    while todo:
+        t = todo.popleft()
+        for other, middle in beside[t]:
+            if other not in before:
+                before[other] = (t, middle)
+                todo.append(other)
+    points, t = [start], first
+    while (step := before.get(t)) is not None:
+        t = step[0]
+        points.append(step[1])
+    points.append(end)
+    return _shortened(polygon, points)
+
+
+def _shortened(polygon: shapely.Polygon, points: list[Floats]) -> list[Floats]:
+    """The path without corners that straight segments inside the polygon pass by."""
+    shapely.prepare(polygon)
+    kept, k = [points[0]], 0
+    while k < len(points) - 1:
+        ahead = (
+            j for j in range(len(points) - 1, k, -1) if polygon.contains(shapely.LineString([points[k], points[j]]))
+        )
+        k = next(ahead, k + 1)
+        kept.append(points[k])
+    return kept
