@@ -56,6 +56,26 @@ def between_motions(one: Floats, other: Floats, share: float) -> Floats:
     return out
 
 
+def in_sight(waypoints: Floats, far: float) -> Floats:
+    """Motion (n, 6) at the last moment of a path (k, n, 6) until which no part has gone further than `far` [mm].
+
+    >>> path = np.zeros((3, 1, 6))
+    >>> path[1:, 0, 0] = 3.0, 40.0
+    >>> in_sight(path, 10.0)[0, 0].round(6).tolist()
+    10.0
+    """
+    gone = np.linalg.norm(waypoints[:, :, :3], axis=2).max(axis=1) > far
+    if not gone.any():
+        return np.asarray(waypoints[-1])
+    k = max(int(gone.argmax()), 1)
+    low, high = 0.0, 1.0
+    for _ in range(60):  # distances are convex along a straight piece: they pass the limit once
+        middle = (low + high) / 2
+        shift = waypoints[k - 1, :, :3] + middle * (waypoints[k, :, :3] - waypoints[k - 1, :, :3])
+        low, high = (middle, high) if np.linalg.norm(shift, axis=1).max() <= far else (low, middle)
+    return between_motions(waypoints[k - 1], waypoints[k], low)
+
+
 def with_quaternions(motions: Floats) -> Floats:
     """Motions (..., 7) with quaternions x, y, z, w in place of the rotation vectors of (..., 6)."""
     q = quaternion(exponential(motions[..., 3:]))

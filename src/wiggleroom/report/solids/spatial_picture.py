@@ -17,6 +17,7 @@ from wiggleroom.report.pictures.palette import FONT, INK, PAPER, SUBDUED
 from wiggleroom.report.results.answer_words import certainty
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces, part_colours
 from wiggleroom.report.solids.spatial_model_file import glb
+from wiggleroom.report.solids.spatial_path import in_sight
 from wiggleroom.report.solids.spatial_table import spatial_headline
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, Surface
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
@@ -32,7 +33,7 @@ LIGHT = np.array([0.35, -0.55, 0.76])
 CREASE = 1e-3
 """Edges between faces that turn by more are drawn [rad]."""
 EXPLODED = 0.7
-"""Parts that left are shown no further away than this share of the size."""
+"""Parts that leave are shown no further away than this share of the size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +55,13 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
     InputError
         If the name has another ending.
     """
-    lines = [spatial_headline(answer), f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {certainty(answer)}"]
-    write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts, waypoints=answer.waypoints)
+    facts = f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {certainty(answer)}"
+    motion = answer.motion
+    if answer.leaves and ending(path) != ".glb":
+        motion = in_sight(answer.waypoints, EXPLODED * answer.assembly.size)
+        facts += ", shown while it is in sight"
+    lines = [spatial_headline(answer), facts]
+    write_moved_parts(answer.assembly, motion, path, lines, answer.contacts, waypoints=answer.waypoints)
 
 
 def draw_separation(found: SpatialDisassembly, path: Path) -> None:
