@@ -112,3 +112,9 @@ def test_panels_with_one_joint_need_one_region() -> None:
     surveyed = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
     joints, regions = outer_regions(surveyed, lambda: False)
     assert (len(joints.a), len(regions)) == (24, 1)
+
+
+def test_looking_for_joints_that_are_alike_stops_when_asked() -> None:
+    asked = iter([False, True])
+    joints, found = congruent_joints([pair(), pair(), pair()], over=lambda: next(asked))
+    assert len(joints) == len(found) == 1

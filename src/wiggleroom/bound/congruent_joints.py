@@ -7,7 +7,8 @@ which the same strips lie in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -201,9 +202,9 @@ def _angle_keys(angles: Floats) -> list[int]:
 
 
 def congruent_joints(
-    materials: Sequence[PairMaterial], width: float = STRIP_WIDTHS[0]
+    materials: Sequence[PairMaterial], width: float = STRIP_WIDTHS[0], over: Callable[[], bool] = lambda: False
 ) -> tuple[list[CongruentJoint], list[Congruence]]:
-    """Joints that differ, with strips of some width, and which of them each pair holds."""
+    """Joints that differ, with strips of some width, and which of them each pair holds; only of the first pairs where it is `over` before all."""
     known = KnownJoints(width)
-    found = [known.congruence(material) for material in materials]
+    found = [known.congruence(material) for material in itertools.takewhile(lambda _: not over(), materials)]
     return known.joints, found

@@ -83,12 +83,12 @@ def _regions(
         for width in (*STRIP_WIDTHS, np.inf):
             # what strips alone leave open, wider ones may close, or whole bodies
             open_ = np.flatnonzero(kind < 0).tolist()
-            joints, found = congruent_joints([made[c][0] for c in open_], width)
+            joints, found = congruent_joints([made[c][0] for c in open_], width, over)
             leader = [open_[next(i for i, one in enumerate(found) if one.joint == k)] for k in range(len(joints))]
             closed = list(pool.map(region, joints, leader))
             number = len(regions) - 1 + np.cumsum([r is not None for r in closed])
             regions += [r for r in closed if r is not None]
-            for c, one in zip(open_, found, strict=True):
+            for c, one in zip(open_, found, strict=False):  # fewer are found where it is over
                 if closed[one.joint] is not None:
                     kind[c], held[c] = number[one.joint], one
     known = np.flatnonzero(kind[label] >= 0)

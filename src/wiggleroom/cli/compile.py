@@ -32,6 +32,7 @@ def in_the_plane() -> None:
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)
+    flex(patterns.jigsaw(2, 2, gap=0.02))
     flex(patterns.grid(19, 19), search=0)
     free_space(patterns.chain(2), "b1", "b2")
     check(patterns.chain(2, joint="swallowtail", gap=0.02))
