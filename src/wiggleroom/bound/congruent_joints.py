@@ -204,7 +204,7 @@ def _angle_keys(angles: Floats) -> list[int]:
 def congruent_joints(
     materials: Sequence[PairMaterial], width: float = STRIP_WIDTHS[0], over: Callable[[], bool] = lambda: False
 ) -> tuple[list[CongruentJoint], list[Congruence]]:
-    """Joints that differ, with strips of some width, and which of them each pair holds; of the first pairs alone where it is `over` before."""
+    """Joints that differ, with strips of some width, and which of them each pair holds; of the first ones where it is `over` before."""
     known = KnownJoints(width)
     found = [known.congruence(material) for material in itertools.takewhile(lambda _: not over(), materials)]
     return known.joints, found
