@@ -39,6 +39,7 @@ ORDER = [
     "live",
     "spatial",
     "questions",
+    "gap_questions",
     "schema",
     "report",
     "verify",

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from wiggleroom.freespace.free_space import FreeSpace, free_space
     from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
     from wiggleroom.freespace.models.polyhedron import Polyhedron
+    from wiggleroom.gap_questions import allowable_gap, largest_gap, rank, sample, sweep, tighten
     from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
@@ -54,17 +55,7 @@ if TYPE_CHECKING:
         smallest_gap,
     )
     from wiggleroom.planning.steps import Step
-    from wiggleroom.questions import (
-        allowable_gap,
-        check,
-        flex,
-        largest_gap,
-        rank,
-        read,
-        sample,
-        sweep,
-        tighten,
-    )
+    from wiggleroom.questions import check, flex, read
     from wiggleroom.report.films.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
@@ -124,7 +115,7 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "WorstCase": "sensitivity.worst_case",
-    "allowable_gap": "questions",
+    "allowable_gap": "gap_questions",
     "assemble": "assembly.build",
     "blocking": "form_closure.blocking_graph",
     "check": "questions",
@@ -132,19 +123,19 @@ _HOME = {
     "film": "report.films.film",
     "flex": "questions",
     "free_space": "freespace.free_space",
-    "largest_gap": "questions",
+    "largest_gap": "gap_questions",
     "patterns": "assembly",
     "plan": "planning.plan",
     "prepare": "maximise",
     "prove": "bound.prove",
-    "rank": "questions",
+    "rank": "gap_questions",
     "read": "questions",
     "rank_plan": "planning.plan_tolerance",
-    "sample": "questions",
+    "sample": "gap_questions",
     "sample_plan": "planning.plan_tolerance",
     "smallest_gap": "planning.plan_tolerance",
-    "sweep": "questions",
-    "tighten": "questions",
+    "sweep": "gap_questions",
+    "tighten": "gap_questions",
     "tight_verdict": "form_closure.mobility",
     "read_tolerances": "drawing.readers.tolerances",
     "worst_case": "sensitivity.worst_case",

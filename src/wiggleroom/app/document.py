@@ -182,7 +182,7 @@ class Document:
 
     def largest_gap(self, design: Design, out: Reporter) -> LargestGap:
         """The largest gap that holds a design together."""
-        from wiggleroom.questions import largest_gap
+        from wiggleroom.gap_questions import largest_gap
 
         found = largest_gap(self.assembly(design), stop=out.stop)
         out.check()

@@ -39,7 +39,7 @@ BOUND_SECONDS = 20.0
 
 def rank(document: Document, request: RankRequest, out: Reporter) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
-    from wiggleroom.questions import rank as work_out
+    from wiggleroom.gap_questions import rank as work_out
 
     found = work_out(searched(document, request.design, out), stop=out.stop, progress=out.counted)
     out.check()
@@ -71,7 +71,7 @@ def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
 
 def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:
     """Motion against gap, told gap by gap; what it finds at the design's own gap is the answer, where that is more."""
-    from wiggleroom.questions import sweep as work_out
+    from wiggleroom.gap_questions import sweep as work_out
     from wiggleroom.sensitivity.perturbation import exceeds
 
     def tell(step: SweepStep, motion: np.ndarray | None) -> None:
@@ -95,7 +95,7 @@ def _gaps(request: SweepRequest) -> tuple[str, ...]:
 
 def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
     """Which parts to make tighter."""
-    from wiggleroom.questions import tighten as work_out
+    from wiggleroom.gap_questions import tighten as work_out
     from wiggleroom.report.page.study_tabs import tightening_message
 
     found = work_out(
@@ -109,7 +109,7 @@ def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
 
 def sample(document: Document, request: SampleRequest, out: Reporter) -> None:
     """How far it moves where gaps vary at random."""
-    from wiggleroom.questions import sample as work_out
+    from wiggleroom.gap_questions import sample as work_out
     from wiggleroom.report.page.study_tabs import sample_message
 
     found = work_out(

@@ -65,7 +65,7 @@ def gap(
     command = command_line()
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         from wiggleroom.drawing.dimension import is_spatial_file
-        from wiggleroom.questions import allowable_gap
+        from wiggleroom.gap_questions import allowable_gap
 
         assembly = read_in_space(file, asked, stop=stop) if is_spatial_file(file) else read(file, asked, stop)
 

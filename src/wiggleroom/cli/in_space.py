@@ -227,8 +227,8 @@ def check_in_space(
     from wiggleroom.cli.outputs import check_outputs
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible
+    from wiggleroom.gap_questions import largest_gap as find_largest_gap
     from wiggleroom.questions import check
-    from wiggleroom.questions import largest_gap as find_largest_gap
 
     check_outputs(file, spatial_places(outputs), outputs.force)
     command = command_line()

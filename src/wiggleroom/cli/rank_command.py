@@ -48,7 +48,7 @@ def rank(
     with interruptible(time.time) as stop, unless_stopped(stop), bar("differences") as show:
         assembly = read_question(file, asked, stop=stop)
 
-        from wiggleroom.questions import rank as work_out
+        from wiggleroom.gap_questions import rank as work_out
 
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
     from wiggleroom.report.results.rank_results import rank_result, rank_table

@@ -70,7 +70,7 @@ def sample(
         distribution = Spread(spread, kind, sheet, bias)
         assembly = read_question(file, asked, stop=stop)
 
-        from wiggleroom.questions import sample as work_out
+        from wiggleroom.gap_questions import sample as work_out
 
         found = work_out(
             assembly, distribution, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options

@@ -62,7 +62,7 @@ def sweep(
         check_proof(prove, "walls")
     command = command_line()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
-        from wiggleroom.questions import sweep as work_out
+        from wiggleroom.gap_questions import sweep as work_out
 
         sheet.check(file)
         if sheet.given:

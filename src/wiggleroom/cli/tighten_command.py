@@ -60,7 +60,7 @@ def tighten(
     with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
         assembly = read_question(file, asked, stop=stop)
 
-        from wiggleroom.questions import tighten as work_out
+        from wiggleroom.gap_questions import tighten as work_out
 
         found = work_out(
             assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options
