@@ -15,7 +15,7 @@ from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.spatial.overlaps.overlap_check import free_pairs
 from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.solids.convex import ConvexPiece
-from wiggleroom.spatial.solids.separating_axis import separation
+from wiggleroom.spatial.solids.separating_axis import candidate_axes, extent, separation
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
@@ -169,30 +169,10 @@ def free_distance(P, NP, EP, Q, NQ, EQ, direction):
 
     Along each axis of the theorem of separating axes they overlap from one distance to another; they meet where they do along all.
     """
-    x = np.empty(3)
     enter, leave = 0.0, np.inf
-    nf, ng, ne = len(NP), len(NQ), len(EQ)
-    for t in range(nf + ng + len(EP) * ne):
-        if t < nf:
-            x[:] = NP[t]
-        elif t < nf + ng:
-            x[:] = NQ[t - nf]
-        else:
-            e, f = EP[(t - nf - ng) // ne], EQ[(t - nf - ng) % ne]
-            x[0] = e[1] * f[2] - e[2] * f[1]
-            x[1] = e[2] * f[0] - e[0] * f[2]
-            x[2] = e[0] * f[1] - e[1] * f[0]
-            length = np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
-            if length < 1e-8:
-                continue
-            x /= length
-        plow, phigh, qlow, qhigh = 1e300, -1e300, 1e300, -1e300
-        for i in range(len(P)):
-            s = P[i, 0] * x[0] + P[i, 1] * x[1] + P[i, 2] * x[2]
-            plow, phigh = min(plow, s), max(phigh, s)
-        for i in range(len(Q)):
-            s = Q[i, 0] * x[0] + Q[i, 1] * x[1] + Q[i, 2] * x[2]
-            qlow, qhigh = min(qlow, s), max(qhigh, s)
+    for x in candidate_axes(NP, EP, NQ, EQ):
+        plow, phigh = extent(P, x)
+        qlow, qhigh = extent(Q, x)
         speed = x[0] * direction[0] + x[1] * direction[1] + x[2] * direction[2]
         if abs(speed) < 1e-12:
             if qlow >= phigh or qhigh <= plow:

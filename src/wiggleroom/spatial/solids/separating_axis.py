@@ -6,6 +6,41 @@ import numpy as np
 
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 
+PARALLEL = 1e-8
+"""Edges whose unit vectors have a shorter product are parallel."""
+
+
+@njit(**OPTIONS)
+def candidate_axes(NP, EP, NQ, EQ):
+    """Unit axes (m, 3) of which one parts two convex pieces, if any does: normals of faces of either, and products of an edge of each.
+
+    Source: the separating axis theorem, Gottschalk, Lin and Manocha 1996.
+    """
+    count = len(NP) + len(NQ)
+    x = np.empty((count + len(EP) * len(EQ), 3))
+    x[: len(NP)] = NP
+    x[len(NP) : count] = NQ
+    for e in EP:
+        for f in EQ:
+            a = e[1] * f[2] - e[2] * f[1]
+            b = e[2] * f[0] - e[0] * f[2]
+            c = e[0] * f[1] - e[1] * f[0]
+            length = np.sqrt(a * a + b * b + c * c)
+            if length >= PARALLEL:
+                x[count, 0], x[count, 1], x[count, 2] = a / length, b / length, c / length
+                count += 1
+    return x[:count]
+
+
+@njit(**OPTIONS)
+def extent(V, x):
+    """The range of points V (k, 3) along x."""
+    low, high = 1e300, -1e300
+    for i in range(len(V)):
+        s = V[i, 0] * x[0] + V[i, 1] * x[1] + V[i, 2] * x[2]
+        low, high = min(low, s), max(high, s)
+    return low, high
+
 
 @njit(**OPTIONS)
 def separation(P, NP, EP, Q, NQ, EQ, axis):
@@ -18,29 +53,9 @@ def separation(P, NP, EP, Q, NQ, EQ, axis):
     Source: the separating axis theorem, Gottschalk, Lin and Manocha 1996.
     """
     best = -1e300
-    x = np.zeros(3)
-    nf, ng, ne = len(NP), len(NQ), len(EQ)
-    for t in range(nf + ng + len(EP) * ne):
-        if t < nf:
-            x[:] = NP[t]
-        elif t < nf + ng:
-            x[:] = NQ[t - nf]
-        else:
-            e, f = EP[(t - nf - ng) // ne], EQ[(t - nf - ng) % ne]
-            x[0] = e[1] * f[2] - e[2] * f[1]
-            x[1] = e[2] * f[0] - e[0] * f[2]
-            x[2] = e[0] * f[1] - e[1] * f[0]
-            length = np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
-            if length < 1e-8:
-                continue
-            x /= length
-        plow, phigh, qlow, qhigh = 1e300, -1e300, 1e300, -1e300
-        for i in range(len(P)):
-            s = P[i, 0] * x[0] + P[i, 1] * x[1] + P[i, 2] * x[2]
-            plow, phigh = min(plow, s), max(phigh, s)
-        for i in range(len(Q)):
-            s = Q[i, 0] * x[0] + Q[i, 1] * x[1] + Q[i, 2] * x[2]
-            qlow, qhigh = min(qlow, s), max(qhigh, s)
+    for x in candidate_axes(NP, EP, NQ, EQ):
+        plow, phigh = extent(P, x)
+        qlow, qhigh = extent(Q, x)
         if qlow - phigh > best:
             best = qlow - phigh
             axis[0], axis[1], axis[2] = x[0], x[1], x[2]
