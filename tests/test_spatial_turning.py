@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import shapely
+from benchmarks.attack.families_solid import draw_solids
+from benchmarks.attack.judge_solids import SolidGround
 from benchmarks.spatial_overlaps import Judge, prisms, worst_on
 from shapely import affinity
 
 import wiggleroom as wr
 from tests.test_spatial import ring, sound, spatial
+from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.spatial_prepare import prepare_spatial
 from wiggleroom.spatial.turning_in_place import round_centres
 
@@ -107,3 +112,19 @@ def test_the_axis_of_a_loose_pin_is_that_of_one_of_its_round_parts_and_lies_not_
     body = int(np.flatnonzero(ready.grouping.bodies.moves)[0])
     (centre,) = round_centres(ready, body, np.array([0.0, 0, 1]))
     assert (centre + ready.grouping.bodies.at[body])[:2] == pytest.approx([0.12, 0.05], abs=1e-6)
+
+
+@pytest.mark.parametrize("number", [1086, 14060, 14082])
+def test_what_gets_loose_is_twisted_for_ever(number: int, tmp_path: Path) -> None:
+    """A block with much room in a closed box, a lid that has come off, a wall that has left its slots."""
+    _, made = draw_solids(number)
+    assembly = wr.read(made.write(tmp_path))
+    found = wr.flex(assembly)
+    assert found.verdict == "unbounded"
+    assert found.turns == (assembly.goals[0].part,)
+    assert found.path == "checked"
+    k = assembly.names.index(found.turns[0])
+    turned, at = exponential(found.waypoints[:, k, 3:]), found.waypoints[:, k, :3]
+    again = (np.abs(turned - turned[-1]).max(axis=(1, 2)) < 1e-9) & (np.abs(at - at[-1]).max(axis=1) < 1e-9)
+    assert again[:-1].any(), "it has come back to where its last turn began"
+    assert not SolidGround(made, assembly.reference).overlap(found.waypoints)

@@ -13,7 +13,7 @@ from wiggleroom.assembly.statements import given_goals, missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
-from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.solids.spatial_assembly import goal_findings
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
@@ -21,7 +21,6 @@ from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts, is_free, random_leads
-from wiggleroom.spatial.turning_in_place import turn_in_place
 from wiggleroom.verdict import PathState, SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
@@ -119,10 +118,7 @@ def _verdict(
     if done.leaving or done.turning:
         return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), tuple(names[k] for k in done.turning)
     if found.status is SolverStatus.ESCAPING and done.whole and _at_end(ready, done):
-        turning = _spinning(ready, objective, done.path[-1])
         leaving = leaving_parts(ready, done.path[-1], objective)
-        if turning:
-            return Verdict.UNBOUNDED, (), turning
         if leaving:
             return Verdict.UNBOUNDED, tuple(names[k] for k in leaving), ()
     if found.status is SolverStatus.CONVERGED and done.whole:
@@ -163,14 +159,3 @@ def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms)
             if beside <= room and not (ahead > 0 and np.linalg.norm(apart) > room):
                 return []
     return np.flatnonzero(gone).tolist()
-
-
-def _spinning(ready: SpatialPrepared, objective: SumOfTerms, motion: Floats) -> tuple[str, ...]:
-    """Parts that are twisted without limit: a whole turn in place, from the end of the path, is free."""
-    twist = objective.terms[0]
-    if len(objective.terms) > 1 or not isinstance(twist, Twist):
-        return ()
-    turn = turn_in_place(ready, motion, twist.body, np.sign(twist.weight) * twist.direction)
-    if turn is None or not turn.endless:
-        return ()
-    return tuple(n for n, k in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if k == twist.body)

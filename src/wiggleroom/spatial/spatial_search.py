@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
+from wiggleroom.spatial.endless_turn import endless_turn
 from wiggleroom.spatial.planes.carried_planes import carried_iterate
 from wiggleroom.spatial.planes.separating_plane_program import (
     DISTANCE_RATIO,
@@ -133,6 +134,13 @@ class SpatialSearch:
     met: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
 
     def run(self) -> SearchEnd:
+        """Search until an end is good; what is twisted and comes to no end may leave and turn for ever."""
+        done = self._ended()
+        if not self._single_twist() or (done.good and done.found.status is not SolverStatus.ESCAPING) or done.turning:
+            return done
+        return done if self._asked_to_stop() else self._without_end(done)
+
+    def _ended(self) -> SearchEnd:
         """Search until an end is good: where what is twisted can turn far in place, from there first."""
         turn = self._turn()
         if turn is None:
@@ -150,8 +158,8 @@ class SpatialSearch:
 
     def _turn(self) -> TurnInPlace | None:
         """A long turn in place that a single twist asks for."""
-        twist, ready = self.objective.terms[0], self.ready
-        if len(self.objective.terms) > 1 or not isinstance(twist, Twist) or self._asked_to_stop():
+        twist, ready = self._single_twist(), self.ready
+        if twist is None or self._asked_to_stop():
             return None
         begin = self.begin or ready.grouping.bodies.rest
         motion, towards = ready.grouping.part_motion(begin), np.sign(twist.weight) * twist.direction
@@ -160,6 +168,22 @@ class SpatialSearch:
         turns = [turn for axis in axes if (turn := turn_in_place(ready, motion, twist.body, axis))]
         longest = max(turns, key=lambda turn: turn.angle, default=None)
         return longest if longest is not None and longest.angle > LONG_TURN else None
+
+    def _single_twist(self) -> Twist | None:
+        """The twist that alone is asked for, if one is."""
+        term = self.objective.terms[0]
+        return term if len(self.objective.terms) == 1 and isinstance(term, Twist) else None
+
+    def _without_end(self, done: SearchEnd) -> SearchEnd:
+        """The end where what is twisted goes on to turn for ever, in place or once it has left; unchanged where it does not."""
+        twist = self._single_twist()
+        if twist is None:
+            return done
+        path = endless_turn(self.ready, done.path, twist.body, np.sign(twist.weight) * twist.direction)
+        if path is None:
+            return done
+        who = np.flatnonzero(self.ready.grouping.body_of == twist.body).tolist()
+        return replace(done, path=path, whole=True, turning=tuple(who))
 
     def _spinning(self, turn: TurnInPlace) -> SearchEnd:
         """The end where what is twisted turns in place for ever."""
