@@ -530,6 +530,15 @@ def test_what_is_hidden_or_no_outline(sheet):
         assert words in said
 
 
+def test_what_lies_in_another_file_is_said(sheet):
+    sheet.space.add_lwpolyline(SQUARE, close=True)
+    sheet.doc.add_xref_def("panel.dxf", "PANEL")
+    sheet.space.add_blockref("PANEL", (20, 0))
+    drawing = sheet.read()
+    assert len(drawing.parts) == 1
+    assert any('1 external reference "PANEL" elements are left out' in note for note in drawing.notes)
+
+
 def test_the_same_outline_twice(sheet):
     for _ in range(2):
         sheet.space.add_lwpolyline(SQUARE, close=True)

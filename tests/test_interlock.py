@@ -18,6 +18,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.disassembly.escape import EscapeEffort
 from wiggleroom.disassembly.interlock import interlock, with_ground
 from wiggleroom.drawing.model import Drawing
+from wiggleroom.errors import FreeSpaceError
 from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.report.results.separability import check_result, further, why
 from wiggleroom.search.progress import silent
@@ -219,6 +220,26 @@ def test_what_led_apart_at_one_gap_is_asked_first_at_another():
         assert deepest(made, found) < 1e-9
     assert len(effort.exits) == 1
     assert found.questions == len(effort.exits[0])  # and nothing else
+
+
+def test_without_a_free_space_round_rest_boxes_of_motions_decide(monkeypatch):
+    def refuse(*_, **__):
+        raise FreeSpaceError("no free space was found")
+
+    monkeypatch.setattr("wiggleroom.disassembly.escape.prepare_walls", refuse)
+    held = wr.check(wr.patterns.chain(3, joint="swallowtail", gap=0.02))
+    assert (held.verdict, held.certainty) == ("interlocked", "proven")
+
+
+def test_who_left_is_told_though_no_free_space_is_found_round_the_others(monkeypatch):
+    def refuse(*_):
+        raise FreeSpaceError("no free space was found")
+
+    monkeypatch.setattr("wiggleroom.disassembly.escape._beyond_slides", refuse)
+    slot = shapely.box(40, 40, 60, 120) | shapely.box(30, 40, 70, 52)
+    tee = slot.buffer(-0.5, join_style="mitre") & WALL
+    found = wr.check(made(wall=WALL - slot, tee=tee, block=shapely.box(110, 0, 120, 10)))
+    assert [escape.parts for escape in found.escapes] == [("block",)]
 
 
 def test_largest_gap_where_none_holds():

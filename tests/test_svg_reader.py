@@ -403,6 +403,43 @@ def test_invisible_elements_are_no_parts():
     assert not drawing.notes
 
 
+@pytest.mark.parametrize(
+    ("body", "bounds"),
+    [
+        ('<rect style="x:20px;width:10px;height:5px"/>', (20, 95, 30, 100)),
+        ("<style>.c{r:4px;cx:10px}</style>" + '<circle class="c" cy="50"/>', (6, 46, 14, 54)),
+        ("<path style=\"d:path('M0 0H10V5H0z')\"/>", (0, 95, 10, 100)),
+        (
+            '<defs><svg id="s" width="20" height="20" viewBox="0 0 10 10"><rect width="10" height="5"/></svg></defs>'
+            '<use href="#s" x="50" width="40" height="40"/>',
+            (50, 80, 90, 100),
+        ),
+        ("<style>rect{x:20px !important}</style>" + '<rect style="x:1px" width="5" height="5"/>', (20, 95, 25, 100)),
+    ],
+)
+def test_places_and_sizes_that_styles_and_uses_set(body, bounds):
+    (part,) = read(body).parts
+    assert material(part).bounds == pytest.approx(bounds, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("style", "named"),
+    [
+        ("translate:20px 10px", "translate"),
+        ("scale:2", "scale"),
+        ("transform-box:fill-box;transform:rotate(90deg)", "transform-box"),
+    ],
+)
+def test_moving_by_other_means_than_transform_is_refused(style, named):
+    with pytest.raises(InputError, match=f'rect in line 1: style property "{named}" is not followed'):
+        read(f'<rect style="{style}" width="5" height="5"/>')
+
+
+def test_style_rules_that_are_not_followed_are_named():
+    drawing = read("<style>g > rect, .b:hover { display: none } .a { stroke: red }</style>" + rect(0))
+    assert any(note.endswith("not: g > rect") for note in drawing.notes)
+
+
 def test_what_is_left_out_is_said():
     drawing = read(
         rect(0) + '<path id="score" d="M0 0L9 9"/><line x2="9"/><text>hi</text><text>ho</text><image href="x.png"/>'

@@ -14,7 +14,7 @@ from wiggleroom.disassembly.enclosure import Enclosed, enclosed
 from wiggleroom.disassembly.escape import NO_BODIES, EscapeEffort, Stage, next_stage
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without_parts
-from wiggleroom.errors import Stop, StoppedError, TouchingError
+from wiggleroom.errors import FreeSpaceError, Stop, StoppedError, TouchingError
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.prepare import Survey, survey
 from wiggleroom.search.progress import Progress
@@ -119,6 +119,8 @@ def disassemble(
 
     Raises
     ------
+    FreeSpaceError
+        If no free space was found round where two parts lie, and boxes of motions did not decide it either.
     TouchingError
         If two parts touch at rest.
     """
@@ -148,10 +150,10 @@ def disassemble(
                 tell,
                 _of_bodies(holding_cost, so_far, surveyed),
             )
-        except (StoppedError, TouchingError) as why:
-            if isinstance(why, TouchingError) and not so_far.departures:
+        except (FreeSpaceError, StoppedError, TouchingError) as why:
+            if not isinstance(why, StoppedError) and not so_far.departures:
                 raise
-            # the others may have come to touch once some have left: then no more is known
+            # the others may have come to touch, or nearly, once some have left: then no more is known
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
         so_far.questions += stage.questions
         so_far.unanswered += stage.unanswered

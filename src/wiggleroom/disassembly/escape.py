@@ -33,10 +33,10 @@ from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, Slide
 from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
 from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import Stop, WiggleroomError
+from wiggleroom.errors import FreeSpaceError, Stop, WiggleroomError
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
-from wiggleroom.search.prepare import Prepared, Survey
+from wiggleroom.search.prepare import Prepared, Survey, prepare_without_cells
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress
 from wiggleroom.verdict import Certainty, PathState, Separability
@@ -234,7 +234,12 @@ def _beyond_slides(
     ground = int(np.flatnonzero(bodies.fixed)[0])
     still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
     tell(Progress("free spaces"))
-    ready = simpler = prepare_walls(assembly, surveyed, stop)
+    refused: FreeSpaceError | None = None
+    try:
+        ready = simpler = prepare_walls(assembly, surveyed, stop)
+    except FreeSpaceError as why:  # boxes of motions may decide it all the same
+        ready, refused = prepare_without_cells(assembly, surveyed), why
+        simpler = ready
     if simpler.simplified:  # what holds larger parts need not hold these: proofs are about the outlines as they are
         ready = replace(simpler, bodies=bodies, simplified=0.0)
     known, tries = _rigid(ready, begin, effort, stop)
@@ -248,7 +253,7 @@ def _beyond_slides(
         stage = _leave_moving(assembly, surveyed, still, together.path, together.exit)
         if stage.path is not None:
             return stage
-    for goals in effort.exits[::-1]:
+    for goals in () if refused else effort.exits[::-1]:
         known_exit = escape_by_goals(simpler, ground, known.group, goals, stop)
         if known_exit is not None:
             stage = _after_motion(assembly, surveyed, simpler, still, *known_exit)
@@ -266,6 +271,8 @@ def _beyond_slides(
     known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
+    if refused:
+        raise refused
     loose = slid.states > 1 and slid.whole and slid.on_lattice
     searched = search_for_escape(simpler, ground, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
     if searched.path is not None and searched.exit is not None:

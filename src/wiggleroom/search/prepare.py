@@ -112,6 +112,13 @@ def prepare_as_drawn(assembly: Assembly, *, surveyed: Survey | None = None, stop
     return Prepared(assembly, them, surveyed.ignored, surveyed.clearance, surveyed.size, cells, corners)
 
 
+def prepare_without_cells(assembly: Assembly, surveyed: Survey) -> Prepared:
+    """The assembly made ready for what needs no cells: paths and proofs by boxes of motions."""
+    none = surveyed.near.a[:0]
+    cells = cells_at(assembly, surveyed.bodies, none, none, surveyed.near.clearance[:0])
+    return Prepared(assembly, surveyed.bodies, surveyed.ignored, surveyed.clearance, surveyed.size, cells, none)
+
+
 @dataclass(frozen=True, eq=False)
 class Survey:
     """What every pair model begins with.

@@ -198,6 +198,9 @@ class DxfWalk:
             reason = "is not in the file" if block is None else "holds itself" if name in state.blocks else ""
             self.findings.append(f"{self.file}: {named}: {reason or 'is nested too deep'}; explode it or draw it once")
             return
+        if block.block is not None and block.block.is_xref:
+            self.left_out[f'external reference "{name}"'] += 1
+            return
         if abs(insert.dxf.extrusion.z) < 1 - TILT_TOLERANCE:
             self.left_out["tilted INSERT"] += 1
             return

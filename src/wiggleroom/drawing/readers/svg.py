@@ -48,6 +48,12 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
         notes = (*notes, f"{text.name}: ids that are used more than once: {named}; parts are told apart by a number")
     if walk.clipped:
         notes = (*notes, f"{text.name}: {walk.clipped} elements are clipped (clip-path or mask); they are read whole")
+    if walk.not_followed:
+        named = ", ".join(dict.fromkeys(walk.not_followed))
+        notes = (
+            *notes,
+            f"{text.name}: style rules are followed where they name elements, classes and ids alone, not: {named}",
+        )
     low = matrix.point(complex(port.x, port.y + port.height))
     view = (low.real, low.imag, matrix.a * port.width, -matrix.d * port.height)
     return Artwork(

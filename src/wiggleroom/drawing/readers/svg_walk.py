@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
-from wiggleroom.drawing.readers.css import Rules, parse_rules, properties
+from wiggleroom.drawing.readers.css import GEOMETRY, TRANSFORMS, Rules, parse_rules, properties, selectors_not_followed
 from wiggleroom.drawing.readers.xmltree import Element
 from wiggleroom.drawing.strokes.colours import RED, colour_of
 from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, Group, Lettering, Stroke
@@ -37,7 +37,7 @@ INVISIBLE_ELEMENTS = (
     "font-face", "color-profile", "solidcolor", "hatch", "mesh", "meshgradient", "animateMotion", "animateColor",
 )  # fmt: skip
 """Elements that draw nothing where they stand."""
-NOT_INHERITED = ("display", "transform", "transform-origin", "clip-path", "mask")
+NOT_INHERITED = ("display", "transform", "transform-origin", "clip-path", "mask", *TRANSFORMS, *GEOMETRY)
 MAX_NESTING = 200
 """Groups inside each other at most."""
 
@@ -76,7 +76,9 @@ class SvgWalk:
     def __post_init__(self) -> None:
         elements = list(_everything(self.root))
         self._visited = 0
-        self._rules: Rules = parse_rules(element.text for element in elements if element.tag == "style")
+        sheets = [element.text for element in elements if element.tag == "style"]
+        self._rules: Rules = parse_rules(sheets)
+        self.not_followed = selectors_not_followed(sheets)
         drawn = (*SHAPES, *GROUP_ELEMENTS, "use", "symbol", "svg")
         named = [element for element in elements if element.tag in drawn and element.attributes.get("id")]
         self._clips = {e.attributes.get("id", ""): e for e in elements if e.tag in ("clipPath", "mask")}
@@ -98,6 +100,10 @@ class SvgWalk:
             port, about = state.port, own.get("transform-origin", "0 0")
             at = self._try(element, lambda text: parse_origin(text, port.width, port.height), about, 0j)
             matrix = matrix.after(Affine(e=at.real, f=at.imag)).after(transform).after(Affine(e=-at.real, f=-at.imag))
+        moving = [key for key in TRANSFORMS if own.get(key, "none") not in ("none", "view-box")]
+        if moving and ("transform" in own or moving != ["transform-box"]):
+            message = f'style property "{moving[0]}" is not followed; say it with transform alone'
+            self.findings.append(f"{self.file}: {element.tag} in line {element.line}: {message}")
         style = {key: value for key, value in state.style.items() if key not in NOT_INHERITED}
         style |= {key: value for key, value in own.items() if value != "inherit"}
         # Ids below a <use> belong to the original: they neither name nor fix the copy.
@@ -214,8 +220,9 @@ class SvgWalk:
 
     def _paths(self, element: Element, state: _SvgState) -> tuple[tuple[Subpath, ...], str]:
         """Subpaths of a shape on the page, and what is wrong with them."""
+        styled = {key: _plain(state.style[key]) for key in GEOMETRY if state.style.get(key, "auto") != "auto"}
         try:
-            subpaths = subpaths_of(element.tag, element.attributes, state.port)
+            subpaths = subpaths_of(element.tag, element.attributes | styled, state.port)
         except ValueError as error:
             return (), str(error) or "cannot be read"
         return tuple(mapped(path, state.matrix) for path in subpaths), ""
@@ -264,6 +271,9 @@ class SvgWalk:
             state = self._inside(target, element, 0j, self._inherit(target, state))
             self._children(target, state)
         else:
+            if target.tag == "svg":
+                size = {key: element.attributes[key] for key in ("width", "height") if key in element.attributes}
+                target = replace(target, attributes=target.attributes | size)
             self._visit(target, replace(state, depth=state.depth + 1))
 
     def _inside(self, element: Element, sized: Element, corner: complex, state: _SvgState) -> _SvgState:
@@ -286,6 +296,11 @@ class SvgWalk:
         except ValueError as error:
             self.findings.append(f"{self.file}: {element.tag} in line {element.line}: {error}")
             return otherwise
+
+
+def _plain(value: str) -> str:
+    """Path data or a length of a style as it would stand in an attribute."""
+    return value.removeprefix("path(").rstrip(")").strip("\"' ")
 
 
 def _covers(region: Geometry, path: Subpath) -> bool:
