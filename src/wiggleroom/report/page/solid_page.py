@@ -198,7 +198,6 @@ def _scene(
         "contacts": [
             {"point": list(c.point), "normal": list(c.normal), "share": c.force / strongest} for c in contacts
         ],
-        "centre": ((everything.min(axis=0) + everything.max(axis=0)) / 2).tolist(),
         "size": size,
     }
 
