@@ -213,11 +213,11 @@ def test_an_upload_that_never_ends_is_cut_off(served: Served, monkeypatch: pytes
     raw.close()
 
 
-def run(*words: str) -> subprocess.Popen[str]:
+def run(*words: str, **environment: str) -> subprocess.Popen[str]:
     code = "from wiggleroom.cli import main; raise SystemExit(main())"
-    return subprocess.Popen(
-        [sys.executable, "-c", code, "serve", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    command = [sys.executable, "-c", code, "serve", *words]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=os.environ | environment)
 
 
 def children(pid: int) -> list[int]:
@@ -228,7 +228,8 @@ def children(pid: int) -> list[int]:
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_however_the_server_ends_its_processes_are_gone(tmp_path: Path, end: signal.Signals) -> None:
     (tmp_path / "chain.json").write_bytes(CHAIN)
-    serving = run(str(tmp_path / "chain.json"), "--no-browser", "--gap", "0.03")
+    (kept := tmp_path / "temporary").mkdir()
+    serving = run(str(tmp_path / "chain.json"), "--no-browser", "--gap", "0.03", TMPDIR=str(kept))
     assert serving.stdout is not None
     address = serving.stdout.readline().strip()
     assert re.fullmatch(r"http://127\.0\.0\.1:\d+/\?token=[\w-]{43}", address)
@@ -243,6 +244,7 @@ def test_however_the_server_ends_its_processes_are_gone(tmp_path: Path, end: sig
     else:
         pytest.fail("processes are left")
     serving.communicate()
+    assert list(kept.iterdir()) == []
 
 
 def status(pid: int) -> str:

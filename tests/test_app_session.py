@@ -7,6 +7,7 @@ import base64
 import json
 import os
 import signal
+import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -184,6 +185,31 @@ def test_pages_that_leave_take_their_processes_along(served: Served) -> None:
             return
         time.sleep(0.05)
     pytest.fail("the process is still there")
+
+
+def test_a_process_that_is_killed_while_it_reads_leaves_no_file_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)  # it is looked for anew
+    rings = "".join(f"<path d='M{k} 0 h0.5 v0.5 h-0.5 z'/>" for k in range(40_000))
+    drawing = f"<svg xmlns='http://www.w3.org/2000/svg' width='1mm' height='1mm'>{rings}</svg>".encode()
+    one = Served()
+    try:
+        with one.visit() as page:
+            page.send("open", name="secret.svg", data=base64.b64encode(drawing).decode())
+            for _ in range(6000):
+                if any(tmp_path.rglob("secret.svg")):
+                    break
+                time.sleep(0.01)
+            else:
+                pytest.fail("it is not read from a file")
+            os.kill(one.workers()[0], signal.SIGKILL)
+            while page.next().get("state") != "restarted":
+                pass
+    finally:
+        one.close()
+    assert list(tmp_path.iterdir()) == []
 
 
 def alive(pid: int) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import io
 import json
 import re
 import struct
@@ -11,7 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import wiggleroom as wr
 from tests.app_client import Served
@@ -103,6 +106,7 @@ def test_a_dragged_part_stops_where_the_closed_form_says(browser: Any, lid: Serv
     with visiting(browser, lid) as page:
         answered(page, "block moves 0.4 mm in +x")
         x, y = middle(page)
+        y -= 100  # on the block
         page.mouse.move(x, y)
         page.mouse.down()
         page.mouse.move(x + 160, y + 90, steps=8)
@@ -316,3 +320,57 @@ def test_a_file_in_space_is_known_in_any_encoding() -> None:
     for encoding in ("utf-8", "utf-16"):
         file = opened(OpenRequest(id=1, name="lid.json", data=json.dumps(LID).encode(encoding)))
         assert isinstance(file.drawing, SpatialDrawing)
+
+
+def margins(page: Any) -> tuple[float, float]:
+    """Shares of the canvas that are left free round what is seen: the least and the greater of both directions' means."""
+    image = np.asarray(Image.open(io.BytesIO(picture(page))).convert("L")).astype(int)[
+        8:-8, 8:-8
+    ]  # without the ring of the focus
+    seen = abs(image - image[-3, -3]) > 6
+    rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    free = [(at[0] / n, 1 - (at[-1] + 1) / n) for at, n in ((rows, len(image)), (columns, len(image[0])))]
+    return min(min(pair) for pair in free), min(sum(pair) / 2 for pair in free)
+
+
+@pytest.mark.parametrize("size", [(400, 6, 6), (6, 400, 6), (6, 6, 400), (60, 60, 1)])
+def test_all_is_in_the_picture_and_fills_it_from_every_side(
+    browser: Any, tmp_path: Path, size: tuple[float, float, float]
+) -> None:
+    x, y, z = size
+    design = LID | {
+        "parts": [
+            {
+                "name": "case",
+                "outline": [[0, 0], [x, 0], [x, y], [0, y]],
+                "holes": [[[2, 2], [x - 2, 2], [x - 2, y - 2], [2, y - 2]]],
+                "thickness": z,
+                "fixed": True,
+            },
+            {"name": "block", "boxes": [[2, 2, 0, x - 2, y - 2, z]], "lock": ["rx", "ry", "rz"]},
+        ],
+    }
+    (tmp_path / "bar.json").write_text(json.dumps(design))
+    one = Served(first_request(str(tmp_path / "bar.json"), QuestionOptions()))
+    try:
+        with visiting(browser, one) as page:
+            answered(page, "block moves 0.4 mm in +x")
+            page.locator(".axes").evaluate("one => one.remove()")
+            assert_filled(page)
+            page.get_by_label("exploded view").fill("1.5")
+            assert_filled(page)
+            page.locator(".stage canvas").focus()
+            for _ in range(4):
+                page.keyboard.press("ArrowLeft")
+            page.keyboard.press("0")
+            assert_filled(page)
+            page.get_by_label("exploded view").fill("0")
+            page.set_viewport_size({"width": 390, "height": 844})
+            assert_filled(page)
+    finally:
+        one.close()
+
+
+def assert_filled(page: Any) -> None:
+    least, mean = margins(page)
+    assert 0 < least <= mean < 0.12

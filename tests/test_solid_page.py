@@ -18,6 +18,7 @@ from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
 from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_answer
 from wiggleroom.report.solids.exploded_view import exploded_offsets
+from wiggleroom.report.solids.spatial_path import along_path
 
 NASTY = "</script><img src=x onerror=alert(1)>"
 
@@ -64,12 +65,29 @@ def test_names_are_data_and_only_the_bundle_may_run() -> None:
 def test_a_path_apart_is_a_page_too_and_answers_draw_themselves(tmp_path: Path) -> None:
     found = wr.check(spatial(PLATE, PEG))
     data = scene(page_of_separation(found))
-    assert len(data["times"]) == sum(len(e.path) for e in found.escapes)
+    assert len(data["times"]) >= sum(len(e.path) for e in found.escapes)
     for name in ("a.html", "a.svg", "a.glb"):
         found.draw(tmp_path / name)
         assert (tmp_path / name).stat().st_size > 500
     with pytest.raises(wr.InputError, match="must end in"):
         found.draw(tmp_path / "a.bmp")
+
+
+def test_what_flies_off_is_seen_most_of_the_time() -> None:
+    assembly = spatial(PLATE, PEG)
+    size = assembly.size
+    path = np.zeros((2, 2, 6))
+    path[1, 1, 2] = 50 * size
+    shares = np.linspace(0, 1, 1001)
+    far = along_path(assembly, path, shares)[:, 1, 2]
+    evenly = np.interp(
+        shares, [0, 0.8 / 1.3, 1], [0, 0.8 * size, 50 * size]
+    )  # 0.8 in sight, and 0.5 for all that is not
+    assert far == pytest.approx(evenly, abs=1e-9 * size)
+    path = np.concatenate([path, path[1:]])
+    path[2, 0, 0] = 0.3 * size  # the other one then moves in sight, and counts in full
+    x = along_path(assembly, path, shares)[:, 0, 0]
+    assert x == pytest.approx(np.interp(shares, [0, 1.3 / 1.6, 1], [0, 0, 0.3 * size]), abs=1e-9 * size)
 
 
 def test_parts_with_one_centre_are_apart_in_an_exploded_view(tmp_path: Path) -> None:

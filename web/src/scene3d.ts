@@ -2,17 +2,17 @@
 
 import {
   AmbientLight, ArrowHelper, BufferAttribute, BufferGeometry, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, type Material, Mesh,
-  MeshStandardMaterial, type PerspectiveCamera, Scene, SphereGeometry, Vector3, type WebGLRenderer,
+  MeshStandardMaterial, type PerspectiveCamera, type Quaternion, Scene, SphereGeometry, Vector3, type WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { canvas3d } from "./canvas3d.ts";
+import { boxCorners, framed } from "./frame3d.ts";
 import type { Triple } from "./protocol.ts";
 import type { Surface } from "./solids.ts";
 
 const CREASE_DEGREES = 10;
-/** Where the eye stands at first, from what it sees. */
-const EYE = new Vector3(1.25, -1.35, 0.98).normalize();
-const ROOM = 0.95; // boxes do not fill their balls
+/** Where the eye stands at first, from what it sees: at the front right, above. */
+const EYE = new Vector3(1.25, -1.35, 0.98);
 const STEP = 0.12; // radians that a key turns
 
 export interface Scene3d {
@@ -22,10 +22,12 @@ export interface Scene3d {
   controls: OrbitControls;
   /** Draws in the next frame. */
   ask(): void;
-  /** Looks at a place from the front right, from so far that a ball of this radius is in sight. */
-  look(centre: Triple, radius: number): void;
-  /** The same, where the hand has not turned the view. */
-  relook(centre: Triple, radius: number): void;
+  /** Brings everything into the picture, seen from where it is seen now. */
+  look(): void;
+  /** The same, unless the hand has chosen another view since. */
+  relook(): void;
+  /** The same, where something has left the picture or all has become small in it. */
+  keep(): void;
   /** Turns the view about what it looks at [rad]. */
   turn(sideways: number, upwards: number): void;
   /** Comes nearer by a factor. */
@@ -33,9 +35,11 @@ export interface Scene3d {
   remove(): void;
 }
 
-/** A scene that fills `box`; `before` is called before every frame and says whether another one is wanted. */
-export function scene3d(box: HTMLElement, label: string, before: (now: number) => boolean = () => false): Scene3d {
+/** A scene that fills `box`; `before` is called before every frame and says whether another one is wanted, `points` are to be in the picture. */
+export function scene3d(box: HTMLElement, label: string, points: () => Vector3[], before: (now: number) => boolean = () => false): Scene3d {
   const { renderer, camera } = canvas3d(label);
+  camera.position.copy(EYE);
+  camera.lookAt(0, 0, 0);
   box.append(renderer.domElement);
   const world = new Scene();
   world.add(camera, new AmbientLight(0xffffff, 1.5));
@@ -56,34 +60,45 @@ export function scene3d(box: HTMLElement, label: string, before: (now: number) =
     if (!wanted) wanted = requestAnimationFrame(draw);
   };
   controls.addEventListener("change", ask);
-  /** What is looked at, until the hand turns the view: then it stays so when the box changes its size. */
-  let looked: { centre: Triple; radius: number } | null = null;
-  controls.addEventListener("start", () => (looked = null));
+  /** Whether all is in the picture, until the hand moves the view: then it stays so when the box changes its size. */
+  let looked = false;
+  controls.addEventListener("start", () => (looked = false));
   const watch = new ResizeObserver(([entry]) => {
     const { width, height } = entry!.contentRect;
     if (!width || !height) return;
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
-    if (looked) look(looked.centre, looked.radius);
+    if (looked) look();
     ask();
   });
   watch.observe(box);
-  function look(centre: Triple, radius: number): void {
-    looked = { centre, radius };
-    [camera.near, camera.far] = [radius / 300, radius * 100];
+  function look(): void {
+    looked = true;
+    const { eye, target, reach } = framed(points(), camera);
+    [camera.near, camera.far] = [reach / 300, reach * 100];
     camera.updateProjectionMatrix();
-    controls.target.set(...centre);
-    const far = (ROOM * radius * Math.max(1, 1 / camera.aspect)) / Math.sin((camera.fov * Math.PI) / 360);
-    camera.position.copy(controls.target).addScaledVector(EYE, far);
+    controls.target.copy(target);
+    camera.position.copy(eye);
     controls.update();
     ask();
   }
+  function keep(): void {
+    if (!looked) return;
+    const all = points();
+    const { eye, target } = framed(all, camera);
+    camera.updateMatrixWorld();
+    const out = all.some((point) => {
+      const { x, y } = point.project(camera);
+      return Math.max(Math.abs(x), Math.abs(y)) > 0.99;
+    });
+    if (out || camera.position.distanceTo(controls.target) > 1.4 * eye.distanceTo(target)) look();
+  }
   return {
-    renderer, camera, world, controls, ask, look,
-    relook: (centre, radius) => void (looked && look(centre, radius)),
+    renderer, camera, world, controls, ask, look, keep,
+    relook: () => void (looked && look()),
     turn(sideways, upwards) {
-      looked = null;
+      looked = false;
       const arm = camera.position.clone().sub(controls.target);
       const across = new Vector3().crossVectors(arm, camera.up).normalize();
       const steep = arm.angleTo(camera.up);
@@ -94,7 +109,7 @@ export function scene3d(box: HTMLElement, label: string, before: (now: number) =
       ask();
     },
     zoom(factor) {
-      looked = null;
+      looked = false;
       const arm = camera.position.clone().sub(controls.target).divideScalar(factor);
       if (arm.length() < 4 * camera.near || arm.length() > camera.far / 4) return;
       camera.position.copy(controls.target).add(arm);
@@ -143,6 +158,13 @@ export class Solid3d extends Group {
     this.body = new Mesh(flat, new MeshStandardMaterial({ roughness: 0.85, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
     this.outline = new LineSegments(edges, new LineBasicMaterial());
     this.add(this.body, this.outline);
+  }
+
+  /** Corners of its own box, turned and moved. */
+  boxCorners(turn: Quaternion, shift: Vector3): Vector3[] {
+    const { geometry } = this.body;
+    if (!geometry.boundingBox) geometry.computeBoundingBox();
+    return boxCorners(geometry.boundingBox!, turn, shift);
   }
 
   paint(fill: string, edge: string): void {

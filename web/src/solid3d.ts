@@ -1,6 +1,7 @@
 /** Parts in space on a page of their own: turned by hand, moved along their path, taken apart, with contacts. */
 
-import { Group, Quaternion } from "three";
+import { Group, Quaternion, Vector3 } from "three";
+import { around } from "./frame3d.ts";
 import { fromBase64, type Triple } from "./protocol.ts";
 import { contact3d, scene3d, shape3d, Solid3d, turnOfKey } from "./scene3d.ts";
 
@@ -23,7 +24,6 @@ interface SolidScene {
   /** Waypoints, parts: displacement [mm] and quaternion x, y, z, w, float32. */
   motions: string;
   contacts: { point: Triple; normal: Triple; share: number }[];
-  centre: Triple;
   size: number;
 }
 
@@ -46,20 +46,33 @@ function start(data: SolidScene): void {
   const slider = document.getElementById("path") as HTMLInputElement;
   const explode = document.getElementById("explode") as HTMLInputElement;
   const play = document.getElementById("play") as HTMLButtonElement;
-  const view = scene3d(box, "parts in 3D: drag or arrow keys turn them, the wheel comes nearer");
+  const solids: Solid3d[] = [];
+  const view = scene3d(box, "parts in 3D: drag or arrow keys turn them, the wheel comes nearer", points);
   const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-  const solids = data.parts.map(({ vertices, triangles, colour }) => {
+  for (const { vertices, triangles, colour } of data.parts) {
     const solid = new Solid3d(shape3d({ corners: floats(vertices), triangles: new Uint32Array(fromBase64(triangles).buffer) }));
     solid.paint(`rgb(${colour.join(", ")})`, dark ? "#d8dee6" : "#26303a");
     view.world.add(solid);
-    return solid;
-  });
+    solids.push(solid);
+  }
   const marks = new Group().add(...data.contacts.map(({ point, normal, share }) => contact3d(point, normal, share, data.size, "#c1272d")));
   view.world.add(marks);
   const motions = floats(data.motions);
   const count = data.parts.length;
   const one = new Quaternion();
   const other = new Quaternion();
+
+  /** What is to be in the picture: all parts at rest and at the end of the path. */
+  function points(): Vector3[] {
+    const last = 7 * (data.times.length - 1) * count;
+    const corners = (p: number, turn: Quaternion, shift: Vector3): Vector3[] => {
+      const { reference, aside } = data.parts[p]!;
+      const home = new Vector3(...reference).addScaledVector(new Vector3(...aside), Number(explode.value));
+      return solids[p]!.boxCorners(turn, shift.add(home));
+    };
+    const rest = solids.flatMap((_, p) => corners(p, new Quaternion(), new Vector3()));
+    return around(rest, solids.flatMap((_, p) => corners(p, new Quaternion().fromArray(motions, last + 7 * p + 3), new Vector3().fromArray(motions, last + 7 * p))));
+  }
 
   /** Places the parts; positions go straight between waypoints, turns about one constant axis. */
   function place(): void {
@@ -109,19 +122,15 @@ function start(data: SolidScene): void {
     requestAnimationFrame(step);
   });
   slider.addEventListener("input", () => (stop(), place()));
-  explode.addEventListener("input", place);
+  explode.addEventListener("input", () => (place(), view.relook()));
   document.querySelectorAll<HTMLInputElement>("input[data-part]").forEach((tick) =>
     tick.addEventListener("change", () => {
       solids[Number(tick.dataset.part)]!.visible = tick.checked;
       view.ask();
     }),
   );
-  const far = data.parts.flatMap(({ vertices, reference }) => {
-    const corners = floats(vertices);
-    return Array.from({ length: corners.length / 3 }, (_, i) => Math.hypot(...data.centre.map((c, k) => corners[3 * i + k]! + reference[k]! - c)));
-  });
-  view.look(data.centre, far.reduce((most, one) => Math.max(most, one), 1e-9));
   place();
+  view.look();
 }
 
 const given = typeof document === "undefined" ? null : document.getElementById("solid");

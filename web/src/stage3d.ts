@@ -2,6 +2,7 @@
 
 import { ArrowHelper, BufferGeometry, Group, Line, LineBasicMaterial, Matrix4, Plane, Quaternion, Raycaster, Vector2, Vector3 } from "three";
 import type { ContactEntry, Goal, Solids, Triple } from "./protocol.ts";
+import { around } from "./frame3d.ts";
 import { arrow3d, contact3d, scene3d, shape3d, Solid3d } from "./scene3d.ts";
 import { boxOf, surfacesOf } from "./solids.ts";
 
@@ -14,6 +15,8 @@ export interface Colours3d { force: string; motion: string; ghost: string; axes:
 export interface Hand {
   /** Motions of all parts (7 numbers each), and whether they go on changing. */
   pose(now: number): { motion: Float32Array; moving: boolean };
+  /** Where what is shown ends; null where all is at rest. */
+  end(): Float32Array | null;
   /** How many times motions are enlarged. */
   factor(): number;
   exploded(): number;
@@ -32,6 +35,8 @@ export interface SolidView {
   /** Draws again. */
   ask(): void;
   fit(): void;
+  /** Brings what has left the picture into it, unless the hand has chosen the view. */
+  keepFitted(): void;
   zoom(factor: number): void;
   turn(sideways: number, upwards: number): void;
   /** A step in the plane of the picture, of so many pixels, at a part's reference point [mm]. */
@@ -42,18 +47,21 @@ export interface SolidView {
 /** Further than this with the pointer down is a drag [px]. */
 const SLACK = { mouse: 4, touch: 8 };
 const AXIS = 34; // pixels
+/** Length of arrows of what is asked, as a share of the assembly's longest side. */
+const ARROW = 0.34;
+/** Parts that are set aside further carry no marks. */
+const APART = 0.01;
 
 /** Parts fill `box`; `hand` says how they lie and hears what is done to them. */
 export function openStage(box: HTMLElement, label: string, hand: Hand): SolidView {
-  const view = scene3d(box, label, before);
+  const view = scene3d(box, label, points, before);
   const { camera, controls, world } = view;
   const canvas = view.renderer.domElement;
   let given: Solids | null = null;
   let parts: Solid3d[] = [];
   let size = 1;
-  let radius = 1;
   let exploded = 0;
-  let centre: Triple = [0, 0, 0];
+  let fresh = false;
   let colours: Colours3d = { force: "#c96a00", motion: "#0b3c6f", ghost: "#1f5f99", axes: ["#a02c22", "#2a6b4a", "#1f5f99"] };
   let ghost: Line | Group | null = null;
   const marks = new Group();
@@ -69,15 +77,14 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     const { motion, moving } = hand.pose(now);
     const factor = hand.factor();
     const apart = hand.exploded();
-    if (apart !== exploded) {
-      exploded = apart;
-      view.relook(centre, spread());
-    }
     parts.forEach((part, p) => {
       const [shift, turn] = moved(motion, p, factor);
       part.quaternion.copy(turn);
       part.position.copy(shift).add(home(p)).add(aside(p, apart));
     });
+    if (fresh) view.look();
+    else if (apart !== exploded) view.relook();
+    [fresh, exploded] = [false, apart];
     const told = hand.marks();
     const of = [told?.contacts, told?.goals, told?.highlit, factor, apart, colours, given, names];
     if (moving || wasMoving || of.some((one, k) => one !== marked[k])) renewMarks(told, motion, factor, apart);
@@ -102,12 +109,36 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   /** How far a part is set aside in the exploded view. */
   const aside = (p: number, apart: number): Vector3 => new Vector3(...given!.aside[p]!).multiplyScalar(apart);
 
-  /** Radius in which everything lies, set aside as it is. */
-  const spread = (): number => radius + hand.exploded() * Math.max(...given!.aside.map((by) => Math.hypot(...by)), 0);
+  /** What is to be in the picture: all parts at rest, where what is shown ends, and the arrows there. */
+  function points(): Vector3[] {
+    const apart = hand.exploded();
+    const motion = hand.end();
+    const factor = hand.factor();
+    const rest = parts.flatMap((part, p) => part.boxCorners(new Quaternion(), home(p).add(aside(p, apart))));
+    if (!motion) return rest;
+    const end = parts.flatMap((part, p) => {
+      const [shift, turn] = moved(motion, p, factor);
+      return part.boxCorners(turn, shift.add(home(p)).add(aside(p, apart)));
+    });
+    const heads = apart > APART ? [] : asked(hand.marks()?.goals ?? [], motion, factor).map(({ at, along }) => at.addScaledVector(along, size * ARROW));
+    return around(rest, [...end, ...heads]);
+  }
+
+  /** Where the arrows of what is asked stand and which way they point. */
+  function asked(goals: readonly Goal[], motion: Float32Array, factor: number): { at: Vector3; along: Vector3; goal: Goal }[] {
+    return goals.slice(0, 20).flatMap((goal) => {
+      const p = indexOf(goal.part);
+      const along = goal.direction ?? (typeof goal.turn === "string" ? null : goal.turn);
+      if (p < 0 || along?.length !== 3) return [];
+      const [wide, spun] = moved(motion, p, factor);
+      const grip = goal.point?.length === 3 ? new Vector3(...(goal.point as Triple)).sub(home(p)) : new Vector3();
+      return [{ at: grip.applyQuaternion(spun).add(home(p)).add(wide), along: new Vector3(...(along as Triple)).normalize(), goal }];
+    });
+  }
 
   function renewMarks(told: Marks | null, motion: Float32Array, factor: number, apart: number): void {
     drop(marks);
-    if (!told || apart > 0.01) return;
+    if (!told || apart > APART) return;
     const strongest = Math.max(...told.contacts.map((one) => one.force), 1e-300);
     for (const { parts: names, point, normal, force } of told.contacts.slice(0, 60)) {
       const p = told.contacts.length ? indexOf(names[1]) : -1;
@@ -119,14 +150,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
       const lit = told.highlit === point;
       marks.add(contact3d(at.toArray(), normal, lit ? 1.6 : force / strongest, lit ? 1.4 * size : size, colours.force));
     }
-    for (const goal of told.goals.slice(0, 20)) {
-      const p = indexOf(goal.part);
-      const along = goal.direction ?? (typeof goal.turn === "string" ? null : goal.turn);
-      if (p < 0 || along?.length !== 3) continue;
-      const [wide, spun] = moved(motion, p, factor);
-      const grip = goal.point?.length === 3 ? new Vector3(...(goal.point as Triple)).sub(home(p)) : new Vector3();
-      const at = grip.applyQuaternion(spun).add(home(p)).add(wide);
-      const arrow = arrow3d(at, new Vector3(...(along as Triple)), size * 0.34, colours.motion, 1.1);
+    for (const { at, along, goal } of asked(told.goals, motion, factor)) {
+      const arrow = arrow3d(at, along, size * ARROW, colours.motion, 1.1);
       marks.add(arrow);
       if (goal.turn) marks.add(round(at, arrow, size * 0.12));
     }
@@ -246,7 +271,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
 
   return {
     solids(next) {
-      const first = given === null || next.of.length !== given.of.length;
+      fresh ||= given === null || next.of.length !== given.of.length;
       for (const one of parts) world.remove(one);
       for (const { body, outline } of parts) [body.geometry, outline.geometry, body.material, outline.material].forEach((one) => one.dispose());
       given = next;
@@ -254,10 +279,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
       parts = next.of.map((k) => new Solid3d(shapes[k]!));
       world.add(...parts);
       const { low, high } = boxOf(next);
-      centre = low.map((v, k) => (v + high[k]!) / 2) as Triple;
       size = Math.max(...high.map((v, k) => v - low[k]!)) || 1;
-      radius = Math.hypot(...high.map((v, k) => v - low[k]!)) / 2 || 1;
-      if (first) view.look(centre, radius);
       view.ask();
     },
     looks(looks, next) {
@@ -273,7 +295,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
       view.ask();
     },
     ask: view.ask,
-    fit: () => view.look(centre, spread()),
+    fit: view.look,
+    keepFitted: () => void (fresh || view.keep()),
     zoom: view.zoom,
     turn: view.turn,
     across(part, right, up) {

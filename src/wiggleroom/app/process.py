@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import shutil
 import sys
+import tempfile
 from dataclasses import dataclass, field
 
 import msgspec
@@ -31,20 +33,22 @@ class LostError(Exception):
 
 @dataclass(eq=False)
 class Process:
-    """One solver process."""
+    """One solver process, and its folder for temporary files, which is gone with it: drawings are read from there."""
 
     child: asyncio.subprocess.Process
+    folder: str
 
     @classmethod
     async def begin(cls) -> Process:
         """Start a process; it loads what it needs by itself."""
+        folder = tempfile.mkdtemp(prefix="wiggleroom-")
         child = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "wiggleroom.app.solver_worker",
+            sys.executable, "-m", "wiggleroom.app.solver_worker", folder,
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
-            env=child_environment(),
+            env=child_environment() | {"TMPDIR": folder},
             start_new_session=True,  # Ctrl-C is for the server
         )  # fmt: skip
-        return cls(child)
+        return cls(child, folder)
 
     async def send(self, order: StartOrder | StopOrder) -> None:
         """Give an order; raises LostError where nobody takes it."""
@@ -75,9 +79,10 @@ class Process:
             self.child.kill()
 
     async def end(self) -> None:
-        """End it and wait until it is gone."""
+        """End it and wait until it is gone, with all that it left."""
         self.kill()
         await self.child.wait()
+        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 @dataclass(eq=False)
@@ -96,7 +101,10 @@ class Pool:
     async def prepare(self) -> None:
         """Have one that waits."""
         async with self._lock:
-            if not self.closed and (self.spare is None or self.spare.child.returncode is not None):
+            if self.spare is not None and self.spare.child.returncode is not None:
+                gone, self.spare = self.spare, None
+                await gone.end()
+            if self.spare is None and not self.closed:
                 self.spare = await Process.begin()
 
     async def take(self) -> Process:

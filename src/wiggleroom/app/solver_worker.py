@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import queue
+import shutil
 import sys
 import threading
 from contextlib import suppress
@@ -19,8 +20,8 @@ KEPT_TICKETS = 4
 class Orders:
     """Orders as they come, read by a thread of its own, so that a stop is heard in the midst of work."""
 
-    def __init__(self, source: BinaryIO) -> None:
-        self._source = source
+    def __init__(self, source: BinaryIO, folder: str) -> None:
+        self._source, self._folder = source, folder
         self._waiting: queue.Queue[tuple[StartOrder, threading.Event]] = queue.Queue()
         self._stops: dict[int, threading.Event] = {}
         threading.Thread(target=self._listen, daemon=True).start()
@@ -35,6 +36,7 @@ class Orders:
                 self._waiting.put((order, stop))
                 for old in list(self._stops)[:-KEPT_TICKETS]:
                     del self._stops[old]
+        shutil.rmtree(self._folder, ignore_errors=True)
         os._exit(0)  # the server is gone, and nobody waits for an answer
 
     def next(self) -> tuple[StartOrder, threading.Event]:
@@ -46,9 +48,9 @@ class Orders:
         return not self._waiting.empty()
 
 
-def main(source: BinaryIO, target: BinaryIO) -> None:
-    """Work off orders until there are no more."""
-    orders = Orders(source)
+def main(source: BinaryIO, target: BinaryIO, folder: str) -> None:
+    """Work off orders until there are no more; temporary files lie in a folder that ends with the process."""
+    orders = Orders(source, folder)
 
     def say(message: object) -> None:
         target.write(framed_message(message))
@@ -75,4 +77,4 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
 if __name__ == "__main__":
     with os.fdopen(os.dup(1), "wb") as results:
         os.dup2(2, 1)  # whatever a library prints must not end up among the results
-        main(sys.stdin.buffer, results)
+        main(sys.stdin.buffer, results, sys.argv[1])

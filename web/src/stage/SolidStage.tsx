@@ -1,6 +1,6 @@
 /** Parts in space: the canvas of three.js, told what to show by the signals of the page, and what the hand does on it. */
 
-import { computed, effect, signal } from "@preact/signals";
+import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, goals } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
@@ -55,6 +55,7 @@ function connected(box: HTMLElement, open: Open): () => void {
   const names = state.names;
   const view: SolidView = open(box, "", {
     pose: (now) => pose(now, names.peek().length, 7),
+    end: () => endMotion.peek(),
     factor: () => factor(),
     exploded: () => state.exploded.peek(),
     marks,
@@ -87,6 +88,10 @@ function connected(box: HTMLElement, open: Open): () => void {
     effect(() => {
       void [shown.value, place.value, playing.value, factor(), state.exploded.value, state.answer.value, state.dragged.value, state.highlit.value, blame.value, design.value];
       view.ask();
+    }),
+    effect(() => {
+      void [shown.value, factor()];
+      if (!["drag", "between"].includes(shown.value.what)) untracked(view.keepFitted);
     }),
     effect(() => {
       const label = `${names.value.length} parts in space, gap ${design.value.gap} mm. Arrow keys turn the view, full stop and comma choose a part, Shift and arrow keys drag it, question mark lists all keys.`;

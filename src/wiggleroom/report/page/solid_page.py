@@ -16,7 +16,7 @@ from wiggleroom.report.results.answer_words import assembly_lines, certainty, fe
 from wiggleroom.report.results.table import fixed
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.solid_colours import Colour, part_colours
-from wiggleroom.report.solids.spatial_path import waypoint_times, with_quaternions
+from wiggleroom.report.solids.spatial_path import timed_path, with_quaternions
 from wiggleroom.report.solids.spatial_table import (
     check_sentence,
     last_direction,
@@ -190,15 +190,15 @@ def _scene(
         )
     everything = np.vstack(corners)
     size = float(np.ptp(everything, axis=0).max())
+    times, timed = timed_path(assembly, waypoints)
     strongest = max((c.force for c in contacts), default=1.0)
     return {
         "parts": parts,
-        "times": waypoint_times(assembly, waypoints, size).tolist(),
-        "motions": packed(with_quaternions(waypoints), "<f4"),
+        "times": times.tolist(),
+        "motions": packed(with_quaternions(timed), "<f4"),
         "contacts": [
             {"point": list(c.point), "normal": list(c.normal), "share": c.force / strongest} for c in contacts
         ],
-        "centre": ((everything.min(axis=0) + everything.max(axis=0)) / 2).tolist(),
         "size": size,
     }
 

@@ -19,7 +19,7 @@ from wiggleroom.report.pictures.file_endings import FILM_SVG, FILMS, check_endin
 from wiggleroom.report.pictures.png import png
 from wiggleroom.report.results.answer_words import certainty
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces
-from wiggleroom.report.solids.spatial_path import along_path
+from wiggleroom.report.solids.spatial_path import IN_SIGHT, along_path
 from wiggleroom.report.solids.spatial_picture import HEIGHT, WIDTH, frame_of, spatial_svg
 from wiggleroom.report.solids.spatial_table import last_direction, spatial_headline
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
@@ -36,8 +36,6 @@ SECONDS = 2.4
 """Time of a path [s]."""
 RATES = {".gif": 12.5, ".mp4": 20.0, FILM_SVG: 10.0}
 """Frames a second by the ending of the name."""
-IN_SIGHT = 0.8
-"""The picture has room for parts that go so far, in sizes of the assembly; what goes further leaves it."""
 PIXELS = 680
 """Width of films of pixels."""
 

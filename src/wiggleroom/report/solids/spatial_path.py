@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,25 +12,44 @@ from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
+IN_SIGHT = 0.8
+"""Parts that have gone further than this share of the size are out of sight."""
 MAX_SHARE = 0.5
-"""A piece of the path counts no longer than this share of the size, so that parts that fly off do not use up the time."""
+"""A way out of sight counts no longer than this share of the size, so that parts that fly off do not use up the time."""
 
 
-def waypoint_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
-    """When each waypoint (k,) is reached, from 0 to 1, by how far corners move."""
+def timed_path(assembly: SpatialAssembly, waypoints: Floats) -> tuple[Floats, Floats]:
+    """When each waypoint is reached, (m,) from 0 to 1, by how far corners move; and the path (m, n, 6), with waypoints where sight ends."""
+    far = IN_SIGHT * assembly.size
     reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
-    step = np.linalg.norm(np.diff(waypoints[:, :, :3], axis=0), axis=2)
-    turn = np.linalg.norm(np.diff(waypoints[:, :, 3:], axis=0), axis=2) * reach
-    length = np.minimum((step + turn).max(axis=1, initial=0.0), MAX_SHARE * size)
+    path = [waypoints[0]]
+    for one, other in itertools.pairwise(waypoints):
+        share = _sight_left(one[:, :3], other[:, :3], far)
+        path += [other] if share is None else [between_motions(one, other, share), other]
+    points = np.array(path)
+    step = np.linalg.norm(np.diff(points[:, :, :3], axis=0), axis=2)
+    turn = np.linalg.norm(np.diff(points[:, :, 3:], axis=0), axis=2) * reach
+    gone = np.linalg.norm(points[1:, :, :3], axis=2) > far * (1 + 1e-9)
+    length = np.minimum(step + turn, np.where(gone, MAX_SHARE * assembly.size, np.inf)).max(axis=1, initial=0.0)
     passed = np.concatenate([[0.0], np.cumsum(length)])
-    return passed / passed[-1] if passed[-1] > 0 else np.linspace(0, 1, len(passed))
+    return (passed / passed[-1] if passed[-1] > 0 else np.linspace(0, 1, len(passed))), points
+
+
+def _sight_left(one: Floats, other: Floats, far: float) -> float | None:
+    """Share of a straight piece between displacements (n, 3) after which all that leave sight on it have left; None where none does."""
+    leaves = (np.linalg.norm(one, axis=1) <= far) & (np.linalg.norm(other, axis=1) > far)
+    if not leaves.any():
+        return None
+    start, way = one[leaves], (other - one)[leaves]
+    a, b, c = (way**2).sum(axis=1), (start * way).sum(axis=1), (start**2).sum(axis=1) - far**2  # |start + s way| = far
+    return float(((np.sqrt(b**2 - a * c) - b) / a).max())
 
 
 def along_path(assembly: SpatialAssembly, waypoints: Floats, shares: Floats) -> Floats:
     """Motions (m, n, 6) [mm, rad] after some shares (m,) of a path (k, n, 6); its first and last point as they are."""
     if len(waypoints) == 1:
         return np.repeat(waypoints, len(shares), axis=0)
-    times = waypoint_times(assembly, waypoints, assembly.size)
+    times, waypoints = timed_path(assembly, waypoints)
     found = np.empty((len(shares), *waypoints.shape[1:]))
     for k, t in enumerate(shares.tolist()):
         i = int(np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2))
