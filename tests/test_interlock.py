@@ -143,6 +143,16 @@ def test_a_jigsaw_of_twenty_is_proven_to_interlock_and_falls_apart_when_loose():
     assert away(loose, found)
 
 
+def test_what_is_glued_to_what_stands_stays_when_all_others_have_left():
+    row = {name: shapely.box(x, 0, x + 8, 8) for name, x in (("wall", 0), ("glued", 10), ("block", 20), ("post", 30))}
+    parts = [part_at(n, s, (*s.centroid.coords[0], 0.0), n in ("wall", "post")) for n, s in row.items()]
+    assembly = assemble(Drawing(tuple(parts), glue=(("wall", "glued"),)))
+    found = wr.check(assembly)
+    assert [escape.parts for escape in found.escapes] == [("block",)]
+    assert not found.remains
+    assert not wr.plan(assembly).remains
+
+
 def test_interrupted_is_unknown():
     stop = threading.Event()
     stop.set()
@@ -295,6 +305,14 @@ def test_command_refuses_in_one_plain_line(command, capsys, words, said):
 
 PEG = shapely.box(10, 10, 20, 20)
 TRAY = shapely.box(0, 0, 30, 30) - PEG
+
+
+def test_parts_that_touch_and_one_that_passes_through_a_neighbour():
+    row = {name: shapely.box(x, 0, x + 10, 10) for name, x in (("a", 0), ("b", 10), ("c", 20), ("d", 30))}
+    parts = [part_at(n, s, (*s.centroid.coords[0], 0.0), n in "ad") for n, s in row.items()]
+    found = wr.check(assemble(Drawing(tuple(parts), ignore=(("a", "b"),))))
+    assert (found.verdict, found.certainty) == ("comes apart", "searched")
+    assert {name for escape in found.escapes for name in escape.parts} == {"b", "c"}
 
 
 @pytest.mark.parametrize(

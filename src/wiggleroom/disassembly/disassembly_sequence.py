@@ -174,7 +174,8 @@ def disassemble(
         so_far.left = without_parts(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
         so_far.alive = alive[stay]
         wanted -= set(names[alive[who]])
-        alone = len(np.unique(bodies.body_of[stay])) < 2 or all(p.fixed for p in so_far.left.parts)
+        among = bodies.body_of[stay]
+        alone = len(np.unique(among)) < 2 or bool(bodies.fixed[among].all())
         if alone or not every or (targets and not wanted):
             end: Separability = Separability.INTERLOCKED if alone else Separability.COMES_APART
             return _ended(so_far, Stage(end, Certainty.PROVEN, NO_BODIES, None, NO_BODIES), around)

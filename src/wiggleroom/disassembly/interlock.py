@@ -25,6 +25,7 @@ from wiggleroom.displayable import Displayable, Drawable
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.closure_bound import ClosureBound, closure_bound
+from wiggleroom.geometry.bodies import bodies
 from wiggleroom.maximise import witness
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress, silent
@@ -188,7 +189,7 @@ def interlock(
         spent = max(time.perf_counter() - began, MIN_BOUND_SECONDS if np.isinf(whole) else MIN_REFINED_SECONDS)
         found = furthest(done.left, spent, stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
-    held = stage.ended is Separability.INTERLOCKED and not all(p.fixed for p in done.left.parts)
+    held = stage.ended is Separability.INTERLOCKED and not bodies(done.left).fixed.all()
     return Interlock(
         assembly,
         verdict,
@@ -298,6 +299,8 @@ def _loosened(assembly: Assembly, known: ClosureBound, gap: float) -> Assembly:
     # a part that gets no further than the little gap from where it would be as one with others covers what is left of it there
     firm = (known.far < gap / 4)[known.body_of]
     drawing = assembly.as_cut()
+    # what some parts pass through stays by itself: as one with others it would stop them
+    firm &= ~np.isin(names, [name for pair in drawing.ignore for name in pair])
     glue = tuple(tuple(names[k] for k in np.flatnonzero(firm & (group == g))) for g in np.unique(group[firm]))
     return assemble(replace(drawing, glue=(*drawing.glue, *(g for g in glue if len(g) > 1)), flattening=None), gap=gap)
 
@@ -310,10 +313,10 @@ def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]
         ready = prepare_walls(assembly, stop=stop)
     except WiggleroomError:
         return ()
-    bodies, names = ready.bodies, assembly.names
+    them, names = ready.bodies, assembly.names
     found: set[str] = set()
-    for b in np.flatnonzero(held != held[int(np.flatnonzero(bodies.fixed)[0])]):
-        name = names[bodies.members[b][0]]
+    for b in np.flatnonzero(held != held[int(np.flatnonzero(them.fixed)[0])]):
+        name = names[them.members[b][0]]
         if name in found or (stop is not None and stop.is_set()):
             continue
         answer = witness(ready, Turn(name), stop=stop)

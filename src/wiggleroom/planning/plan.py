@@ -16,6 +16,7 @@ from wiggleroom.disassembly.disassembly_sequence import disassemble
 from wiggleroom.disassembly.interlock import with_ground
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.geometry.bodies import bodies
 from wiggleroom.planning.gravity import Gravity
 from wiggleroom.planning.path_improvement import improved_steps
 from wiggleroom.planning.steps import Step, measured, steps_of
@@ -154,7 +155,8 @@ def plan(
         if weight is not None:
             steps = tuple(replace(step, falling=weight.to_hold(step, limit)) for step in steps)
     gone = {standing.names[k] for d in done.departures for k in d.parts}
-    fixed = {p.name for p in standing.parts if p.fixed}
+    them = bodies(standing)
+    fixed = {standing.names[k] for k in np.flatnonzero(them.fixed[them.body_of])}
     remains = tuple(n for n in targets or standing.names if n not in gone and n not in fixed)
     missed = bool(remains) if targets else not gone
     return Plan(
