@@ -45,6 +45,7 @@ export function follow(): void {
     if (!opened) return;
     if (question.value !== before) {
       before = question.value;
+      if (state.running.peek().has("sweep")) cancel("sweep"); // of another question
       batch(() => {
         state.solved.value = [];
         state.lost.value = null;
@@ -246,6 +247,7 @@ function take(reply: Reply, paths: Frames[]): void {
   const beside = reply.kind === "flex" && isBeside(reply.id);
   if ("id" in reply && settled && reply.kind !== "step" && !earlier && !beside) setRunning(requestOf(reply), false);
   const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id)?.design ?? design.peek(), paths });
+  const still = (of: Reply): boolean => state.current(about(of)); // the design is still the one that was asked about
   switch (reply.kind) {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
@@ -253,14 +255,14 @@ function take(reply: Reply, paths: Frames[]): void {
     case "shape": reshaped(reply); shaped = about(reply).design; state.findings.value = []; return;
     case "flex": return flexed(about(reply), beside);
     case "drag": return draggedTo(about(reply));
-    case "modes": state.modes.value = about(reply); return showMode(0);
+    case "modes": state.modes.value = about(reply); return still(reply) ? showMode(0) : undefined;
     case "reach": state.reach.value = about(reply); return;
     case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
-    case "check": state.checked.value = about(reply); return showEscape(0);
+    case "check": state.checked.value = about(reply); return still(reply) ? showEscape(0) : undefined;
     case "limit": state.limit.value = about(reply); return;
-    case "plan": state.planned.value = about(reply); return showEscape(0, state.planned.peek());
-    case "step": return stepped(reply.gap, reply.objective, reply.verdict, paths[0]);
-    case "sweep": state.lost.value = reply.lost; return;
+    case "plan": state.planned.value = about(reply); return still(reply) ? showEscape(0, state.planned.peek()) : undefined;
+    case "step": if (questionOf(about(reply).design) === question.peek()) stepped(reply.gap, reply.objective, reply.verdict, paths[0]); return;
+    case "sweep": if (questionOf(about(reply).design) === question.peek()) state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
     case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.tinted.value = reply.of; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
@@ -366,7 +368,8 @@ export function showEscape(which: number, about: state.About<CheckReply | PlanRe
   const count = about.paths.length;
   autoFactor.value = 1;
   const next = count > 1 ? () => showEscape((which + 1) % count, about) : undefined; // one after the other
-  const name = about.reply.kind === "plan" ? "plan" : "path out";
+  const earlier = state.standalone.peek() || state.current(about) ? "" : " of an earlier design";
+  const name = (about.reply.kind === "plan" ? "plan" : "path out") + earlier;
   show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next }, false);
   play(true);
 }
