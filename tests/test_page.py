@@ -1133,3 +1133,8 @@ def test_what_is_left_of_rounding_is_no_number(browser: Any, tmp_path: Path) -> 
         assert all(value == 0 or abs(value) > 1e-4 for value in map(float, re.findall(r"-?[\d.]+(?:e-?\d+)?", said))), (
             said
         )
+        assert page.locator(".slice .state").count() == 1
+        page.get_by_label("gap, mm", exact=True).fill("0.2")
+        page.keyboard.press("Enter")
+        page.get_by_text("shown for an earlier design").wait_for()
+        assert page.locator(".tabpanel .now, .slice .state").count() == 0  # the parts are in another free space
