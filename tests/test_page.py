@@ -979,6 +979,22 @@ def held_back(kinds: set[str]) -> Any:
     return between
 
 
+def test_a_file_that_cannot_be_opened_leaves_what_is_open_with_its_mends(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "loose.json"
+    path.write_text(json.dumps(PEG | {"parts": [part | {"fixed": False} for part in PEG["parts"]]}))  # type: ignore[attr-defined]
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator(".findings").get_by_role("button", name=re.compile("^Fix ")).wait_for()
+        before = page.locator(".findings").inner_text()
+        page.set_input_files("#file", {"name": "broken.svg", "mimeType": "image/svg+xml", "buffer": b"<svg>"})
+        refused = page.get_by_role("alert", name="what could not be opened")
+        refused.get_by_text("broken.svg").wait_for()
+        assert page.locator(".findings").nth(1).inner_text() == before
+        refused.get_by_role("button", name="Close").click()
+        page.locator(".findings").get_by_role("button", name=re.compile("^Fix ")).click()
+        answered(page, "peg moves 1 mm in +x")
+        assert page.locator(".findings").count() == 0
+
+
 class Late:
     """Replies of some kinds reach the page only when they are let go."""
 

@@ -189,7 +189,8 @@ export function back(): void {
 export function openFile(name: string, bytes: Uint8Array): void {
   const most = state.hello.peek()?.limits.upload_mb ?? 20;
   if (bytes.length > most * 1e6) {
-    state.findings.value = [said(`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`)];
+    state.unopened.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
+    state.sheetOpen.value = true;
     return;
   }
   openAs({ name, data: toBase64(bytes) });
@@ -198,7 +199,7 @@ export function openFile(name: string, bytes: Uint8Array): void {
 /** Opens a file that was read before, or a sample. */
 export function openAs(what: Opening): void {
   state.opening.value = what.name;
-  state.findings.value = [];
+  state.unopened.value = [];
   pendingFile = what;
   if (!ask("open", what)) state.opening.value = "";
 }
@@ -393,6 +394,7 @@ function opened(reply: Opened): void {
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (!asks(read) && !reply.apart) read.goals = suggested; // panels of a sheet are put together first
   state.findings.value = [];
+  state.unopened.value = [];
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
@@ -455,12 +457,15 @@ function failed(of: string, lines: Finding[]): void {
       file = null;
       forgetFile();
     }
+    state.unopened.value = lines.map((one) => one.words);
+    state.sheetOpen.value = true;
+    return;
   }
   state.trouble.value = of;
   reviewed = of === "flex" || of === "shape" || of === "drag" ? design.peek() : null;
   state.pointed.value = null;
   state.findings.value = lines;
-  if (lines.length && state.drawing.peek() && !(state.tab.peek() === "sheet" && of !== "open")) {
+  if (lines.length && state.drawing.peek() && state.tab.peek() !== "sheet") {
     state.tab.value = ofSheet(of) ? "sheet" : "answer";
     state.sheetOpen.value = true;
   }
