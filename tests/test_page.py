@@ -290,6 +290,12 @@ def test_the_ranking_colours_the_parts_and_sorts_the_table(browser: Any) -> None
         assert [v for _, v in shown] == sorted((v for _, v in shown), reverse=True)
         for name, value in shown:
             assert value == pytest.approx(float(truth.looser[names.index(name)]), rel=5e-3, abs=1e-6)
+        gap = page.get_by_label("gap, mm", exact=True)
+        gap.fill(str(0.9 * float(gap.input_value())))
+        page.keyboard.press("Enter")
+        page.get_by_text("ranked for an earlier design").wait_for()
+        x, y = still(page)
+        until(page, lambda: colour(page, x - 16, y - 6) == before, "colours of an earlier design stay")
 
 
 def test_the_way_out_is_a_film(browser: Any) -> None:
@@ -973,6 +979,88 @@ def held_back(kinds: set[str]) -> Any:
     return between
 
 
+def test_a_file_that_cannot_be_opened_leaves_what_is_open_with_its_mends(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "loose.json"
+    path.write_text(json.dumps(PEG | {"parts": [part | {"fixed": False} for part in PEG["parts"]]}))  # type: ignore[attr-defined]
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator(".findings").get_by_role("button", name=re.compile("^Fix ")).wait_for()
+        before = page.locator(".findings").inner_text()
+        page.set_input_files("#file", {"name": "broken.svg", "mimeType": "image/svg+xml", "buffer": b"<svg>"})
+        refused = page.get_by_role("alert", name="what could not be opened")
+        refused.get_by_text("broken.svg").wait_for()
+        assert page.locator(".findings").nth(1).inner_text() == before
+        refused.get_by_role("button", name="Close").click()
+        page.locator(".findings").get_by_role("button", name=re.compile("^Fix ")).click()
+        answered(page, "peg moves 1 mm in +x")
+        assert page.locator(".findings").count() == 0
+
+
+class Late:
+    """Replies of some kinds reach the page only when they are let go."""
+
+    def __init__(self, page: Any, kinds: set[str]) -> None:
+        self.kinds = kinds
+        self.held: list[tuple[str, list[str | bytes]]] = []
+        self.frames: list[str | bytes] = []
+        page.route_web_socket(re.compile("/socket"), self.between)
+
+    def between(self, line: Any) -> None:
+        self.line = line
+        line.connect_to_server().on_message(self.take)
+
+    def take(self, said: str | bytes) -> None:
+        self.frames.append(said)
+        if isinstance(said, str):
+            kind = json.loads(said)["kind"]
+            if kind in self.kinds:
+                self.held.append((kind, self.frames))
+            else:
+                self.send(self.frames)
+            self.frames = []
+
+    def send(self, frames: list[str | bytes]) -> None:
+        for one in frames:
+            self.line.send(one)
+
+    def go(self) -> None:
+        for _, frames in self.held:
+            self.send(frames)
+
+
+def test_the_curve_has_no_points_of_another_question(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        late = Late(page, {"step", "sweep"})
+        page.goto(f"http://127.0.0.1:{peg.port}/?token={TOKEN}")
+        answered(page, "peg moves 1 mm in +x")
+        page.get_by_role("button", name="Sweep", exact=True).click()
+        until(page, lambda: len(late.held) > 3, "no sweep")
+        page.get_by_label("direction of the pull on peg").fill("45")
+        page.keyboard.press("Enter")
+        answered(page, "peg moves 1.414 mm")
+        late.go()
+        assert settled(page, lambda: page.locator(".curve .dot").count()) == 1
+        assert page.get_by_role("button", name="Sweep", exact=True).is_enabled()
+
+
+def test_a_path_out_of_an_earlier_design_is_not_played_unasked(browser: Any) -> None:
+    with serving(EXAMPLES / "17_does_it_come_apart" / "sequential.json") as served, visiting(browser, served) as page:
+        late = Late(page, {"check"})
+        page.goto(f"http://127.0.0.1:{served.port}/?token={TOKEN}")
+        page.get_by_role("tab", name="Come apart").click()
+        page.get_by_role("button", name="Check", exact=True).click()
+        until(page, lambda: len(late.held) > 0, "no answer")
+        gap = page.get_by_label("gap, mm", exact=True)
+        gap.fill(str(2 * float(gap.input_value())))
+        page.keyboard.press("Enter")
+        settled(page, lambda: page.locator("#answer").inner_text())
+        before = page.locator("#answer").inner_text()
+        late.go()
+        page.locator(".result.old", has_text="said of an earlier design").wait_for()
+        assert page.locator("#answer").inner_text() == before
+        page.get_by_role("button", name="Play the path out of").first.click()
+        page.locator(".facts", has_text="of an earlier design").wait_for()
+
+
 SIZES = ((1280, 720), (1440, 900), (390, 844))
 
 
@@ -1061,3 +1149,8 @@ def test_what_is_left_of_rounding_is_no_number(browser: Any, tmp_path: Path) -> 
         assert all(value == 0 or abs(value) > 1e-4 for value in map(float, re.findall(r"-?[\d.]+(?:e-?\d+)?", said))), (
             said
         )
+        assert page.locator(".slice .state").count() == 1
+        page.get_by_label("gap, mm", exact=True).fill("0.2")
+        page.keyboard.press("Enter")
+        page.get_by_text("shown for an earlier design").wait_for()
+        assert page.locator(".tabpanel .now, .slice .state").count() == 0  # the parts are in another free space

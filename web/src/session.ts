@@ -45,6 +45,7 @@ export function follow(): void {
     if (!opened) return;
     if (question.value !== before) {
       before = question.value;
+      if (state.running.peek().has("sweep")) cancel("sweep"); // of another question
       batch(() => {
         state.solved.value = [];
         state.lost.value = null;
@@ -188,7 +189,8 @@ export function back(): void {
 export function openFile(name: string, bytes: Uint8Array): void {
   const most = state.hello.peek()?.limits.upload_mb ?? 20;
   if (bytes.length > most * 1e6) {
-    state.findings.value = [said(`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`)];
+    state.unopened.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
+    state.sheetOpen.value = true;
     return;
   }
   openAs({ name, data: toBase64(bytes) });
@@ -197,7 +199,7 @@ export function openFile(name: string, bytes: Uint8Array): void {
 /** Opens a file that was read before, or a sample. */
 export function openAs(what: Opening): void {
   state.opening.value = what.name;
-  state.findings.value = [];
+  state.unopened.value = [];
   pendingFile = what;
   if (!ask("open", what)) state.opening.value = "";
 }
@@ -246,6 +248,7 @@ function take(reply: Reply, paths: Frames[]): void {
   const beside = reply.kind === "flex" && isBeside(reply.id);
   if ("id" in reply && settled && reply.kind !== "step" && !earlier && !beside) setRunning(requestOf(reply), false);
   const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id)?.design ?? design.peek(), paths });
+  const still = (of: Reply): boolean => state.current(about(of)); // the design is still the one that was asked about
   switch (reply.kind) {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
@@ -253,14 +256,14 @@ function take(reply: Reply, paths: Frames[]): void {
     case "shape": reshaped(reply); shaped = about(reply).design; state.findings.value = []; return;
     case "flex": return flexed(about(reply), beside);
     case "drag": return draggedTo(about(reply));
-    case "modes": state.modes.value = about(reply); return showMode(0);
+    case "modes": state.modes.value = about(reply); return still(reply) ? showMode(0) : undefined;
     case "reach": state.reach.value = about(reply); return;
     case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
-    case "check": state.checked.value = about(reply); return showEscape(0);
+    case "check": state.checked.value = about(reply); return still(reply) ? showEscape(0) : undefined;
     case "limit": state.limit.value = about(reply); return;
-    case "plan": state.planned.value = about(reply); return showEscape(0, state.planned.peek());
-    case "step": return stepped(reply.gap, reply.objective, reply.verdict, paths[0]);
-    case "sweep": state.lost.value = reply.lost; return;
+    case "plan": state.planned.value = about(reply); return still(reply) ? showEscape(0, state.planned.peek()) : undefined;
+    case "step": if (questionOf(about(reply).design) === question.peek()) stepped(reply.gap, reply.objective, reply.verdict, paths[0]); return;
+    case "sweep": if (questionOf(about(reply).design) === question.peek()) state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
     case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.tinted.value = reply.of; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
@@ -366,7 +369,8 @@ export function showEscape(which: number, about: state.About<CheckReply | PlanRe
   const count = about.paths.length;
   autoFactor.value = 1;
   const next = count > 1 ? () => showEscape((which + 1) % count, about) : undefined; // one after the other
-  const name = about.reply.kind === "plan" ? "plan" : "path out";
+  const earlier = state.standalone.peek() || state.current(about) ? "" : " of an earlier design";
+  const name = (about.reply.kind === "plan" ? "plan" : "path out") + earlier;
   show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next }, false);
   play(true);
 }
@@ -390,6 +394,7 @@ function opened(reply: Opened): void {
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (!asks(read) && !reply.apart) read.goals = suggested; // panels of a sheet are put together first
   state.findings.value = [];
+  state.unopened.value = [];
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
@@ -452,12 +457,15 @@ function failed(of: string, lines: Finding[]): void {
       file = null;
       forgetFile();
     }
+    state.unopened.value = lines.map((one) => one.words);
+    state.sheetOpen.value = true;
+    return;
   }
   state.trouble.value = of;
   reviewed = of === "flex" || of === "shape" || of === "drag" ? design.peek() : null;
   state.pointed.value = null;
   state.findings.value = lines;
-  if (lines.length && state.drawing.peek() && !(state.tab.peek() === "sheet" && of !== "open")) {
+  if (lines.length && state.drawing.peek() && state.tab.peek() !== "sheet") {
     state.tab.value = ofSheet(of) ? "sheet" : "answer";
     state.sheetOpen.value = true;
   }

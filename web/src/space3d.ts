@@ -11,8 +11,8 @@ import { fromBase64, type SpaceReply } from "./protocol.ts";
 import { nearestBy, number, ticks } from "./words.ts";
 
 export interface SpaceView {
-  /** Moves the point to a relative motion [mm, mm, degrees]. */
-  point(state: [number, number, number]): void;
+  /** Moves the point to a relative motion [mm, mm, degrees]; takes it away where there is none. */
+  point(state: [number, number, number] | null): void;
   /** Shows the slice at a turn [degrees]. */
   slice(angle: number): void;
   remove(): void;
@@ -175,8 +175,9 @@ export function show(box: HTMLElement, reply: SpaceReply, dark: boolean, onAngle
   controls.update();
   ask();
   return {
-    point([x, y, angle]) {
-      dot.position.set(x, y, tall(angle));
+    point(state) {
+      dot.visible = state !== null;
+      if (state) dot.position.set(state[0], state[1], tall(state[2]));
       ask();
     },
     slice(angle) {

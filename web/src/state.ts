@@ -18,6 +18,8 @@ export const line = signal<Line>("connecting");
 export const hello = signal<Hello | null>(null);
 export const workerState = signal<"ready" | "lost" | "restarted">("ready");
 export const findings = signal<Finding[]>([]);
+/** Why a file could not be opened; what was open before stays, with what is wrong with it. */
+export const unopened = signal<string[]>([]);
 /** The finding that is shown in the picture. */
 export const pointed = signal<Finding | null>(null);
 /** What failed last: its findings go when it succeeds. */

@@ -41,7 +41,10 @@ export function places(values: readonly number[]): number {
   return Math.min(Math.max(3 - Math.floor(Math.log10(most)), 0), 9);
 }
 
-export const short = (name: string, most = 24): string => (name.length <= most ? name : `${name.slice(0, most / 2 - 1)}…${name.slice(-most / 2)}`);
+export function short(name: string, most = 24): string {
+  const signs = [...name]; // some take two places in a string
+  return signs.length <= most ? name : `${signs.slice(0, most / 2 - 1).join("")}…${signs.slice(-most / 2).join("")}`;
+}
 
 /** Names in a row, the rest counted. */
 export function few(names: readonly string[], most = 6): string {

@@ -2,7 +2,13 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { relative } from "../src/panels/relative.ts";
 import type { PartShape, Point } from "../src/protocol.ts";
-import { nearestBy, places, ticks } from "../src/words.ts";
+import { nearestBy, places, short, ticks } from "../src/words.ts";
+
+test("long names are cut between signs, not within one", () => {
+  assert.equal(short("board"), "board");
+  assert.equal(short("🧩".repeat(24)), "🧩".repeat(24));
+  assert.equal(short(`a${"🧩".repeat(30)}`, 10), `a${"🧩".repeat(3)}…${"🧩".repeat(5)}`);
+});
 
 test("decimals show four digits of the largest number", () => {
   assert.equal(places([0.5, -12.34]), 2);

@@ -4,12 +4,13 @@ import { useSignal } from "@preact/signals";
 import { forgetRecent, recent } from "../keep.ts";
 import type { SampleEntry } from "../protocol.ts";
 import { openAs } from "../session.ts";
-import { findings, hello, line, notice } from "../state.ts";
+import { findings, hello, line, notice, unopened } from "../state.ts";
 import { short } from "../words.ts";
 
 export function Start() {
   const files = useSignal(recent());
   const samples = hello.value?.samples ?? [];
+  const wrong = [...unopened.value, ...findings.value.map((one) => one.words)];
   return (
     <div class="start">
       <div class="startpage">
@@ -22,7 +23,7 @@ export function Start() {
         </section>
         {line.value !== "open" && <p class="quiet" role="status">{line.value === "connecting" ? "Reaching the server…" : "The server does not answer; this page tries again by itself."}</p>}
         {notice.value && <p role="status">{notice.value}</p>}
-        {findings.value.length > 0 && <div class="notice bad" role="alert"><ul>{findings.value.map((one) => <li key={one.words}>{one.words}</li>)}</ul></div>}
+        {wrong.length > 0 && <div class="notice bad" role="alert"><ul>{wrong.map((words) => <li key={words}>{words}</li>)}</ul></div>}
         {files.value.length > 0 && (
           <section>
             <header><h2>Opened before</h2><button type="button" class="link" onClick={() => { forgetRecent(); files.value = []; }}>forget them</button></header>

@@ -2,7 +2,7 @@
 
 import { change } from "../design.ts";
 import type { Finding, Mend } from "../protocol.ts";
-import { findings, pointed, trouble } from "../state.ts";
+import { findings, pointed, trouble, unopened } from "../state.ts";
 import { Button } from "../chrome/Button.tsx";
 
 export const mend = ({ words: _, ...changed }: Mend): void => {
@@ -15,8 +15,19 @@ export function Findings() {
   if (all.length === 0) return null;
   return (
     <section class="findings" aria-label="what is wrong" role="alert">
-      <header><h2>{trouble.value === "open" ? "It could not be opened" : trouble.value === "line" ? "No server" : all.length === 1 ? "One thing to put right" : `${all.length} things to put right`}</h2><Button icon="close" label="Close the list" onClick={() => (findings.value = [])} class="small" /></header>
+      <header><h2>{trouble.value === "line" ? "No server" : all.length === 1 ? "One thing to put right" : `${all.length} things to put right`}</h2><Button icon="close" label="Close the list" onClick={() => (findings.value = [])} class="small" /></header>
       <ul>{all.map((one) => <Row key={one.words} finding={one} />)}</ul>
+    </section>
+  );
+}
+
+/** Why a file could not be opened. */
+export function Unopened() {
+  if (unopened.value.length === 0) return null;
+  return (
+    <section class="findings" aria-label="what could not be opened" role="alert">
+      <header><h2>It could not be opened</h2><Button icon="close" label="Close" onClick={() => (unopened.value = [])} class="small" /></header>
+      <ul>{unopened.value.map((words) => <li key={words}><p>{words}</p></li>)}</ul>
     </section>
   );
 }

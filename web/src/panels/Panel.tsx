@@ -7,7 +7,7 @@ import { ofSheet } from "../sheetState.ts";
 import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab, trouble } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
-import { Findings } from "./Findings.tsx";
+import { Findings, Unopened } from "./Findings.tsx";
 import { Gaps } from "./Gaps.tsx";
 import { Joints, Ranked } from "./Ranked.tsx";
 import { Sheet } from "./Sheet.tsx";
@@ -63,7 +63,8 @@ export function Panel() {
           >{words}</button>
         ))}
       </div>
-      {(open.name !== "sheet" || trouble.value === "open" || ofSheet(trouble.value)) && <Findings />}
+      <Unopened />
+      {(open.name !== "sheet" || ofSheet(trouble.value)) && <Findings />}
       <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );

@@ -44,10 +44,10 @@ export function Space() {
           <Run kind="space" label="Show the free space" onClick={() => void ask("space", { design: design.peek(), a: a.value, b: b.value })} disabled={!ready}>Show</Run>
         </div>
       )}
+      {about && !current(about) && !standalone.value && <p class="quiet">shown for an earlier design</p>}
       {about?.reply.open && <p class="strong">{about.reply.words}</p>}
       {about && !about.reply.open && <Body />}
       {about && standalone.value && <Command text={about.reply.command} />}
-      {about && !current(about) && !standalone.value && <p class="quiet">shown for an earlier design</p>}
     </Section>
   );
 }
@@ -78,7 +78,8 @@ function Body() {
   const { a, b, slices } = about.reply;
   const parts = drawing.value!.parts;
   const frames = shown.value.frames;
-  const state = frames && frames.n === parts.length ? relative(parts, a, b, end(frames), about.reply.pivot) : about.reply.state;
+  const now = standalone.value !== null || current(about); // else the parts are in another free space
+  const state = now && frames && frames.n === parts.length ? relative(parts, a, b, end(frames), about.reply.pivot) : about.reply.state;
   useEffect(() => {
     let gone = false;
     which.value = nearest(slices, state[2]);
@@ -86,7 +87,7 @@ function Body() {
       (show) => {
         if (gone || !box.current) return;
         made.current = show(box.current, about.reply, isDark(), (angle) => (which.value = nearest(slices, angle)));
-        made.current.point(state);
+        made.current.point(now ? state : null);
         made.current.slice(slices[which.peek()]?.angle_deg ?? 0);
       },
       () => (failed.value = "The 3D view could not be loaded."),
@@ -97,7 +98,7 @@ function Body() {
       made.current = null;
     };
   }, [about, isDark()]);
-  useEffect(() => made.current?.point(state));
+  useEffect(() => made.current?.point(now ? state : null));
   useEffect(() => made.current?.slice(slices[which.value]?.angle_deg ?? 0), [which.value]);
   const slice = slices[which.value];
   const shift = NO_SHIFT * extent.value.radius;
@@ -106,13 +107,13 @@ function Body() {
     <>
       <div class="space3d" ref={box} role="group" aria-label={`free space of ${b} against ${a}, turns from ${number(about.reply.range_deg[0], 3)} to ${number(about.reply.range_deg[1], 3)} degrees`} />
       {failed.value && <p class="quiet">{failed.value}</p>}
-      <p class="quiet now">now: {plain(state[0], shift)}, {plain(state[1], shift)} mm, {plain(state[2], NO_TURN)}°</p>
+      {now && <p class="quiet now">now: {plain(state[0], shift)}, {plain(state[1], shift)} mm, {plain(state[2], NO_TURN)}°</p>}
       {slice && (
         <>
           <label class="slicer">slice at {number(slice.angle_deg, 3)}°
             <input type="range" min={0} max={slices.length - 1} value={which.value} aria-valuetext={`${number(slice.angle_deg, 3)} degrees`} onInput={(event) => (which.value = Number(event.currentTarget.value))} />
           </label>
-          <Slice slices={slices} which={which.value} state={state} here={which.value === nearest(slices, state[2])} />
+          <Slice slices={slices} which={which.value} state={now ? state : null} here={which.value === nearest(slices, state[2])} />
           {slice.rings.length === 0 || which.value === 0 || which.value === slices.length - 1 ? <p class="quiet">The free space ends at this turn: hardly more than a point is left.</p> : null}
         </>
       )}

@@ -3,7 +3,7 @@
 import { computed } from "@preact/signals";
 import { fixedNames, pulledNames } from "../design.ts";
 import { shown } from "../motion.ts";
-import { answer, standalone, checked, coloured, dragged, names, pointed, ranking, space as pair, studies, tab, tinted } from "../state.ts";
+import { type About, answer, standalone, checked, coloured, current, dragged, names, pointed, ranking, space as pair, studies, tab, tinted } from "../state.ts";
 
 export type Role = "neutral" | "pulled" | "fixed" | "leaves" | "lit";
 
@@ -16,11 +16,16 @@ export const blame = computed<Float32Array | null>(() => {
   return Float32Array.from(values, (v) => v / most);
 });
 
-/** Colours of the study that was made or chosen last. */
-const varied = (): Record<string, number> | undefined => studies.value[tinted.value]?.reply.tints.values;
+/** Colours of the study that was made or chosen last, while it is about this design. */
+function varied(): Record<string, number> | undefined {
+  const about = studies.value[tinted.value];
+  return about && told(about) ? about.reply.tints.values : undefined;
+}
+
+const told = (about: About<unknown>): boolean => standalone.value !== null || current(about);
 
 function blamed(): Record<string, number> | undefined {
-  const parts = ranking.value?.reply.parts;
+  const parts = ranking.value && told(ranking.value) ? ranking.value.reply.parts : undefined;
   return parts && Object.fromEntries(Object.entries(parts).map(([name, one]) => [name, one.mm_per_mm]));
 }
 
