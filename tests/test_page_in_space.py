@@ -18,11 +18,12 @@ from PIL import Image
 
 import wiggleroom as wr
 from tests.app_client import Served
-from tests.page_waits import faded, plays, settled
+from tests.page_waits import LATER, faded, plays, settled
 from tests.test_page import answered, visiting
 from wiggleroom.app.open_requests import opened
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.serve_command import first_request
+from wiggleroom.report.page.solid_page import page_of_spatial_answer
 from wiggleroom.schema.requests import OpenRequest
 from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
 
@@ -320,6 +321,25 @@ def test_a_file_in_space_is_known_in_any_encoding() -> None:
     for encoding in ("utf-8", "utf-16"):
         file = opened(OpenRequest(id=1, name="lid.json", data=json.dumps(LID).encode(encoding)))
         assert isinstance(file.drawing, SpatialDrawing)
+
+
+def test_a_report_of_what_leaves_has_nothing_to_complain_of(browser: Any, tmp_path: Path) -> None:
+    (tmp_path / "lid.json").write_text(json.dumps(LID))
+    answer = wr.flex(wr.read(tmp_path / "lid.json"), wr.Pull("block", (0, 0, 1)))
+    assert answer.leaves == ("block",)
+    assert not answer.contacts
+    report = tmp_path / "report.html"
+    report.write_text(page_of_spatial_answer(answer, "wiggleroom flex lid.json"), encoding="utf-8")
+    page = browser.new_page()
+    wrong: list[str] = []
+    page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.goto(report.as_uri())
+    page.locator("#view canvas").wait_for()
+    page.locator("#explode").fill("1")
+    page.evaluate(LATER)
+    page.close()
+    assert wrong == []
 
 
 def margins(page: Any) -> tuple[float, float]:

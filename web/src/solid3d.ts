@@ -55,7 +55,8 @@ function start(data: SolidScene): void {
     view.world.add(solid);
     solids.push(solid);
   }
-  const marks = new Group().add(...data.contacts.map(({ point, normal, share }) => contact3d(point, normal, share, data.size, "#c1272d")));
+  const marks = new Group();
+  for (const { point, normal, share } of data.contacts) marks.add(contact3d(point, normal, share, data.size, "#c1272d"));
   view.world.add(marks);
   const motions = floats(data.motions);
   const count = data.parts.length;
