@@ -86,7 +86,7 @@ class Ranking(Drawable):
 
     @property
     def joint_importance(self) -> Floats:
-        """What the gap of each joint (m,) is worth."""
+        """What more room at the contacts of each joint (m,) is worth: nearly what a gap of its own is, where parts turn little."""
         return _middle(self.joint_looser, self.joint_tighter, self.joint_unique)
 
     @property
