@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.disassembly.swept_distance import swept_distance
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.neighbours import ignored_matrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -31,8 +32,7 @@ def least_distances(bodies: Bodies, path: Floats, there: Bools, ignored: Ints, m
     """
     n, shapes, radius = len(there), bodies.shapes, bodies.radius
     found = np.full((n, n), most)
-    never = np.zeros((n, n), dtype=np.bool_)
-    never[ignored // n, ignored % n] = True
+    never = ignored_matrix(ignored, n)
     poses = np.ascontiguousarray(bodies.rest + path)
     for begin, end in pairwise(poses):
         moving = (begin != end).any(axis=1)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.disassembly.slide_moves import MAX_STOPS, alignments, all_levels, slide_distances, slides
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.geometry.bodies import Bodies, corners
+from wiggleroom.geometry.neighbours import ignored_matrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -77,11 +78,8 @@ class SlideSpace:
     ) -> None:
         n = len(bodies.fixed)
         self.bodies, self.clearance, self.size, self.there = bodies, clearance, size, there
-        self.ignored = np.zeros((n, n), dtype=np.bool_)
+        self.ignored = ignored_matrix(ignored, n) | (bodies.fixed[:, None] & bodies.fixed)
         """Pairs that never collide, both ways round; what stands counts among them."""
-        self.ignored[ignored // n, ignored % n] = True
-        self.ignored |= self.ignored.T
-        self.ignored |= bodies.fixed[:, None] & bodies.fixed
         axes = slide_axes(bodies, motion, there)
         self.directions = np.concatenate([axes, -axes])
         units = [self._unit(axis, motion) for axis in axes]

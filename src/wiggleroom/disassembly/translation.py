@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.translations import OVERLAP_NOISE, edges_of_all, translation_directions
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.neighbours import ignored_matrix
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.translation_blocking import leaving
 
@@ -82,8 +83,7 @@ def translation_escapes(
         geometry = shapely.buffer(geometry, -thinner, join_style="mitre")
     edges, first = edges_of_all(geometry)
     group = np.unique(group, return_inverse=True)[1].ravel()
-    never = np.zeros((n, n), dtype=np.bool_)
-    never[ignored // n, ignored % n] = never[ignored % n, ignored // n] = True
+    never = ignored_matrix(ignored, n)
     found: list[TranslationEscape] = []
     who = np.zeros(n, dtype=np.bool_)
     for d in translation_directions(edges):

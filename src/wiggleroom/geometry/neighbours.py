@@ -31,6 +31,19 @@ class Pairs:
     clearance: Floats
 
 
+def ignored_matrix(ignored: Ints, count: int) -> NDArray[np.bool_]:
+    """Pairs (n, n) of `count` bodies that never collide, both ways round, from keys a * n + b (k,).
+
+    Examples
+    --------
+    >>> np.argwhere(ignored_matrix(np.array([5]), 3)).tolist()
+    [[1, 2], [2, 1]]
+    """
+    never = np.zeros((count, count), dtype=np.bool_)
+    never[ignored // count, ignored % count] = True
+    return never | never.T
+
+
 def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, ignored: Ints) -> Pairs:
     """Pairs of bodies no further apart than `reach`, except fixed with fixed and `ignored` ones.
 

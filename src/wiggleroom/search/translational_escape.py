@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import grow_cells, replaced, select
 from wiggleroom.freespace.translations import OVERLAP_NOISE, edges_of_all, translation_directions
+from wiggleroom.geometry.neighbours import ignored_matrix
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.translation_blocking import taken_along
@@ -52,8 +53,7 @@ def translational_escape(ready: Prepared, objective: Objective, start: Start) ->
     length = np.hypot(*directions.T)
     directions = np.concatenate([directions[length > 0] / length[length > 0, None], translation_directions(edges)])
     n = len(motion)
-    never = np.zeros((n, n), dtype=np.bool_)
-    never[ready.ignored // n, ready.ignored % n] = never[ready.ignored % n, ready.ignored // n] = True
+    never = ignored_matrix(ready.ignored, n)
     for body in asked:
         gain = directions @ slope[body, :2]
         for k in np.argsort(-gain, kind="stable"):

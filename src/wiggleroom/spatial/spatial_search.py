@@ -136,9 +136,8 @@ class SpatialSearch:
     def run(self) -> SearchEnd:
         """Search until an end is good; what is twisted and comes to no end may leave and turn for ever."""
         done = self._ended()
-        if not self._single_twist() or (done.good and done.found.status is not SolverStatus.ESCAPING) or done.turning:
-            return done
-        return done if self._asked_to_stop() else self._without_end(done)
+        over = (done.good and done.found.status is not SolverStatus.ESCAPING) or done.turning
+        return done if over or self._asked_to_stop() else self._without_end(done)
 
     def _ended(self) -> SearchEnd:
         """Search until an end is good: where what is twisted can turn far in place, from there first."""
