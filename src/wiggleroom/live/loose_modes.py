@@ -108,7 +108,7 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
     """Motions (k, n, 3) of the bodies from rest to the end of a freedom, and whether that was cut off."""
     weights = (direction / program.scale).reshape(-1, 3)
     weights = weights / np.abs(weights[:, :2]).max(initial=1e-300)
-    goal = PointMotion(program.free, weights[:, :2], np.zeros((len(program.free), 2)), weights[:, 2])
+    goal = PointMotion(program.free, weights[:, :2].copy(), np.zeros((len(program.free), 2)), weights[:, 2].copy())
     warm = WarmSearch(ready, goal, state_at_rest(ready), stop)
     warm.reach()
     search = warm.search

@@ -13,6 +13,7 @@ from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.parallel.batches import THREADS, in_batches
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.constraint_rows import Regions, rows_of
+from wiggleroom.program.material_points import subtract_own_blocks
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.sparsity_pattern import Pattern, pattern
 
@@ -235,13 +236,10 @@ class Linearised:
         """Take a share of the objective's second derivatives off."""
         P = self.program
         body, own, coupled = P.objective.hessian(self.motion)
-        f = P.slot[body]
-        own, f = own[f >= 0], f[f >= 0]
-        scale = P.scale.reshape(-1, 3)
-        own = share * own * scale[f, :, None] * scale[f, None, :]
-        np.subtract.at(data, P.pattern.diagonal_at[f], own[:, [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
+        subtract_own_blocks(body, own, share, P.slot, P.scale, P.pattern.diagonal_at, data)
         if not len(P.coupled_at):
             return
+        scale = P.scale.reshape(-1, 3)
         both = P.coupled_at[:, 0] >= 0
         i, j = (P.slot[k[both]] for k in P.objective.couples)
         blocks = share * coupled[both] * scale[i, :, None] * scale[j, None, :]

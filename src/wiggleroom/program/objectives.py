@@ -13,6 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W, part_of
 from wiggleroom.errors import InputError
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.program import material_points as kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -50,17 +51,15 @@ class Points:
 
     def turned(self, motion: Floats) -> Floats:
         """Arms (k, 2) [mm] as they lie after the motion."""
-        c, s = np.cos(motion[self.body, 2]), np.sin(motion[self.body, 2])
-        x, y = self.arm.T
-        return np.column_stack([c * x - s * y, s * x + c * y])
+        out = np.empty((len(self.body), 2))
+        kernel.turned_arms(self.body, self.arm, motion, out)
+        return out
 
     def moved(self, motion: Floats) -> Floats:
         """Displacements (k, 2) [mm]."""
-        # (R - I) arm through half angles: no cancellation at small turns
-        half = motion[self.body, 2] / 2
-        c, s = np.cos(half), np.sin(half)
-        x, y = self.arm.T
-        return motion[self.body, :2] + 2 * s[:, None] * np.column_stack([-s * x - c * y, c * x - s * y])
+        out = np.empty((len(self.body), 2))
+        kernel.point_displacements(self.body, self.arm, motion, out)
+        return out
 
     def slopes(self, motion: Floats) -> Floats:
         """Derivatives (k, 2, 3) of the displacements by the body's motion."""
@@ -103,21 +102,23 @@ class PointMotion:
 
     def value(self, motion: Floats) -> float:
         """Objective [mm], turns in [rad]."""
-        return float((self.direction * self.points.moved(motion)).sum() + self.turn @ motion[self.body, 2])
+        return kernel.pulled_value(self.body, self.direction, self.arm, self.turn, motion)
 
     def gradient(self, motion: Floats) -> Floats:
         """Derivatives (n, 3)."""
-        arm = self.points.turned(motion)
-        out = np.zeros_like(motion)
-        lever = self.direction[:, 1] * arm[:, 0] - self.direction[:, 0] * arm[:, 1] + self.turn
-        np.add.at(out, self.body, np.column_stack([self.direction, lever]))
-        return out
+        return self._derivatives(motion)[0]
 
     def hessian(self, motion: Floats) -> tuple[Ints, Floats, Floats]:
         """Bodies (k,), blocks (k, 3, 3), and no coupled ones."""
         blocks = np.zeros((len(self.body), 3, 3))
-        blocks[:, 2, 2] = -(self.direction * self.points.turned(motion)).sum(1)
+        blocks[:, 2, 2] = self._derivatives(motion)[1]
         return self.body, blocks, np.zeros((0, 3, 3))
+
+    def _derivatives(self, motion: Floats) -> tuple[Floats, Floats]:
+        """Derivatives (n, 3), and the second ones by the angle of each pulled body (k,)."""
+        out, curvature = np.zeros(motion.shape), np.empty(len(self.body))
+        kernel.pulled_derivatives(self.body, self.direction, self.arm, self.turn, motion, out, curvature)
+        return out, curvature
 
 
 ZERO_MOTION = PointMotion(_EMPTY, np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
@@ -331,7 +332,7 @@ def _pulled(assembly: Assembly, bodies: Bodies, goals: Sequence[Any], _: tuple[I
         arm = np.asarray(spot) - bodies.rest[body, :2]
         rows.append((body, *(goal.weight * np.asarray(direction)), *arm, goal.weight * turn))
     table = np.array(rows, dtype=float).reshape(-1, 6)
-    return PointMotion(table[:, 0].astype(np.int64), table[:, 1:3], table[:, 3:5], table[:, 5])
+    return PointMotion(table[:, 0].astype(np.int64), table[:, 1:3].copy(), table[:, 3:5].copy(), table[:, 5].copy())
 
 
 def _towards(assembly: Assembly, bodies: Bodies, goals: Sequence[Any], _: tuple[Ints, Ints]) -> Approach:

@@ -8,25 +8,45 @@ motions only.
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.program.envelope_cholesky import MAX_ENVELOPE_ROWS, EnvelopeCholesky
 from wiggleroom.program.nonlinear_program import Linearised, Program
 from wiggleroom.program.relative_places import add_shortfalls, pair_differences, predicted_places
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 ANCHOR_WEIGHT = 1e-9
 """Weight that ties bodies without neighbours to the straight step."""
+
+
+class LinearSolver(Protocol):
+    """A system of equations that was factorised."""
+
+    def solve(self, right: Floats, /) -> Floats:
+        """Solution for a right-hand side."""
+
+
+def factorised(row: Ints, column: Ints, entry: Floats, size: int) -> LinearSolver:
+    """Factor of a positive definite matrix, from the entries (E,) of its upper triangle: within the envelope, or of many rows by qdldl."""
+    if size <= MAX_ENVELOPE_ROWS:
+        factor = EnvelopeCholesky(row, column, size)
+        factor.update(entry, 0.0)
+        return factor
+    import qdldl
+    import scipy.sparse as sp  # slow to import, and seldom needed
+
+    return qdldl.Solver(sp.csc_matrix((entry, (row, column)), shape=(size, size)), upper=True)
 
 
 class Retraction:
     """Least-squares placement on the neighbour graph of one program."""
 
     def __init__(self, program: Program) -> None:
-        import qdldl
-        import scipy.sparse as sp
-
         a, b, slot = program.cells.a, program.cells.b, program.slot
         i, j, count = slot[a], slot[b], len(program.free)
         both = (i >= 0) & (j >= 0)
@@ -34,7 +54,7 @@ class Retraction:
         row = np.concatenate([np.arange(count), np.minimum(i, j)[both]])
         column = np.concatenate([np.arange(count), np.maximum(i, j)[both]])
         entry = np.concatenate([degree + ANCHOR_WEIGHT, np.full(len(row) - count, -1.0)])
-        self._laplacian = qdldl.Solver(sp.csc_matrix((entry, (row, column)), shape=(count, count)), upper=True)
+        self._laplacian = factorised(row, column, entry, count)
         self._program = program
         self._pairs = a, b, slot
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.solve.interior_point_settings import SETTINGS, WARM_START_GAP, settings_for
-from wiggleroom.solve.newton_step import Iterate, dot
-from wiggleroom.solve.row_operations import violation
+from wiggleroom.solve.newton_step import Iterate
+from wiggleroom.solve.row_operations import farthest_pulled, residual_work, violation
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -77,8 +77,8 @@ class ConvergenceMonitor:
             self.progress(self.iterations, state.at.value)
         self.mu = gap / max(len(state.s), 1)
         infeasible = violation(state.lam, state.s, state.at.h)
-        wrong = dot(np.abs(dual_residual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
-        dual_displacement = dot(np.abs(dual_residual), np.abs(state.u - self.begin))
+        step_work, dual_displacement = residual_work(dual_residual, state.move, state.u, self.begin)
+        wrong = step_work if k else 0.0
         settings, whole = settings_for(len(state.u)), max(abs(value), 1.0)
         dual_error = (
             settings.dual_error_ratio * (dual_displacement - settings.dual_error_allowance * whole)
@@ -105,9 +105,7 @@ class ConvergenceMonitor:
             return SolverStatus.CONVERGED
         if self.stop is not None and self.stop.is_set():
             return SolverStatus.STOPPED
-        pulled = (state.at.gradient.reshape(-1, 3) != 0).any(axis=1)  # a loose part may drift anywhere
-        reached = np.abs(state.u.reshape(-1, 3)[pulled, :2]).max(initial=0.0) * state.at.program.length
-        far = reached > self.horizon
+        far = farthest_pulled(state.at.gradient, state.u) * state.at.program.length > self.horizon
         return (SolverStatus.ESCAPING if inside else SolverStatus.FAILED) if far else None
 
     def _in_balance(self, dual_residual: Floats, displacement: float, whole: float) -> bool:

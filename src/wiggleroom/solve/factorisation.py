@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.parallel.batches import usable_cores
+from wiggleroom.program.envelope_cholesky import MAX_ENVELOPE_ROWS, EnvelopeCholesky
 from wiggleroom.program.sparsity_pattern import Pattern
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32] | NDArray[np.int64]
 
-MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
-"""Up to this many rows one column at a time is the quickest; from this many on nested dissection and threads pay."""
+MIN_DISSECTION_ROWS = 3000
+"""From this many rows on nested dissection and threads pay in rslab."""
 MAX_THREADS = 4
 """Of one factorisation by dense blocks."""
 BODY_VARIABLES = 3
@@ -53,10 +54,14 @@ class Factor(Protocol):
 def factor(pattern: SparsePattern) -> Factor:
     """The fastest factorisation for a pattern.
 
-    Up to a few hundred bodies it is qdldl; above, the multifrontal one for bodies in the plane, else rslab (extra `fast`) where installed.
+    Up to two hundred bodies it is within the envelope; above, the multifrontal one for bodies in the plane, else rslab (extra `fast`) where
+    installed.
     """
-    if len(pattern.indptr) <= MAX_SIMPLICIAL_ROWS:
-        return Plain(pattern)
+    size = len(pattern.indptr) - 1
+    if size <= MAX_ENVELOPE_ROWS:
+        return EnvelopeCholesky(
+            pattern.indices.astype(np.int64), np.repeat(np.arange(size), np.diff(pattern.indptr)), size
+        )
     if isinstance(pattern, Pattern):
         from wiggleroom.solve.multifrontal import (  # with what it needs of scipy it is slow to import
             FrontalPlan,

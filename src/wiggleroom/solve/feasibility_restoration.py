@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import LARGE_PROGRAM, MAX_LIFTS, MAX_PULLS, SETTINGS, SLACK_TOLERANCE
-from wiggleroom.solve.newton_step import Iterate, dot, newton
+from wiggleroom.solve.newton_step import Iterate, newton
 from wiggleroom.solve.predictor_corrector import NewtonStep, take_step
+from wiggleroom.solve.row_operations import dot
 
 Floats = NDArray[np.float64]
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from wiggleroom.program.nonlinear_program import Linearised
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.newton_step import MIN_SHIFT, Iterate, dot, newton
+from wiggleroom.solve.newton_step import MIN_SHIFT, Iterate, newton
+from wiggleroom.solve.row_operations import dot
 
 Floats = NDArray[np.float64]
 

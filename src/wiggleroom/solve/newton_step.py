@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.program.nonlinear_program import Linearised
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.row_operations import step_length
+from wiggleroom.solve.row_operations import dot, step_length
 
 Floats = NDArray[np.float64]
 
@@ -65,11 +65,6 @@ def newton(state: Iterate, matrix: Factor, dual_residual: Floats, goal: Floats, 
     s, lam, at = state.s, state.lam, state.at
     du = matrix.solve(at.eliminated_product(s, lam, goal, share) - dual_residual)
     return Direction(du, *at.eliminated_changes(du, s, lam, goal, share))
-
-
-def dot(x: Floats, y: Floats) -> float:
-    """X . y without the threads of a linear-algebra library, which cost more than they save here."""
-    return float(np.einsum("i,i->", x, y))
 
 
 def max_step(x: Floats, dx: Floats) -> float:

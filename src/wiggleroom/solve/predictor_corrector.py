@@ -11,8 +11,8 @@ from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import SETTINGS, settings_for
-from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, dot, newton
-from wiggleroom.solve.row_operations import corrector_goal, gap_after, stepped_slacks, violation
+from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, newton
+from wiggleroom.solve.row_operations import corrector_goal, dot, gap_after, stepped_slacks, violation
 
 Floats = NDArray[np.float64]
 

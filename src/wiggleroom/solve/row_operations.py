@@ -42,6 +42,36 @@ def step_lengths(x, dx, more, shares, out):
 
 
 @njit(**SUM)
+def dot(x, y):
+    """X . y: vectors of small programs are worked on sooner than numpy is called."""
+    total = 0.0
+    for k in range(len(x)):
+        total += x[k] * y[k]
+    return total
+
+
+@njit(**NO_ALLOCATION)
+def residual_work(residual, move, u, begin):
+    """Work of a dual residual along the last step, of which at most 1 counts, and along the whole motion, in absolute values."""
+    step, whole = 0.0, 0.0
+    for k in range(len(u)):
+        force = abs(residual[k])
+        step += force * min(abs(move[k]), 1.0)
+        whole += force * abs(u[k] - begin[k])
+    return step, whole
+
+
+@njit(**NO_ALLOCATION)
+def farthest_pulled(gradient, u):
+    """Largest shift |x| or |y| of a body that the objective depends on; a loose one may drift anywhere."""
+    far = 0.0
+    for k in range(0, len(u), 3):
+        if gradient[k] != 0 or gradient[k + 1] != 0 or gradient[k + 2] != 0:
+            far = max(far, abs(u[k]), abs(u[k + 1]))
+    return far
+
+
+@njit(**SUM)
 def violation(lam, s, h):
     """Sum of the differences of slacks and rows, weighted with the multipliers."""
     total = 0.0

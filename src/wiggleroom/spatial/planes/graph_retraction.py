@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.program.retraction import LinearSolver, factorised
 from wiggleroom.spatial.planes import plane_fitting
 from wiggleroom.spatial.planes.separating_plane_program import (
     LinearisedSeparatingPlanes,
@@ -30,8 +29,6 @@ class GraphRetraction:
     ANCHOR = 1e-9
 
     def __init__(self, program: SeparatingPlaneProgram) -> None:
-        import qdldl
-
         P = program
         self._program = P
         self._moving = np.flatnonzero((P.slot[:, :3] >= 0).any(axis=1))
@@ -54,14 +51,12 @@ class GraphRetraction:
         )  # neighbours that reach far say little about where a body goes
         self._weight, self._edges, self._ends = weight, edges, sp.csr_matrix(edges.T.multiply(weight))
         self._open = P.slot[self._moving, :3] >= 0
-        self._laplacian: Any = None
+        self._laplacian: LinearSolver | None = None
         if len(self._moving):
-            laplacian = self._ends @ edges + self.ANCHOR * sp.eye(shape[1])
-            self._laplacian = qdldl.Solver(sp.csc_matrix(laplacian))
-
-    def _solve(self, right: Floats) -> Floats:
-        columns = [self._laplacian.solve(np.ascontiguousarray(right[:, k])) for k in range(3)]
-        return np.column_stack(columns)
+            laplacian = sp.triu(self._ends @ edges + self.ANCHOR * sp.eye(shape[1]), format="coo")
+            self._laplacian = factorised(
+                laplacian.row.astype(np.int64), laplacian.col.astype(np.int64), laplacian.data, shape[1]
+            )
 
     def placed(self, T: Floats, R: Floats, q: Floats) -> Floats:
         """Positions near T (n, 3) in which every pair is seen at q (P, 3) as nearly as can be."""
@@ -70,7 +65,7 @@ class GraphRetraction:
             return T
         wanted = np.einsum("pij,pj->pi", R[P.a], q) - (T[P.b] - T[P.a])
         T = T.copy()
-        T[self._moving] += self._solve(self._ends @ wanted) * self._open
+        T[self._moving] += _solved(self._laplacian, self._ends @ wanted) * self._open
         return T
 
     def bodies(self, at: LinearisedSeparatingPlanes, u: Floats, share: float) -> SpatialPose:
@@ -123,5 +118,10 @@ class GraphRetraction:
         x = np.zeros(P.slot.shape)
         open_ = P.slot >= 0
         x[open_] = residual / P.scale[open_]
-        world = self._weight[:, None] * (self._edges @ self._solve(x[self._moving, :3]))
+        world = self._weight[:, None] * (self._edges @ _solved(self._laplacian, x[self._moving, :3]))
         return np.einsum("pji,pj->pi", at.point.pose.R[P.a], world)
+
+
+def _solved(laplacian: LinearSolver, right: Floats) -> Floats:
+    """Solution for each of three right-hand sides (n, 3)."""
+    return np.column_stack([laplacian.solve(np.ascontiguousarray(right[:, k])) for k in range(3)])
