@@ -149,7 +149,7 @@ class _Steps:
         """Rows at a motion, and the derivatives of the objective there or at another motion."""
         ready = self.ready
         reach = EDGE_REACH * FIRST_TRUST_RADIUS * ready.clearance
-        near = neighbours(ready.bodies, placed(ready.bodies, motion), reach, ignored=ready.ignored)
+        near = neighbours(ready.bodies, placed(ready.bodies, motion), reach, ignored=ready.ignored, motion=motion)
         faces = half_planes(ready.bodies, near.a, near.b, motion, reach)
         program = build_program(ready.bodies, faces, objective, length=ready.clearance)
         at = program.linearise(program.variables(motion))

@@ -33,5 +33,9 @@ def congruence_classes(bodies: Bodies, a: Ints, b: Ints, pose: Floats, tolerance
     angle = np.remainder(pose[:, 2] + 1e-6, 2 * np.pi) - 1e-6
     place = np.round(pose[:, :2] / unit[:, None])
     key = np.column_stack([bodies.shape[a], bodies.shape[b], place, np.round(angle / tolerance)])
-    _, first, label = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    return first, label.ravel()
+    order = np.lexsort(key.T[::-1])
+    new = np.ones(len(key), dtype=bool)
+    new[1:] = (np.diff(key[order], axis=0) != 0).any(axis=1)
+    label = np.empty(len(key), dtype=np.int64)
+    label[order] = np.cumsum(new) - 1
+    return order[new], label

@@ -9,6 +9,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.relative_pose import relative_pose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,8 +46,15 @@ def ignored_matrix(ignored: Ints, count: int) -> NDArray[np.bool_]:
     return never | never.T
 
 
-def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, ignored: Ints) -> Pairs:
-    """Pairs of bodies no further apart than `reach`, except fixed with fixed and `ignored` ones.
+def neighbours(
+    bodies: Bodies,
+    geometry: NDArray[np.object_],
+    reach: float,
+    *,
+    ignored: Ints,
+    motion: Floats | None = None,
+) -> Pairs:
+    """Pairs of bodies no further apart than `reach`, except fixed with fixed and `ignored` ones; congruent pairs are measured once.
 
     Parameters
     ----------
@@ -55,20 +64,29 @@ def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, i
     reach : float [mm]
     ignored : (k,) int64
         Keys a * n + b of pairs to leave out.
+    motion : (n, 3) float64 [mm, mm, rad], optional
+        Of the bodies, where they are not at rest now.
 
     Returns
     -------
     Pairs
         Sorted by (a, b).
     """
-    tree = shapely.STRtree(geometry)
-    # in one thread: what this prepares may not be shared
-    i, j = tree.query(geometry, predicate="dwithin", distance=reach)
+    low_x, low_y, high_x, high_y = shapely.bounds(geometry).T
+    around = shapely.box(low_x - reach, low_y - reach, high_x + reach, high_y + reach)
+    i, j = shapely.STRtree(geometry).query(around)
     keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, ignored)
     i, j = i[keep], j[keep]
-    order = np.lexsort((j, i))
-    i, j = i[order], j[order]
-    return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
+    first, label = congruence_classes(bodies, i, j, relative_pose(bodies, i, j, motion))
+    apart = np.full(len(first), np.inf)
+    one, other = geometry[i[first]], geometry[j[first]]
+    shapely.prepare(one)  # in one thread: what is prepared may not be shared
+    within = shapely.dwithin(one, other, reach)
+    shapely.destroy_prepared(one)
+    apart[within] = shapely.distance(one[within], other[within])
+    near = np.flatnonzero(within[label])
+    near = near[np.lexsort((j[near], i[near]))]
+    return Pairs(i[near], j[near], apart[label[near]])
 
 
 def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints) -> Pairs:
