@@ -40,8 +40,8 @@ LINE = np.dtype([("edge", "i8"), ("count", "i8"), ("before", "i8"), ("walls", "i
 """A line, the number of walls on it, now and before the present step, and their corners."""
 RUN_PAIR = np.dtype([("state", "i8"), ("bound", "f8")], align=True)
 """What is known of a run of A and one of B: UNSEEN, SEEN or SEPARATED, and a lower bound of their distance [mm]."""
-OPEN_PAIR = np.dtype([("a", "i8"), ("b", "i8"), ("apart2", "f8")], align=True)
-"""An edge pair that no line separates, and the square of its distance [mm^2]."""
+OPEN_PAIR = np.dtype([("a", "i8"), ("b", "i8"), ("apart2", "f8"), ("postponed", "i8")], align=True)
+"""An edge pair that no line separates, the square of its distance [mm^2], and whether it waits for the lines of other pairs."""
 
 
 class Workspace(NamedTuple):
@@ -262,10 +262,10 @@ def classify_run_pairs(pair, work, pose, tiny):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def nearest_open(pair, work, tiny):
-    """Place in the list of the nearest edge pair that no line separates, or -1; runs are opened in the order of their distance."""
+    """Place in the list of the nearest edge pair that no line separates and that does not wait, or -1; near runs are opened first."""
     best, where = np.inf, -1
     for n in range(work.number[PAIRS]):
-        if work.open_pairs[n].apart2 < best:
+        if work.open_pairs[n].apart2 < best and not work.open_pairs[n].postponed:
             best, where = work.open_pairs[n].apart2, n
     while True:
         near, a, b = np.sqrt(best), -1, -1
@@ -283,7 +283,7 @@ def nearest_open(pair, work, tiny):
                     continue
                 n = work.number[PAIRS]
                 found = work.open_pairs[n]
-                found.a, found.b, found.apart2 = i, j, squared_distance(pair, i, j)
+                found.a, found.b, found.apart2, found.postponed = i, j, squared_distance(pair, i, j), 0
                 work.number[PAIRS] = n + 1
                 if found.apart2 < best:
                     best, where = found.apart2, n

@@ -8,6 +8,7 @@ from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
 from wiggleroom.freespace.cells.pair_edges import edge_in_front, normal_in_frame, posed
 from wiggleroom.freespace.cells.separating_lines import (
     LINES,
+    PAIRS,
     add_wall,
     classify_run_pairs,
     line_of,
@@ -125,8 +126,16 @@ def separate_edges(pair, work, seed, keep, i, j, pose, p, q):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
+def separated_by_pieces(pair, work, i, j, p, q, tiny):
+    """True where lines together separate edge i of A from edge j of B, either of them piece by piece."""
+    return separated_piecewise(pair, work, i, j, p, q, tiny) or separated_piecewise(pair, work, j, i, p, q, tiny)
+
+
+@njit(**COMPILED_CALLERS_ONLY)
 def separate_all_edges(pair, work, seed, keep, pose, p, q):
     """Add walls until every edge pair is separated over [p, q] or out of reach, nearest first from `pose`.
+
+    An edge pair that resists waits until all others are looked at: lines that part those may part it piece by piece, or hold it off.
 
     Returns whether all are, and, where an edge pair resists, the angle inside (p, q) at which its two edges are parallel, nan where there
     is none: up to there and from there on different corners lead, and one wall may do where both would not.
@@ -139,21 +148,32 @@ def separate_all_edges(pair, work, seed, keep, pose, p, q):
     while True:
         where = nearest_open(pair, work, tiny)
         if where < 0:
-            return True, np.nan
+            break
         i, j, apart2 = work.open_pairs[where].a, work.open_pairs[where].b, work.open_pairs[where].apart2
         looked = apart2 > 1.5 * last  # the reach is looked at again only where the nearest is clearly further away
         if looked:
             last = apart2
             if out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny):
-                return True, np.nan
+                break
         line = separate_edges(pair, work, seed, keep, i, j, pose, p, q)
         if line == OUT_OF_MEMORY:
             return False, np.nan
         if line == NO_SEPARATING_LINE:
-            if separated_piecewise(pair, work, i, j, p, q, tiny) or separated_piecewise(pair, work, j, i, p, q, tiny):
+            if separated_by_pieces(pair, work, i, j, p, q, tiny):
                 remove_open_pair(work, where)
                 continue
-            beyond = not looked and out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny)
-            return beyond, parallel_angle(pair, i, j, p, q)
+            if not looked and out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny):
+                break
+            angle = parallel_angle(pair, i, j, p, q)
+            if not np.isnan(angle):
+                return False, angle
+            work.open_pairs[where].postponed = 1
+            continue
         set_ahead(pair, work, line, p, q)
         remove_separated_pairs(pair, work, line, tiny)
+    apart2 = np.inf
+    for n in range(work.number[PAIRS]):
+        one = work.open_pairs[n]
+        if one.postponed and one.apart2 < apart2 and not separated_by_pieces(pair, work, one.a, one.b, p, q, tiny):
+            apart2 = one.apart2
+    return apart2 == np.inf or out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny), np.nan
