@@ -309,6 +309,10 @@ def test_a_bound_lies_above_the_answer(page: Visit) -> None:
     reply = page.ask("prove", share=0.05, seconds=30)
     assert found <= reply["at_most"] <= 1.05 * found * (1 + 1e-9)
     assert "proven" in reply["words"]
+    shown = [r for r in page.told if r["kind"] == "flex"][-1]
+    assert shown["id"] == reply["id"], "what is shown takes the bound, too"
+    assert shown["at_most"] == reply["at_most"]
+    assert any(fact.endswith("proven") and fact.startswith("between") for fact in shown["facts"])
     assert page.ask("flex")["at_most"] == reply["at_most"]
 
 
@@ -367,7 +371,8 @@ def test_a_sweep_that_finds_more_at_the_gap_of_the_design_tells_the_answer_anew(
     number = page.send("sweep", gaps=[0.02, 0.01, 0.005])
     whole = page.until(number, "sweep")
     (own,) = [step["objective"] for step in whole["steps"] if step["gap"] == 0.01]
-    (shown,) = [r for r in page.told if r["kind"] == "flex"]
+    shown, *proven = [r for r in page.told if r["kind"] == "flex"]
+    assert len(proven) == (asked == "prove"), "a bound is told besides"
     assert shown["id"] == number
     assert shown["objective"] == own == pytest.approx(2.06)
     assert shown["motions"][0][-1][1][1] == pytest.approx(2.06)
@@ -396,6 +401,16 @@ def test_a_drawing_that_asks_nothing_comes_with_a_suggestion(page: Visit) -> Non
     told = page.open("peg.svg", PEG.encode())
     assert told["pulled"]["part"] == "peg"
     assert np.hypot(*told["pulled"]["direction"]) == 1
+
+
+def test_no_dot_is_suggested(page: Visit) -> None:
+    """A square of 0.05 mm beside the frame lies farther out than the peg, and is no part that somebody pulls."""
+    dot = '<path d="M 45 15 h 0.05 v 0.05 h -0.05 z"/></svg>'
+    hollow = PEG.replace("</svg>", dot)
+    assert hollow != PEG
+    told = page.open("peg.svg", hollow.encode())
+    assert len(told["parts"]) == 3
+    assert told["pulled"]["part"] == "peg"
 
 
 @pytest.mark.parametrize("asked", ["bound", "rank", "tighten", "sample", "prove"])

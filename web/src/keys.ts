@@ -41,6 +41,7 @@ export function listen(): void {
 /** True when the key meant something. */
 function act(event: KeyboardEvent): boolean {
   const { key } = event;
+  if (state.atStart.peek()) return key === "Escape" && !(state.atStart.value = false);
   const name = state.selected.peek();
   const tabAt = Number(key) - 1;
   if (key in ARROWS) return arrow(ARROWS[key]!, event.shiftKey);

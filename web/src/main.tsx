@@ -20,7 +20,7 @@ import { Beside } from "./stage/Beside.tsx";
 import { SheetStage } from "./stage/SheetStage.tsx";
 import { SolidStage } from "./stage/SolidStage.tsx";
 import { Stage } from "./stage/Stage.tsx";
-import { standalone, drawing, tab } from "./state.ts";
+import { atStart, standalone, drawing, tab } from "./state.ts";
 
 /** Whether a cutting sheet is shown with what it makes. */
 const onSheet = (): boolean => tab.value === "sheet" && assembled.value !== null && !inSpace();
@@ -29,16 +29,16 @@ function Page() {
   return (
     <div class="page" data-empty={drawing.value === null} data-wide={tab.value === "study" || (standalone.value !== null && tab.value === "space")}>
       <TopBar />
-      <main class="middle">
+      <main class="middle" inert={atStart.value}>
         <Headline />
         <div class="stages">
           {onSheet() ? <SheetStage /> : <><Beside />{inSpace() ? <SolidStage /> : <Stage />}</>}
         </div>
         {!onSheet() && <><Selection /><Player /></>}
-        <Drop />
       </main>
       {!onSheet() && <GapStrip />}
       <Panel />
+      <Drop />
       <Help />
       <Spoken />
     </div>

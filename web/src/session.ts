@@ -393,6 +393,7 @@ function opened(reply: Opened): void {
   const read: Design = { ...reply.design, gap: reply.gap };
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (!asks(read) && !reply.apart) read.goals = suggested; // panels of a sheet are put together first
+  state.atStart.value = false;
   state.findings.value = [];
   state.unopened.value = [];
   state.pointed.value = null;

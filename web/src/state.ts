@@ -26,6 +26,8 @@ export const pointed = signal<Finding | null>(null);
 export const trouble = signal("");
 export const notice = signal("");
 export const opening = signal("");
+/** Whether the start page lies over what is open. */
+export const atStart = signal(false);
 
 export const drawing = signal<Opened | null>(null);
 export const rings = signal<Ring[][]>([]);

@@ -27,7 +27,7 @@ const made: Canvas[] = [];
 const PARTS = 400;
 const NONE: ReadonlySet<number> = new Set();
 const [path, colours] = [{} as Path2D, { neutral: ["", ""] } as unknown as Scene["colours"]];
-const shapes: Scene["shapes"] = Array.from({ length: PARTS }, (_, i) => ({ path, rings: [], at: [20 * (i % 20), 20 * Math.floor(i / 20)], radius: 8, name: [0, 0], width: 16 }));
+const shapes: Scene["shapes"] = Array.from({ length: PARTS }, (_, i) => ({ path, rings: [], at: [20 * (i % 20), 20 * Math.floor(i / 20)], radius: 8, name: { at: [0, 0], room: 0 }, width: 16 }));
 const roles = shapes.map((): "neutral" => "neutral");
 const names = shapes.map((_, i) => `p${i}`);
 const [size, view] = [{ width: 800, height: 600 }, { x: 200, y: 200, scale: 1 }];

@@ -35,6 +35,8 @@ AnyDrawing = TypeVar("AnyDrawing", Drawing, "SpatialDrawing")
 
 NEAR_SHARE = 0.01
 """Parts nearer to each other than this share of a usual part's side do not lie apart."""
+CRUMB_SHARE = 0.01
+"""What is smaller than this share of the largest part is a dot of the drawing rather than a part that somebody pulls."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,7 +275,7 @@ def lies_apart(drawing: Drawing) -> bool:
 
 
 def suggested(drawing: Drawing) -> GoalEntry:
-    """A pull for a drawing that asks for none: the part farthest from what is fixed, away from it."""
+    """A pull for a drawing that asks for none: the part farthest from what is fixed, away from it; no crumb where there are others."""
     middle = np.array([np.vstack([r.outer for r in p.regions]).mean(axis=0) for p in drawing.parts])
     centres = np.array([place(m[None], p.at)[0] for m, p in zip(middle, drawing.parts, strict=True)])
     fixed = np.array([p.fixed for p in drawing.parts])
@@ -281,7 +283,9 @@ def suggested(drawing: Drawing) -> GoalEntry:
         reach = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in drawing.parts]
         fixed[int(np.argmax(reach))] = True
     away = centres - centres[fixed].mean(axis=0)
-    far = np.where(fixed, -1.0, np.hypot(*away.T))
+    sides = np.array([np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in drawing.parts])
+    crumb = sides < CRUMB_SHARE * sides.max()
+    far = np.where(fixed, -1.0, np.where(crumb, 0.0, np.hypot(*away.T)))
     k = int(far.argmax())
     along = int(np.abs(away[k]).argmax())
     sign = 1.0 if away[k, along] >= 0 else -1.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -136,9 +135,11 @@ def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
     within = None if bound is None or bound.within is None or not math.isfinite(bound.within) else bound.within
     more = ("--prove", f"{request.share:g}", "--time", f"{request.seconds:g}")
     said = command("flex", document.file, request.design, more)
-    out.reply(ProveReply(at_most=done.at_most, within=within, words=bound_sentence(done), command=said))
     if done.at_most is not None:
-        document.know(request.design, replace(answer, at_most=done.at_most, bound=bound))
+        document.know(request.design, done)
+        if (done.at_most, done.verdict) != (answer.at_most, answer.verdict):
+            tell_answer(document, request.design, done, "", out)
+    out.reply(ProveReply(at_most=done.at_most, within=within, words=bound_sentence(done), command=said))
 
 
 def bound(document: Document, request: BoundRequest, out: Reporter) -> None:

@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { openFile } from "../session.ts";
 import { Start } from "./Start.tsx";
-import { standalone, drawing, line, opening } from "../state.ts";
+import { atStart, standalone, drawing, line, opening } from "../state.ts";
 
 export function Drop() {
   const over = useSignal(false);
@@ -33,15 +33,15 @@ export function Drop() {
   }, []);
   if (over.value) return <div class="drop over">Let go to open it</div>;
   if (opening.value) return <div class="drop" role="status">Opening {opening.value}…</div>;
-  if (drawing.value || standalone.value) return null;
+  if ((drawing.value && !atStart.value) || standalone.value) return null;
   if (line.value === "refused") {
     return (
-      <div class="drop">
+      <section class="drop" aria-label="start">
         <div class="calm">
           <p class="big">This address lacks its key</p>
           <p>Open the whole address that <code>wiggleroom serve</code> prints in the terminal: it ends with <code>?token=…</code>, and lets in nobody else.</p>
         </div>
-      </div>
+      </section>
     );
   }
   return <Start />;

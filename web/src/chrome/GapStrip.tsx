@@ -6,7 +6,7 @@ import { asks, design, goals, settle } from "../design.ts";
 import { valueBetween } from "../motion.ts";
 import { isTurn, isTwist } from "../protocol.ts";
 import { ask, setGap } from "../session.ts";
-import { answer, standalone, current, drawing, findings, lost, running, type Solved, solved } from "../state.ts";
+import { answer, atStart, standalone, current, drawing, findings, lost, running, type Solved, solved } from "../state.ts";
 import { nearestBy, number, ticks } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
@@ -54,7 +54,7 @@ export function GapStrip() {
   if (!opened || (still && solved.value.length < 2)) return null;
   const slider = still ? (most - low) / 400 || 1e-6 : stepOf(most / 30);
   return (
-    <section class="gapstrip" aria-label="gap">
+    <section class="gapstrip" inert={atStart.value} aria-label="gap">
       <div class="gapbox">
         <label for="gap">Gap</label>
         <NumberBox value={gap} min={0} step={stepOf(gap || most / 10)} unit="mm" label="gap" onChange={(value) => setGap(value, "")} disabled={still} />

@@ -7,6 +7,7 @@ import { assembled } from "../sheetState.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
+import { MOST_MARKS } from "../stage/marks.ts";
 import { ask, few, number, short } from "../words.ts";
 import { unitOf } from "./GapStrip.tsx";
 import { Meaning } from "./Meaning.tsx";
@@ -72,7 +73,7 @@ function said(): Said {
   const { headline, facts } = about.reply;
   const most = about.reply.at_most === null && bound.value?.design === design.value ? bound.value.reply.words : "";
   const further = running.value.has("bound") ? ["looking further"] : [];
-  return { title: headline, line: [...facts, ...(most ? [most] : []), ...enlarged(), ...further].join(" · "), tone: about.reply.objective === null ? "warn" : "" };
+  return { title: headline, line: [...facts, ...(most ? [most] : []), ...enlarged(), ...thinned(about.reply.contacts.length), ...further].join(" · "), tone: about.reply.objective === null ? "warn" : "" };
 }
 
 /** What a dragged part does: while the hand leads nothing is claimed. */
@@ -90,6 +91,9 @@ function draggedSaid(): Said {
 }
 
 const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
+
+/** That not all contacts have their arrow. */
+const thinned = (count: number): string[] => (count > MOST_MARKS ? [`arrows at the ${MOST_MARKS} strongest contacts in view`] : []);
 
 const NAMES: Record<string, string> = {
   flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",

@@ -4,16 +4,18 @@ import { useSignal } from "@preact/signals";
 import { forgetRecent, recent } from "../keep.ts";
 import type { SampleEntry } from "../protocol.ts";
 import { openAs } from "../session.ts";
-import { findings, hello, line, notice, unopened } from "../state.ts";
+import { atStart, drawing, findings, hello, line, notice, unopened } from "../state.ts";
 import { short } from "../words.ts";
+import { Button } from "./Button.tsx";
 
 export function Start() {
   const files = useSignal(recent());
   const samples = hello.value?.samples ?? [];
   const wrong = [...unopened.value, ...findings.value.map((one) => one.words)];
   return (
-    <div class="start">
+    <section class="start" aria-label="start">
       <div class="startpage">
+        {drawing.value && <Button icon="undo" label={`Back to ${drawing.value.name}`} keyName="Escape" class="backto" onClick={() => (atStart.value = false)}>Back to {short(drawing.value.name, 40)}</Button>}
         <p class="lead">How far loose, interlocking parts can move, what stops them, and whether they come apart.</p>
         <section class="dropzone">
           <p class="big">Drop a drawing here</p>
@@ -45,7 +47,7 @@ export function Start() {
           </section>
         )}
       </div>
-    </div>
+    </section>
   );
 }
 

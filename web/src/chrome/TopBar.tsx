@@ -4,7 +4,7 @@ import { useRef } from "preact/hooks";
 import { canRedo, canUndo, redo, undo } from "../design.ts";
 import { openFile } from "../session.ts";
 import { isDark, setTheme, theme } from "../stage/colours.ts";
-import { standalone, drawing, helpOpen, line, workerState } from "../state.ts";
+import { atStart, standalone, drawing, helpOpen, line, workerState } from "../state.ts";
 import { Button } from "./Button.tsx";
 import { SaveMenu } from "./SaveMenu.tsx";
 
@@ -19,7 +19,9 @@ export function TopBar() {
   };
   return (
     <header class="topbar">
-      <span class="brand" role="img" aria-label="wiggleroom"><Mark /><span class="wordmark">wiggleroom</span></span>
+      {drawing.value && !standalone.value ? (
+        <button type="button" class="brand" aria-label="wiggleroom: samples and files opened before" title="Samples and files opened before" aria-expanded={atStart.value} onClick={() => (atStart.value = !atStart.peek())}><Mark /><span class="wordmark">wiggleroom</span></button>
+      ) : <span class="brand" role="img" aria-label="wiggleroom"><Mark /><span class="wordmark">wiggleroom</span></span>}
       <h1 class="filename" title={drawing.value?.name}>{drawing.value?.name ?? ""}</h1>
       <Line />
       <span class="spring" />

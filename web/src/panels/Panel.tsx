@@ -4,7 +4,7 @@ import { computed } from "@preact/signals";
 import { inSpace } from "../design.ts";
 import type { ComponentType } from "preact";
 import { ofSheet } from "../sheetState.ts";
-import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab, trouble } from "../state.ts";
+import { answer, atStart, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab, trouble } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
 import { Findings, Unopened } from "./Findings.tsx";
@@ -54,7 +54,7 @@ export function Panel() {
     requestAnimationFrame(() => document.getElementById(`tab-${tab.value}`)?.focus());
   };
   return (
-    <aside class="panel" data-open={sheetOpen.value} aria-label="answers">
+    <aside class="panel" inert={atStart.value} data-open={sheetOpen.value} aria-label="answers">
       <div class="tabs" role="tablist" aria-label="answers" onKeyDown={keys}>
         {tabs.map(({ name, words }) => (
           <button

@@ -24,7 +24,7 @@ export function close(more: boolean): void {
   if (line.length < 3) return;
   const found = names.peek().filter((_, i) => {
     const shape = current.shapes[i]!;
-    const middle = outOf(placed(shape, current.motion, i, factor()), namePlace(shape));
+    const middle = outOf(placed(shape, current.motion, i, factor()), namePlace(shape).at);
     return inside([line], toScreen(view.peek(), size.peek(), middle));
   });
   chooseMany(more ? [...many.peek(), ...found] : found);

@@ -13,22 +13,34 @@ export interface Marks {
   highlit: Point | null;
 }
 
-const MOST = 400;
+/** More marks would hide the parts. */
+export const MOST_MARKS = 120;
+
+/** A contact and where it is on the screen [px]. */
+interface Spot { contact: ContactEntry; x: number; y: number }
+
+/** Of the contacts that are in view the strongest: coming nearer shows others. */
+export function strongest(spots: readonly Spot[], { width, height }: Size, most: number): Spot[] {
+  const seen = spots.filter(({ x, y }) => x >= 0 && x <= width && y >= 0 && y <= height);
+  return seen.length > most ? seen.sort((a, b) => b.contact.force - a.contact.force).slice(0, most) : seen;
+}
 
 export function paintMarks(
   g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, colours: Colours,
   shapes: readonly Shape[], indexOf: ReadonlyMap<string, number>, motion: Float32Array, factor: number, marks: Marks,
 ): void {
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
-  const shown = marks.contacts.length > MOST ? [...marks.contacts].sort((a, b) => b.force - a.force).slice(0, MOST) : marks.contacts;
   const longest = Math.min(32, Math.min(size.width, size.height) / 18);
-  const most = Math.max(...shown.map((one) => one.force), 1e-12);
-  for (const contact of shown) {
+  const most = marks.contacts.reduce((largest, { force }) => Math.max(largest, force), 1e-12);
+  const spots = marks.contacts.flatMap((contact): Spot[] => {
     const i = indexOf.get(contact.parts[0]);
-    if (i === undefined) continue;
+    if (i === undefined) return [];
     const carrier = shapes[i]!;
     const local = into(placed(carrier, marks.at, i, 1), contact.point as Point);
     const [x, y] = toScreen(view, size, outOf(placed(carrier, motion, i, factor), local));
+    return [{ contact, x, y }];
+  });
+  for (const { contact, x, y } of strongest(spots, size, MOST_MARKS)) {
     const share = contact.force / most;
     const picked = marks.highlit !== null && marks.highlit[0] === contact.point[0] && marks.highlit[1] === contact.point[1];
     if (share > 1e-3) force(g, [x, y], contact.normal as Point, 8 + longest * Math.sqrt(share), colours.force, colours.paper);

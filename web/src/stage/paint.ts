@@ -192,18 +192,21 @@ function names(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
     const one = scene.shapes[i]!;
     if (one.width * view.scale < NAMED) continue;
     const name = scene.names[i]!;
-    const [mx, my] = namePlace(one);
+    const { at: [mx, my], room: wide } = namePlace(one);
+    const room = NAME_SHARE * wide * view.scale;
+    if (room < LEAST_NAME) continue;
     const [x, y] = toScreen(view, size, [place.x + place.cos * mx - place.sin * my, place.y + place.sin * mx + place.cos * my]);
     const below = scene.roles[i] === "pulled" ? 20 : 0; // beside the foot of the arrow
     g.globalAlpha = 0.78;
     g.fillStyle = scene.blame ? inkOn(blameColour(scene.colours.blame, scene.blame[i]!)) : scene.colours.ink;
-    g.fillText(cut(g, name, NAME_SHARE * one.width * view.scale), x, y + below);
+    g.fillText(cut(g, name, room), x, y + below);
   }
   g.globalAlpha = 1;
 }
 
-/** Names take this share of the width of a part. */
-const NAME_SHARE = 0.6;
+/** Names take this share of the width of a part where they stand, and are left out where that is less than a letter or two [px]. */
+const NAME_SHARE = 0.9;
+const LEAST_NAME = 18;
 const cuts = new Map<string, string>();
 
 /** A name, or as much of its beginning as is no wider than `room` [px]. */

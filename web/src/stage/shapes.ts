@@ -3,7 +3,7 @@
 import type { PartShape, Point, Ring } from "../protocol.ts";
 import type { Box } from "./view.ts";
 
-export interface Shape { path: Path2D; rings: Ring[]; at: Point; radius: number; name: Point | null; width: number }
+export interface Shape { path: Path2D; rings: Ring[]; at: Point; radius: number; name: NamePlace | null; width: number }
 
 /** One shape a part; `rings` in world coordinates at rest. */
 export function shapes(parts: readonly PartShape[], rings: readonly Ring[][]): Shape[] {
@@ -29,8 +29,11 @@ function shape(at: Point, world: Ring[]): Shape {
 
 const ACROSS = 14;
 
+/** Where a name stands, about the reference point, and how wide the material is there [mm]. */
+export interface NamePlace { at: Point; room: number }
+
 /** Place for the name: well inside the material, as near to the middle as that allows. Worked out when it is first wanted. */
-export function namePlace(shape: Shape): Point {
+export function namePlace(shape: Shape): NamePlace {
   if (shape.name) return shape.name;
   const all = shape.rings.flat();
   const [xs, ys] = [all.map((p) => p[0]), all.map((p) => p[1])];
@@ -44,7 +47,20 @@ export function namePlace(shape: Shape): Point {
     const value = room(p) - Math.hypot(p[0] - middle[0], p[1] - middle[1]) / 6;
     if (value > best) [best, place] = [value, p];
   }
-  return (shape.name = place);
+  return (shape.name = { at: place, room: widthAt(shape.rings, place) });
+}
+
+/** How wide the material is about a point well inside it, as a line through it cuts it [mm]: so long may what is written there be. */
+export function widthAt(rings: readonly Ring[], [px, py]: Point): number {
+  let [left, right] = [-Infinity, Infinity];
+  for (const ring of rings) ring.forEach(([x, y], k) => {
+    const [ox, oy] = ring[(k + 1) % ring.length]!;
+    if (y > py === oy > py) return;
+    const at = x + ((ox - x) * (py - y)) / (oy - y);
+    if (at <= px) left = Math.max(left, at);
+    else right = Math.min(right, at);
+  });
+  return Number.isFinite(right - left) ? 2 * Math.min(px - left, right - px) : 0;
 }
 
 /** Where a part is: reference point in the world and turn, its motion times the magnification. */
