@@ -8,14 +8,13 @@ from functools import partial
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.disassembly.enclosure import Enclosed
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.rigid_subassembly import passage_or_enclosure
 from wiggleroom.disassembly.slide_search import slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace
+from wiggleroom.drawing.outlines.connected_components import components
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.congruence_classes import congruence_classes
@@ -205,5 +204,4 @@ def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float, sto
 def _labels(n: int, ties: list[tuple[int, int]]) -> Ints:
     """Number of the group (n,) that each body is tied to."""
     table = np.array(ties, dtype=np.int64).reshape(-1, 2)
-    graph = coo_array((np.ones(len(table)), (table[:, 0], table[:, 1])), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    return np.unique(components(n, table[:, 0], table[:, 1]), return_inverse=True)[1]

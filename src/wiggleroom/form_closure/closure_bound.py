@@ -17,14 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import Stop
 from wiggleroom.form_closure.finite_contacts import FiniteContacts, finite_contacts
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -168,6 +171,8 @@ def _rows(
     arm: Floats, normal: Floats, a: Ints, b: Ints, a_moves: NDArray[np.bool_], b_moves: NDArray[np.bool_], unknowns: int
 ) -> sparse.csr_array:
     """Rows (k, unknowns): how fast points come away from edges, per shift along x and y and turn of every group that moves."""
+    from scipy import sparse  # slow to load
+
     wrench = np.column_stack([normal, arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]])
     blocks = sparse.csr_array((len(arm), unknowns))
     for which, moves, sign in ((b, b_moves, 1.0), (a, a_moves, -1.0)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import BodyShapes
@@ -41,16 +42,16 @@ def symmetry_orders(shapes: BodyShapes, tolerance: float) -> Ints:
 
 def symmetry_order(corner: Floats, after: Ints, tolerance: float) -> int:
     """Order of the symmetry about the origin of rings with some corners (N, 2) [mm], each followed by corner `after` (N,)."""
-    from scipy.spatial import cKDTree  # slow to load
-
     radius = np.hypot(*corner.T)
     outermost = int((radius > radius.max() - tolerance).sum())  # such corners are brought onto each other
-    tree = cKDTree(corner)
+    tree = shapely.STRtree(shapely.points(corner))
     for n in range(min(outermost, MAX_ORDER), 1, -1):
         if outermost % n or len(corner) % n:
             continue
-        far, image = tree.query(_turned(corner, 2 * np.pi / n), distance_upper_bound=tolerance)
-        if (far <= tolerance).all() and (after[image] == image[after]).all() and _spread(corner, image, n) <= tolerance:
+        turned = shapely.points(_turned(corner, 2 * np.pi / n))
+        found, image = tree.query_nearest(turned, max_distance=tolerance, all_matches=False)
+        onto = len(found) == len(corner)
+        if onto and (after[image] == image[after]).all() and _spread(corner, image, n) <= tolerance:
             return n
     return 1
 

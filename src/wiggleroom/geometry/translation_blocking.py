@@ -171,15 +171,23 @@ def taken_along(edges, first, direction, ignored, fixed, unit, who):
     """
     n = len(first) - 1
     turned, boxes, top = np.empty((len(edges), 4)), np.empty((n, 4)), np.empty(len(edges))
-    order = np.argsort(np.where(fixed, 0, 1), kind="mergesort")  # fixed ones end most questions
+    order, placed = np.empty(n, dtype=np.int64), 0
+    for standing in (True, False):  # fixed ones end most questions
+        for b in range(n):
+            if fixed[b] == standing:
+                order[placed] = b
+                placed += 1
     for b in order:
         turn_edges(edges, first, b, direction[0], direction[1], turned, boxes)
         highest = -np.inf
         for i in range(first[b], first[b + 1]):
             highest = max(highest, turned[i, 3])
             top[i] = highest
-    waiting, height = np.empty(n, dtype=np.int64), 1
-    waiting[0] = np.flatnonzero(who)[0]
+    waiting, height = np.empty(n, dtype=np.int64), 0
+    for b in range(n):
+        if who[b]:
+            waiting[height] = b
+            height += 1
     while height:
         height -= 1
         b = waiting[height]

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
-from scipy.sparse import coo_array
 
 from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.geometry.bodies import Bodies
@@ -120,6 +118,9 @@ def _worth(problem: ClearanceProblem, pieces: Floats) -> float:
 
 def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float) -> Floats | None:
     """Change (k, n, 3) of the waypoints that a linear program proposes; None where there is nothing to gain."""
+    from scipy.optimize import linprog  # slow to load
+    from scipy.sparse import coo_array
+
     moving, radius = problem.moving, problem.bodies.radius
     k, dofs = len(path), 2 if moving.as_one else 3 * len(moving.who)
     free = (k - 1) * dofs

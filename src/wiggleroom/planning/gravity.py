@@ -15,8 +15,6 @@ from itertools import pairwise
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.optimize import linprog
-from scipy.sparse import coo_array
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError, Stop
@@ -176,6 +174,9 @@ class Gravity:
 
 def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Floats, trust: float) -> Floats:
     """Motion (n, 3) [mm, mm, rad] of all bodies by which the free ones lose the most height."""
+    from scipy.optimize import linprog  # slow to load
+    from scipy.sparse import coo_array
+
     bodies, free = problem.bodies, problem.moving.who
     mine = {int(b): k for k, b in enumerate(free)}
     lever = bodies.radius[free]

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Points
+from wiggleroom.drawing.outlines.connected_components import components
 
 Ints = NDArray[np.int64]
 
@@ -56,7 +57,7 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     points = shapely.points(ends)
     tree = shapely.STRtree(points)
     first, second = tree.query(points, predicate="dwithin", distance=COINCIDENCE_TOLERANCE * size)
-    label = _components(len(ends), first, second)
+    label = components(len(ends), first, second)
     count = np.bincount(label)
     loose = count == 1
     widest = 0.0
@@ -82,23 +83,6 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     return Ends(rank[node].reshape(-1, 2), at[order], widest)
 
 
-def _components(n: int, first: Ints, second: Ints) -> Ints:
-    """Of each of n nodes the least node that edges lead to; scipy has this, but takes a third of a second to load.
-
-    >>> _components(5, np.array([3, 1]), np.array([1, 4])).tolist()
-    [0, 1, 2, 1, 1]
-    """
-    root = np.arange(n)
-    while True:
-        a, b = root[first], root[second]
-        apart = a != b
-        if not apart.any():
-            return root
-        np.minimum.at(root, np.maximum(a, b)[apart], np.minimum(a, b)[apart])
-        while (root[root] != root).any():
-            root = root[root]
-
-
 def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bool]]]:
     """Closed loops of lines of one pool, none of which meets any other line; each line with whether it is travelled backwards.
 
@@ -117,7 +101,7 @@ def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bo
     """
     node = ends.node
     degree = np.bincount(node.ravel(), minlength=len(ends.at))
-    group = _components(len(ends.at), node[:, 0], node[:, 1])[node[:, 0]]
+    group = components(len(ends.at), node[:, 0], node[:, 1])[node[:, 0]]
     at_node: dict[int, list[int]] = {}
     for line, (a, b) in enumerate(node.tolist()):
         at_node.setdefault(a, []).append(line)
