@@ -99,7 +99,7 @@ def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     made_regions = [tuple(r) for r in by_shape]
     findings += [_complaint(drawing, shapes, shape, wrong) for shape, wrong in trouble.items()]
     parts = [
-        replace(part, regions=made_regions[shape], offset=0.0)
+        Part(part.name, made_regions[shape], part.at, part.fixed, 0.0, part.aliases)
         for part, shape in zip(drawing.parts, shapes.shape.tolist(), strict=True)
         if shape not in trouble
     ]

@@ -17,14 +17,35 @@ STEP_COSINE = np.cos(np.radians(20.0))
 
 @dataclass(frozen=True, eq=False)
 class _Corners:
-    """What happens at every corner: unit edge directions `along` (n, 2), moved line ends, and the mitre."""
+    """What happens at every corner: unit edge directions `along` (n, 2), the mitre's shift, and where a step takes its place."""
 
+    loops: Loops
+    inward: NDArray[np.float64]
+    before: NDArray[np.int64]
     along: Points
-    end: Points
-    start: Points
-    mitre: Points
+    normal: Points
+    shift: Points
     step: NDArray[np.bool_]
-    shortens: NDArray[np.bool_]
+
+    @property
+    def mitre(self) -> Points:
+        """Where moved lines meet."""
+        return self.loops.points + self.shift
+
+    @property
+    def end(self) -> Points:
+        """End of the moved edge that comes in."""
+        return self.loops.points + self.inward[self.before][:, None] * self.normal[self.before]
+
+    @property
+    def start(self) -> Points:
+        """Start of the moved edge that goes out."""
+        return self.loops.points + self.inward[:, None] * self.normal
+
+    @property
+    def shortens(self) -> NDArray[np.bool_]:
+        """Where both edges lose length."""
+        return (dot_products(self.shift, self.along[self.before]) < 0) & (dot_products(self.shift, self.along) > 0)
 
 
 def offset_ring(loops: Loops, inward: NDArray[np.float64]) -> tuple[Loops, NDArray[np.bool_]]:
@@ -60,13 +81,17 @@ def offset_ring(loops: Loops, inward: NDArray[np.float64]) -> tuple[Loops, NDArr
 def _moved(loops: Loops, inward: NDArray[np.float64]) -> tuple[Points, NDArray[np.int64], NDArray[np.bool_]]:
     """Points and counts of moved loops, and which of them kept the directions of all their edges."""
     corner = _corners(loops, inward)
-    step = corner.step[:, None]
-    first, second = np.where(step, corner.end, corner.mitre), np.where(step, corner.start, corner.mitre)
-    forward = dot_products(first[loops.after] - second, corner.along) > 0
+    first = second = corner.mitre
+    if steps := corner.step.any():
+        step = corner.step[:, None]
+        first, second = np.where(step, corner.end, first), np.where(step, corner.start, second)
+    forward = np.logical_and.reduceat(dot_products(first[loops.after] - second, corner.along) > 0, loops.starts)
+    if not steps:
+        return first, loops.counts, forward
     both = np.stack([first, second], axis=1)
     keep = np.column_stack([np.ones(len(first), dtype=bool), corner.step])
     counts = loops.counts + np.add.reduceat(corner.step.astype(np.int64), loops.starts)
-    return both[keep], counts, np.logical_and.reduceat(forward, loops.starts)
+    return both[keep], counts, forward
 
 
 def _corners(loops: Loops, inward: NDArray[np.float64]) -> _Corners:
@@ -75,18 +100,13 @@ def _corners(loops: Loops, inward: NDArray[np.float64]) -> _Corners:
     along = edge / np.hypot(*edge.T)[:, None]
     normal = np.column_stack([-along[:, 1], along[:, 0]])
     behind, there = inward[before], inward
-    total, apart = normal[before] + normal, normal[before] - normal
-    mean, half = (behind + there) / 2, (behind - there) / 2
     # n1 . shift = d1 and n2 . shift = d2, written so that nearly straight corners lose no digits
-    shift = _scaled(total, mean) + np.where(half[:, None] != 0, _scaled(apart, half), 0.0)
-    return _Corners(
-        along=along,
-        end=loops.points + behind[:, None] * normal[before],
-        start=loops.points + there[:, None] * normal,
-        mitre=loops.points + shift,
-        step=(half != 0) & (dot_products(along[before], along) > STEP_COSINE),
-        shortens=(dot_products(shift, along[before]) < 0) & (dot_products(shift, along) > 0),
-    )
+    shift, half = _scaled(normal[before] + normal, (behind + there) / 2), (behind - there) / 2
+    step = half != 0
+    if step.any():  # else neighbouring edges move alike
+        shift = shift + np.where(step[:, None], _scaled(normal[before] - normal, half), 0.0)
+        step &= dot_products(along[before], along) > STEP_COSINE
+    return _Corners(loops, inward, before, along, normal, shift, step)
 
 
 def _scaled(direction: Points, amount: NDArray[np.float64]) -> Points:

@@ -21,8 +21,10 @@ def sound_parts(drawing: Drawing) -> tuple[list[Part], list[str]]:
     """Parts whose outlines can be worked with, and what is wrong with the others; shared outlines count once."""
     by_shape: dict[tuple[int, ...], list[Part]] = {}
     found: list[str] = []
-    for part in drawing.parts:
-        trouble = _part_numbers(part)
+    places = np.array([(*part.at, part.offset) for part in drawing.parts], dtype=float).reshape(-1, 4)
+    fine = np.isfinite(places).all(axis=1) & (np.abs(places[:, :3]) <= LARGEST).all(axis=1)
+    for part, right in zip(drawing.parts, fine.tolist(), strict=True):
+        trouble = [] if right else _part_numbers(part)
         found += [f'part "{part.name}" {t}' for t in trouble]
         if not trouble:
             by_shape.setdefault(tuple(map(id, part.regions)), []).append(part)

@@ -34,6 +34,7 @@ def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     size = np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max()
     i, j = shapely.STRtree(shapes).query(shapes)
     i, j = i[owner[i] < owner[j]], j[owner[i] < owner[j]]
+    shapely.prepare(shapes)  # each meets several others
     meet = shapely.intersects(shapes[i], shapes[j])
     i, j = i[meet], j[meet]
     meet = ~shapely.touches(shapes[i], shapes[j])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +41,20 @@ def extents_and_areas(rings: list[Points]) -> tuple[Points, NDArray[np.float64]]
     >>> extents_and_areas([np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])])
     (array([[2., 1.]]), array([1.]))
     """
-    points, count = np.concatenate(rings), np.array([len(ring) for ring in rings])
+    count = np.array([len(ring) for ring in rings])
+    found = [_extents_and_areas(np.concatenate(rings[some]), count[some]) for some in _at_once(count)]
+    extents, areas = (np.concatenate(column) for column in zip(*found, strict=True))
+    return extents, areas
+
+
+def _at_once(count: NDArray[np.int64]) -> list[slice]:
+    """Rings with some numbers of corners, in runs that fit into the processor's cache."""
+    cuts = np.flatnonzero(np.diff(np.cumsum(count) // CORNERS_AT_ONCE)) + 1
+    return [slice(low, high) for low, high in pairwise([0, *cuts.tolist(), len(count)])]
+
+
+def _extents_and_areas(points: Points, count: NDArray[np.int64]) -> tuple[Points, NDArray[np.float64]]:
+    """The same of rings one after the other."""
     first = np.cumsum(count) - count
     extents = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
     after = np.arange(1, len(points) + 1)
@@ -97,8 +112,8 @@ def are_clean(rings: list[Points], clockwise: NDArray[np.bool_], most: float) ->
     """
     count = np.array([len(ring) for ring in rings])
     clean, many = np.zeros(len(rings), dtype=bool), np.flatnonzero(count >= 3)
-    cuts = np.flatnonzero(np.diff(np.cumsum(count[many]) // CORNERS_AT_ONCE)) + 1
-    for some in np.split(many, cuts) if len(many) else ():  # what fits into the processor's cache
+    for run in _at_once(count[many]) if len(many) else ():
+        some = many[run]
         with np.errstate(over="ignore", invalid="ignore"):  # far beyond `most`
             clean[some] = _are_clean(np.concatenate([rings[k] for k in some]), count[some], clockwise[some], most)
     return clean

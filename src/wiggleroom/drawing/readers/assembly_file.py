@@ -27,10 +27,11 @@ from wiggleroom.drawing.readers.assembly_schema import (
     Point,
     PullEntry,
     ShapeEntry,
+    SoundFileEntry,
     ToleranceEntry,
     convert,
 )
-from wiggleroom.drawing.readers.entry_reader import EntryReader, entry_of
+from wiggleroom.drawing.readers.entry_reader import EntryReader, entry_of, name_of
 from wiggleroom.drawing.readers.source import load
 from wiggleroom.drawing.readers.tolerances import tolerance_findings
 from wiggleroom.errors import InputError
@@ -57,7 +58,7 @@ def read_assembly(source: str | Path) -> Drawing:
     """
     text = load(source, opening="{[", name="assembly")
     with _without_garbage_collection():
-        return _PlanarReader(text.name, entry_of(text, FileEntry)).drawing()
+        return _PlanarReader(text.name, entry_of(text, FileEntry, SoundFileEntry)).drawing()
 
 
 @contextmanager
@@ -147,8 +148,8 @@ class _PlanarReader(EntryReader[FileEntry]):
         return self._regions(where, entry)
 
     def _part(self, i: int, value: Any, shapes: dict[str, tuple[Region, ...]]) -> Part | None:
-        named = value.get("name") if isinstance(value, dict) else None
-        where = f'part "{named}"' if isinstance(named, str) else f"parts[{i}]"
+        named = name_of(value)
+        where = f"parts[{i}]" if named is None else f'part "{named}"'
         entry = convert(value, PartEntry, f"{self._file}: {where}", self._findings)
         if entry is None:
             return None

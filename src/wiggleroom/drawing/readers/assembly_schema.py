@@ -103,6 +103,13 @@ class FileEntry(HeadEntry):
     objective: str | None = None
 
 
+class SoundFileEntry(FileEntry):
+    """The same where every part and every shape is as it should be: what most files are decoded to at once."""
+
+    parts: list[PartEntry]
+    shapes: dict[str, ShapeEntry] = {}
+
+
 class AssemblyFile(Entry, kw_only=True):
     """The whole file with everything in it: what its published schema says."""
 
@@ -133,7 +140,7 @@ def decode_json(source: Source) -> Any:
     [1]
     """
     try:
-        return msgspec.json.decode(source.text.encode())
+        return msgspec.json.decode(source.text)
     except RecursionError:
         message = f"{source.name}: lists are nested too deep; an assembly needs five levels"
     except msgspec.DecodeError as error:
@@ -144,6 +151,20 @@ def decode_json(source: Source) -> Any:
         where, reason = f"{source.name}: line {line}, column {column}", reason.partition(" - at ")[0].lower()
         message = f"{where}: is not JSON ({reason}); it must be one JSON object"
     raise InputError(message)
+
+
+def decode_sound(source: Source, kind: type[T]) -> T | None:
+    """JSON text as one type, or None where it is anything else.
+
+    Examples
+    --------
+    >>> decode_sound(Source("a.json", '{"parts": ["a", "b"], "gap": 1}'), GapEntry)
+    GapEntry(parts=('a', 'b'), gap=1.0)
+    """
+    try:
+        return msgspec.json.decode(source.text, type=kind)
+    except (msgspec.DecodeError, RecursionError):
+        return None
 
 
 def convert(value: Any, kind: type[T], where: str, findings: list[str]) -> T | None:
