@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-import scipy.sparse as sp
 import shapely
 from numpy.typing import NDArray
 
@@ -38,10 +37,11 @@ from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
-from wiggleroom.sensitivity.dual_face import face, group_gains
+from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
+from wiggleroom.sensitivity.joint_gains import JointGains
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
     PerturbationBase,
@@ -169,14 +169,14 @@ class PlanarStudy:
     def derivatives(self, answer: Answer) -> GapDerivatives:
         """Derivatives by the gap of every part and joint."""
         found = ended(answer)
-        return _derivatives(found.program, found.solution, len(answer.assembly.parts))
+        return _derivatives(answer.assembly, found.program, found.solution)
 
     def quotients(self, answer: Answer) -> DifferenceQuotients:
         """How derivatives are found by solving the last program again."""
         found = ended(answer)
         start = base(self.ready, found)
         solution = replace(found.solution, u=start.solution.u, lam=start.solution.lam)
-        return DifferenceQuotients(slope, start, _derivatives(found.program, solution, len(answer.assembly.parts)))
+        return DifferenceQuotients(slope, start, _derivatives(answer.assembly, found.program, solution))
 
     def moved(self, answer: Answer, inward: Floats, stop: Stop | None) -> Answer:
         """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]; by a climb where that led to the answer."""
@@ -217,33 +217,28 @@ class PlanarStudy:
         return np.maximum(room, 0.0)
 
 
-def _derivatives(program: Program, solution: Solution, parts: int) -> GapDerivatives:
+def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> GapDerivatives:
     """Derivatives from the multipliers of a program."""
     active = touching(program, solution.u, solution.lam)
-    joints, by_part, by_joint = _by_forces(program, solution.u, active.row, parts)
-    others = other_optima(program, solution.u, active.row, solution.lam[active.row])
-    moved = [(_by_forces(program, o.u, active.row, parts), o.force / program.length) for o in others]
-    jacobian = program.linearise(solution.u).jacobian()[active.row]
+    row, parts = active.row, len(assembly.parts)
+    some = gains(program, solution.u, row)
+    by_joint = JointGains(assembly, program, some)
+    others = other_optima(program, solution.u, row, solution.lam[row])
+    elsewhere = [(gains(program, o.u, row), o.u, o.force / program.length) for o in others]
+    by_part = [there.by_part(program.bodies, len(row)) @ force / 2 for there, _, force in elsewhere]
+    jacobian = program.linearise(solution.u).jacobian()[row]
     total = float(active.force.sum())
     return GapDerivatives(
-        by_part,
-        joints,
-        by_joint,
-        face(jacobian, active.row, solution.lam[active.row], program.length),
+        some.by_part(program.bodies, len(row)) / 2,
+        by_joint.joints,
+        by_joint.at(some, solution.u, row),
+        face(jacobian, row, solution.lam[row], program.length),
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
-        np.array([worth @ force for (_, worth, _), force in moved]).reshape(-1, parts).T,
-        np.array([worth @ force for (_, _, worth), force in moved]).reshape(-1, len(joints)).T,
+        np.array(by_part).reshape(-1, parts).T,
+        np.array([by_joint.at(there, u, row) @ force for there, u, force in elsewhere])
+        .reshape(-1, len(by_joint.joints))
+        .T,
     )
-
-
-def _by_forces(program: Program, u: Floats, row: Ints, parts: int) -> tuple[Ints, sp.csr_matrix, sp.csr_matrix]:
-    """Joints (m, 2), and what the forces of rows (k,) are worth at u by part (n, k) and by joint (m, k)."""
-    some = gains(program, u)
-    joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
-    joints, of = np.unique(joint, axis=0, return_inverse=True)
-    of = of.ravel()
-    by_part = group_gains(some, row, program.rows, (some.edge_part, some.corner_part), parts) / 2
-    return joints, by_part, group_gains(some, row, program.rows, (of, of), len(joints)) / 2
 
 
 def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
