@@ -81,7 +81,7 @@ def touching(program: Program, u: Floats, lam: Floats) -> ActiveSet:
 
 
 def feet(program: Program, u: Floats, row: Ints) -> Floats:
-    """Where corners of some rows stand along their edges (k,) at u (3F,): 0 at the start, 1 at the end; nan for rows that bound the angle."""
+    """Where corners of rows stand along their edges (k,) at u (3F,): 0 at the start, 1 at the end; nan for rows that bound the angle."""
     pair = program.cells.pair[row]
     place = np.full(len(row), np.nan)
     g, _ = program.relative(program.motion(u))

@@ -31,7 +31,8 @@ from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.incumbent import Start
+from wiggleroom.search.global_search import local_optima
+from wiggleroom.search.incumbent import Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
@@ -64,6 +65,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+OTHER_CLIMBS, MAX_OTHERS, OTHER_SHARE = 24, 4, 0.5
+"""Draws begin also at optima of up to so many further climbs: the highest few that are worth this share of the answer at least."""
+
+
 @dataclass(frozen=True, eq=False)
 class PlanarStudy:
     """An assembly of the plane and what is asked of it, with the answer where one was found before; prepared when something needs that."""
@@ -73,6 +78,8 @@ class PlanarStudy:
     found: Answer | None = None
     climbs: list[Answer] = field(default_factory=list, init=False, repr=False)
     """The climb from rest, once it was needed."""
+    optima: list[PerturbationBase] = field(default_factory=list, init=False, repr=False)
+    """The end of the answer and other optima, once they were needed."""
 
     @property
     def assembly(self) -> Assembly:
@@ -194,16 +201,26 @@ class PlanarStudy:
     def draws(self, answer: Answer, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""
         ready = refined_at_contacts(self.ready, answer, self._climb(answer, stop))  # draws climb from rest
-        return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._end(answer))
+        return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._known(answer, stop))
 
     def draws_afresh(self, answer: Answer) -> tuple[Work, Any]:
         """The same, pairs and free spaces worked out anew."""
-        return one_afresh, (self.assembly, answer.goals, *self._end(answer))
+        return one_afresh, (self.assembly, answer.goals, *self._known(answer, None))
 
-    def _end(self, answer: Answer) -> tuple[float, PerturbationBase | None]:
-        """Objective of an answer, and its end where a direct question does more than climb from rest."""
-        usual = np.inf if answer.objective is None else answer.objective
-        return usual, base(self.ready, ended(answer)) if is_searched(self.assembly) else None
+    def _known(self, answer: Answer, stop: Stop | None) -> tuple[float, tuple[PerturbationBase, ...]]:
+        """Objective of an answer, and, where a direct question searches, its end and other optima: for other gaps they may be larger."""
+        if answer.objective is None:
+            return np.inf, ()
+        if not is_searched(self.assembly):
+            return answer.objective, ()
+        if not self.optima:
+            self.optima.append(base(self.ready, ended(answer)))
+            first = LocalSearch(self.ready, self.ready.objective(answer.goals), solve, THOROUGH, stop)
+            first.improve(start_at_rest(self.ready))
+            below = (1 - SAME_VALUE) * answer.objective
+            others = [o for o in local_optima(first, OTHER_CLIMBS) if OTHER_SHARE * answer.objective < o.value < below]
+            self.optima.extend(base(self.ready, o) for o in others[:MAX_OTHERS])
+        return answer.objective, tuple(self.optima)
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the outline of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
@@ -255,19 +272,19 @@ def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
 
 
 def one_draw(
-    shared: tuple[Prepared, Objective, tuple[Goal, ...], float, PerturbationBase | None], inward: Floats
+    shared: tuple[Prepared, Objective, tuple[Goal, ...], float, tuple[PerturbationBase, ...]], inward: Floats
 ) -> PerturbedObjective:
     """One draw, with the moved walls of the prepared assembly."""
-    ready, objective, goals, usual, end = shared
-    return perturbed_objective(ready, objective, goals, inward, usual, end)
+    ready, objective, goals, usual, ends = shared
+    return perturbed_objective(ready, objective, goals, inward, usual, ends)
 
 
 def one_afresh(
-    shared: tuple[Assembly, tuple[Goal, ...], float, PerturbationBase | None], inward: Floats
+    shared: tuple[Assembly, tuple[Goal, ...], float, tuple[PerturbationBase, ...]], inward: Floats
 ) -> PerturbedObjective:
     """One draw, pairs and free spaces worked out anew."""
-    assembly, goals, usual, end = shared
-    return perturbed_objective_anew(assembly, goals, inward, usual, end)
+    assembly, goals, usual, ends = shared
+    return perturbed_objective_anew(assembly, goals, inward, usual, ends)
 
 
 def _carried(smaller: PlanarStudy, made: Assembly) -> Prepared | None:
