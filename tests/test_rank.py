@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -208,18 +209,64 @@ def test_all_parts_together_are_worth_what_the_gap_is() -> None:
     assert ranking.looser.sum() == pytest.approx((high - low) / 0.0004, rel=1e-3)
 
 
-def test_a_joint_is_worth_what_its_own_gap_is() -> None:
+def loosened_joint(drawing: Drawing, pair: tuple[str, str], more: float) -> float | None:
+    """The largest motion when `gaps` gives one joint more gap [mm]."""
+    gaps = {frozenset(j.parts): j for j in drawing.gaps}
+    own = gaps.get(frozenset(pair), JointGap(pair, drawing.gap)).gap
+    gaps[frozenset(pair)] = JointGap(pair, own + more)
+    return wr.flex(assemble(replace(drawing, gaps=tuple(gaps.values())))).objective
+
+
+def offset_chain() -> Drawing:
     drawing = wr.patterns.chain(4, joint="tee", gap=0.02).drawing
-    ranking = wr.rank(assemble(drawing))
+    parts = tuple(replace(p, offset=0.003 if p.name in ("b2", "b3") else 0.0) for p in drawing.parts)
+    return replace(drawing, parts=parts)
+
+
+def glued_grid() -> Drawing:
+    drawing = wr.patterns.grid(3, 2, joint="tee", gap=0.02).drawing
+    return replace(drawing, glue=(("b2-1", "b3-1"),))
+
+
+@pytest.mark.parametrize(
+    "drawing",
+    [
+        lambda: wr.patterns.chain(3, joint="tee", gap=0.02).drawing,
+        lambda: wr.patterns.grid(3, 2, joint="tee", gap=0.02).drawing,
+        lambda: wr.patterns.frame(4, 4, gap=0.01).drawing,
+        lambda: replace(
+            wr.patterns.chain(4, joint="tee", gap=0.02).drawing,
+            gaps=(JointGap(("b2", "b3"), 0.035), JointGap(("b1", "b2"), 0.012)),
+        ),
+        lambda: replace(wr.patterns.grid(2, 2, joint="tee", gap=0.03).drawing, goals=(Turn("b2-2", "ccw"),)),
+        offset_chain,
+        glued_grid,
+    ],
+    ids=["chain", "grid", "frame", "own gaps", "turn", "offsets", "glued"],
+)
+def test_a_joint_is_worth_what_a_gap_of_its_own_is(drawing: Callable[[], Drawing]) -> None:
+    made = drawing()
+    ranking = wr.rank(assemble(made))
     names = ranking.answer.assembly.names
-    worth = {tuple(names[i] for i in p): v for p, v in zip(ranking.joints.tolist(), ranking.joint_looser, strict=True)}
-    h = 0.0004
-    for pair in (("b1", "b2"), ("b2", "b3"), ("b3", "b4")):
-        made = [assemble(replace(drawing, gaps=(JointGap(pair, 0.02 + s * h),))) for s in (1, -1)]
-        high, low = (wr.flex(m).objective for m in made)
+    h, largest = 0.002 * made.gap, ranking.joint_looser.max()
+    assert len(ranking.joints)
+    for (a, b), worth in zip(ranking.joints.tolist(), ranking.joint_looser, strict=True):
+        high, low = (loosened_joint(made, (names[a], names[b]), s * h) for s in (1, -1))
         assert high is not None
         assert low is not None
-        assert worth[pair] == pytest.approx((high - low) / (2 * h), rel=0.02)
+        assert worth == pytest.approx((high - low) / (2 * h), rel=5e-4, abs=1e-5 * largest)
+
+
+def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
+    tip = polygon_part("tip", [(10.0, 5.0), (14.0, 1.0), (14.0, 9.0)], fixed=True)
+    rails = box("floor", -20, -3, 20, 0, fixed=True), box("roof", -20, 10, 20, 13, fixed=True)
+    drawing = Drawing((box("block", 0, 0, 10, 10), tip, *rails), gap=0.2, goals=(Pull("block", (1.0, 0.0)),))
+    ranking = wr.rank(assemble(drawing))
+    block, at_tip = of(ranking, "block"), of(ranking, "tip")
+    assert min(*block, *at_tip) > 0.4
+    assert not any({"block", "tip"} == {ranking.answer.assembly.names[k] for k in pair} for pair in ranking.joints)
+    with pytest.raises(wr.InputError, match="face each other nowhere"):
+        loosened_joint(drawing, ("block", "tip"), 0.01)
 
 
 def test_turns_are_ranked_in_radians() -> None:

@@ -113,6 +113,29 @@ def test_a_chain_with_a_loose_joint_moves_as_the_drawing_does() -> None:
         assert answer.objective == pytest.approx(truth, abs=1e-6)
 
 
+@pytest.mark.parametrize(("family", "own"), [("tee", None), ("swallowtail", None), ("tee", 0.03)])
+def test_a_joint_in_space_is_worth_what_a_gap_of_its_own_is(family: str, own: float | None) -> None:
+    flat = wr.patterns.chain(3, joint=family, gap=0.02).drawing
+    parts = [
+        {"name": p.name, "outline": p.regions[0].outer.tolist(), "thickness": 0.4, "at": [*p.at[:2], 0]}
+        | {"fixed": p.fixed, "lock": ["z", "rx", "ry"]}
+        for p in flat.parts
+    ]  # fmt: skip
+    names = [p.name for p in flat.parts]
+    goal = SpatialPull(names[-1], (0, 1, 0), (*flat.parts[-1].at[:2], 0.2))
+    usual = dict.fromkeys(itertools.pairwise(names), 0.02) | ({} if own is None else {(names[0], names[1]): own})
+
+    def made(gaps: dict[tuple[str, str], float]):
+        return spatial(*parts, gap=0.02, gaps=[joint(*pair, gap) for pair, gap in gaps.items()])
+
+    ranking = wr.rank(made({} if own is None else {(names[0], names[1]): own}), goal)
+    assert len(ranking.joints) == 2
+    for (a, b), worth in zip(ranking.joints.tolist(), ranking.joint_looser, strict=True):
+        pair = names[a], names[b]
+        high, low = (flex_spatial(made(usual | {pair: usual[pair] + h}), goal).objective for h in (1e-5, -1e-5))
+        assert worth == pytest.approx((high - low) / 2e-5, rel=2e-4)
+
+
 def test_offset_adds_to_the_gap_of_a_joint_on_cut_edges_only() -> None:
     square = [[0, 0], [10, 0], [10, 10], [0, 10]]
     plate = {"name": "plate", "outline": square, "thickness": 3, "offset": 0.02}

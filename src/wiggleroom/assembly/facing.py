@@ -17,12 +17,13 @@ OPPOSITE = -np.cos(np.radians(15.0))
 
 @dataclass(frozen=True)
 class Stretch:
-    """Part of one edge, from `low` to `high` [mm] along it, that moves inward by `inward` [mm]."""
+    """Part of one edge, from `low` to `high` [mm] along it, that moves inward by `inward` [mm], for joint `joint` of the drawing."""
 
     edge: int
     low: float
     high: float
     inward: float
+    joint: int
 
 
 def joint_reach(drawn: float, gap: float, room: float) -> tuple[float, float]:
@@ -113,7 +114,7 @@ def split_ring(ring: Points, inward: float, stretches: list[Stretch]) -> tuple[P
     Examples
     --------
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> split_ring(square, 0.1, [Stretch(0, 1.0, 4.0, 0.5)])[1].tolist()
+    >>> split_ring(square, 0.1, [Stretch(0, 1.0, 4.0, 0.5, 0)])[1].tolist()
     [0.1, 0.5, 0.1, 0.1, 0.1]
     """
     points, amounts = [], []

@@ -30,7 +30,7 @@ from wiggleroom.drawing.outlines.rings import extents_and_areas
 
 
 @dataclass(frozen=True, eq=False)
-class _Shapes:
+class OutlineShapes:
     """Different outlines to move: parts that share regions and displacement share one shape.
 
     Parameters
@@ -63,6 +63,12 @@ class _Shapes:
         """First loop of each shape, and the number of loops (shapes + 1,)."""
         return np.searchsorted(self.loop_shape, np.arange(len(self.first) + 1))
 
+    def on_loop(self, loop: int, stretches: Sequence[Stretch]) -> list[Stretch]:
+        """Stretches of a shape's edges that lie on one of its loops, their edges counted from the loop's first."""
+        before = int(self.loops.starts[loop] - self.loops.starts[self.members[self.loop_shape[loop]]])
+        count = int(self.loops.counts[loop])
+        return [replace(s, edge=s.edge - before) for s in stretches if 0 <= s.edge - before < count]
+
 
 def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     """Parts as made: gap, offsets and gaps of single joints applied with mitred corners.
@@ -89,7 +95,7 @@ def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     """
     if not drawing.parts:
         return (), ()
-    shapes = _shapes(drawing)
+    shapes = outline_shapes(drawing)
     inward = drawing.gap / 2 - np.array([drawing.parts[i].offset for i in shapes.first])
     loops, amounts, findings = _joints(drawing, shapes, inward)
     regions, trouble = _moved_regions(loops, amounts, shapes)
@@ -106,7 +112,7 @@ def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     return tuple(parts), tuple(findings)
 
 
-def _shapes(drawing: Drawing) -> _Shapes:
+def outline_shapes(drawing: Drawing) -> OutlineShapes:
     """Different shapes of a drawing, cleaned; a part with a joint gap of its own is a shape of its own."""
     alone = {name for joint in drawing.gaps for name in joint.parts}
     keys: dict[tuple[object, ...], int] = {}
@@ -124,7 +130,7 @@ def _shapes(drawing: Drawing) -> _Shapes:
     sizes, index = np.zeros(len(chosen)), np.array(region)
     np.maximum.at(sizes, owner, extents_and_areas([r.outer for p in chosen for r in p.regions])[0].max(axis=1))
     loops = _oriented(cleaned(chained(rings), sizes[owner[index]]), index)
-    return _Shapes(np.array(shape), first, loops, index, owner)
+    return OutlineShapes(np.array(shape), first, loops, index, owner)
 
 
 def _oriented(loops: Loops, region: NDArray[np.int64]) -> Loops:
@@ -136,32 +142,31 @@ def _oriented(loops: Loops, region: NDArray[np.int64]) -> Loops:
     return chained([ring[::-1] if w else ring for ring, w in zip(loops.rings(), wrong, strict=True)])
 
 
-def _joints(drawing: Drawing, shapes: _Shapes, inward: NDArray[np.float64]) -> tuple[Loops, Points, list[str]]:
+def _joints(drawing: Drawing, shapes: OutlineShapes, inward: NDArray[np.float64]) -> tuple[Loops, Points, list[str]]:
     """Outlines split where a joint's own gap begins and ends, and the displacement of every edge (n,) [mm]."""
     loops = shapes.loops
     if not drawing.gaps:
         return loops, np.repeat(inward[shapes.loop_shape], loops.counts), []
-    stretches, findings = _stretches(drawing, shapes)
+    stretches, findings = joint_stretches(drawing, shapes)
     rings, amounts = [], []
     for k, (ring, shape) in enumerate(zip(loops.rings(), shapes.loop_shape.tolist(), strict=True)):
+        mine = shapes.on_loop(k, stretches.get(shape, []))
         points, moves = ring, np.full(len(ring), inward[shape])
-        if shape in stretches:
-            start = int(loops.starts[k] - loops.starts[shapes.members[shape]])
-            mine = [replace(s, edge=s.edge - start) for s in stretches[shape] if 0 <= s.edge - start < len(ring)]
+        if mine:
             points, moves = split_ring(ring, float(inward[shape]), mine)
         rings.append(points)
         amounts.append(moves)
     return chained(rings), np.concatenate(amounts), findings
 
 
-def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretch]], list[str]]:
+def joint_stretches(drawing: Drawing, shapes: OutlineShapes) -> tuple[dict[int, list[Stretch]], list[str]]:
     """Stretches of edges that a joint's own gap moves, by shape; edges count through all loops of the shape."""
     index = {part.name: i for i, part in enumerate(drawing.parts)}
     size = max(np.ptp(place(r.outer, p.at), axis=0).max() for p in drawing.parts for r in p.regions)
     stretches: dict[int, list[Stretch]] = defaultdict(list)
     findings = []
     rings = shapes.loops.rings()
-    for joint in drawing.gaps:
+    for number, joint in enumerate(drawing.gaps):
         pair = [drawing.parts[index[name]] for name in joint.parts]
         of = [int(shapes.shape[index[name]]) for name in joint.parts]
         a, b = (
@@ -173,7 +178,7 @@ def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretc
         if not all(both):
             findings.append(_apart(joint))
         for found, s, part in zip(both, of, pair, strict=True):
-            stretches[s] += [Stretch(e, low, high, joint.gap / 2 - part.offset) for e, low, high in found]
+            stretches[s] += [Stretch(e, low, high, joint.gap / 2 - part.offset, number) for e, low, high in found]
     return stretches, findings
 
 
@@ -186,7 +191,7 @@ def _reach(joint: JointGap, pair: list[Part], flattening: Flattening | None, siz
 
 
 def _moved_regions(
-    loops: Loops, amounts: NDArray[np.float64], shapes: _Shapes
+    loops: Loops, amounts: NDArray[np.float64], shapes: OutlineShapes
 ) -> tuple[list[Region | None], dict[int, str]]:
     """Every region as made, and what went wrong by shape."""
     new, forward = offset_ring(loops, amounts)
@@ -222,7 +227,7 @@ def _what_went_wrong(pieces: Sequence[shapely.Polygon], holes: int) -> str:
     return "closes round a new hole" if left > holes else ""
 
 
-def _complaint(drawing: Drawing, shapes: _Shapes, shape: int, wrong: str) -> str:
+def _complaint(drawing: Drawing, shapes: OutlineShapes, shape: int, wrong: str) -> str:
     """One line about a shape that the gap destroys."""
     part = drawing.parts[shapes.first[shape]]
     others = int((shapes.shape == shape).sum()) - 1

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import Cells
@@ -49,43 +50,59 @@ def _owners(cells: Cells) -> tuple[Ints, Ints]:
 
 @dataclass(frozen=True, eq=False)
 class Gains:
-    """What walls gain [mm per mm] when outlines move inward; only rows that are walls.
+    """What walls gain [mm per mm] when outlines move inward.
 
     Parameters
     ----------
-    row : (k,) int64
-        Rows of the program.
+    column : (k,) int64
+        Which of the rows that were asked about each wall is.
+    edge, corner : (k,) int64
+        The wall's edge and corner, as rows of the outlines.
     edge_part, corner_part : (k,) int64
-        Parts that the wall's edge and corner belong to.
-    edge, corner : (k,) float64
-        Gain of the row for 1 mm that the outline of either part moves inward.
+        Parts that they belong to.
+    edge_body, corner_body : (k,) int64
+    toward : (k, 2) float64
+        The edge's outward normal in the frame of the corner's body: the wall gains as much as the corner moves along it.
     """
 
-    row: Ints
+    column: Ints
+    edge: Ints
+    corner: Ints
     edge_part: Ints
     corner_part: Ints
-    edge: Floats
-    corner: Floats
+    edge_body: Ints
+    corner_body: Ints
+    toward: Floats
+
+    def by_part(self, bodies: Bodies, holds: int) -> sp.csr_matrix:
+        """Gain (n, k) of each of k rows for 1 mm that the outline of each part moves inward."""
+        mitre = (self.toward * mitres(bodies.shapes)[self.corner]).sum(axis=1)
+        value = np.concatenate([np.ones(len(self.edge)), mitre])
+        part, column = np.concatenate([self.edge_part, self.corner_part]), np.tile(self.column, 2)
+        return sp.csr_matrix((value, (part, column)), shape=(len(bodies.body_of), holds))
 
 
-def gains(program: Program, u: Floats) -> Gains:
-    """Derivatives of all walls at u (3F,) by how far the outline of each part moves inward."""
+def gains(program: Program, u: Floats, holds: Ints) -> Gains:
+    """Derivatives of the walls among some rows (k,) at u (3F,) by how far outlines move inward."""
     cells, bodies = program.cells, program.bodies
     shapes = bodies.shapes
-    row = np.flatnonzero(cells.is_wall)
+    column = np.flatnonzero(cells.is_wall[holds])
+    row = holds[column]
     edge_of, corner_of = (who[row] for who in _owners(cells))
-    edge, corner = cells.edge[row], cells.corner[row]
+    edge, corner = cells.edge[row].astype(np.int64), cells.corner[row].astype(np.int64)
     g, _ = program.relative(program.motion(u))
     psi = g[cells.pair[row], 2] * np.where(cells.kind[row] == A_EDGE, 1.0, -1.0)
     c, s = np.cos(psi), np.sin(psi)
-    x, y = mitres(shapes)[corner].T
     nx, ny = shapes.normal[edge].T
     start = np.cumsum([0, *map(len, bodies.members)])
     parts = np.concatenate([np.asarray(m, dtype=np.int64) for m in bodies.members])
     return Gains(
-        row,
+        column,
+        edge,
+        corner,
         parts[start[edge_of] + shapes.member[edge]],
         parts[start[corner_of] + shapes.member[corner]],
-        np.ones(len(row)),
-        nx * (c * x - s * y) + ny * (s * x + c * y),
+        edge_of,
+        corner_of,
+        np.column_stack([nx * c + ny * s, ny * c - nx * s]),
     )

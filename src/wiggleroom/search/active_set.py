@@ -77,6 +77,11 @@ def touching(program: Program, u: Floats, lam: Floats) -> ActiveSet:
     value = abs(program.objective.value(program.motion(u)))
     # strict complementarity: the share of the objective that a row holds outweighs what is left of its gap
     row = np.flatnonzero((lam > ACTIVE_TOLERANCE * max(value, program.length)) & (lam > h * program.length))
+    return ActiveSet(row, program.cells.pair[row], force[row], feet(program, u, row))
+
+
+def feet(program: Program, u: Floats, row: Ints) -> Floats:
+    """Where corners of rows stand along their edges (k,) at u (3F,): 0 at the start, 1 at the end; nan for rows that bound the angle."""
     pair = program.cells.pair[row]
     place = np.full(len(row), np.nan)
     g, _ = program.relative(program.motion(u))
@@ -96,4 +101,4 @@ def touching(program: Program, u: Floats, lam: Floats) -> ActiveSet:
         normal = shapes.normal[edge]
         along = np.column_stack([-normal[:, 1], normal[:, 0]])
         place[k] = ((spot - shapes.corner[edge]) * along).sum(1) / shapes.length[edge]
-    return ActiveSet(row, pair, force[row], place)
+    return place

@@ -91,15 +91,22 @@ def search_on(
     whole = _GlobalSearch(first, ends)
     if not whole.goes_on(starts):
         return whole.result()
-    whole.plant()
-    random, sides = np.random.default_rng(0), _turns(first.ready)
-    while whole.goes_on(starts):
-        if whole.made < len(sides):
-            whole.start_from(0, sides[whole.made])
-        else:
-            whole.start_from(whole.tree.pick(random), _random_objective(first.ready, random))
+    whole.grow(starts)
     whole.follow_highest()
     return whole.result()
+
+
+def local_optima(first: LocalSearch, starts: int) -> list[Incumbent]:
+    """Optima that some climbs come to after a first search, that of its own among them; the highest first, each value once."""
+    whole = _GlobalSearch(first, ())
+    if first.best is None or not whole.goes_on(starts):
+        return []
+    whole.grow(starts)
+    found: list[Incumbent] = []
+    for one in sorted([first.best, *whole.found], key=lambda one: -one.value):
+        if not found or one.value < found[-1].value - VALUE_TOLERANCE * abs(found[-1].value):
+            found.append(one)
+    return found
 
 
 class _GlobalSearch:
@@ -112,6 +119,8 @@ class _GlobalSearch:
         self.value, self.free = first.certain_value()
         self.values = list(ends) or [self.value]
         self.before = len(self.values)
+        self.found: list[Incumbent] = []
+        """Ends of climbs, none of them without end."""
         self.optima = {0: self.value}  # values to which the states climbed
         self.highest: tuple[Incumbent, int] | None = None
         """Of the ends that were not followed, and its number among the values."""
@@ -124,6 +133,16 @@ class _GlobalSearch:
         self.tree = ClimbTree(rest, first.ready.bodies.radius, first.ready.clearance)
         if first.best is not None and not self.free and first.checked_path(first.best).sure:
             self.optima[self.tree.add(first.best, 0)] = self.value
+
+    def grow(self, starts: int | None) -> None:
+        """Climb on, first from rest after each body's turn either way, then from states at random."""
+        self.plant()
+        random, sides = np.random.default_rng(0), _turns(self.first.ready)
+        while self.goes_on(starts):
+            if self.made < len(sides):
+                self.start_from(0, sides[self.made])
+            else:
+                self.start_from(self.tree.pick(random), _random_objective(self.first.ready, random))
 
     def goes_on(self, starts: int | None) -> bool:
         """True while there is more to do."""
@@ -167,6 +186,7 @@ class _GlobalSearch:
             return
         climb, found = climbed
         self.values.append(found.value)
+        self.found += [found] if not climb.unlimited else []
         self.optima[between] = found.value
         if not climb.unlimited and self.tree.known(found.motion) is None:
             self.optima[self.tree.add(found, between)] = found.value

@@ -13,8 +13,6 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.program.gap_sensitivity import Gains
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -123,17 +121,6 @@ def null_space_sample(matrix: sp.csr_matrix, z: Floats | None = None) -> Floats:
     if not given:
         z[:, np.hypot.reduce(z, axis=0) < SETTINGS.min_direction] = 0.0
     return z
-
-
-def group_gains(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
-    """What multipliers are worth (groups, k): gain of each wall's edge and corner, summed by group; a group of -1 counts nowhere."""
-    place = np.full(rows, -1)
-    place[holds] = np.arange(len(holds))
-    column = np.tile(place[gains.row], 2)
-    row = np.concatenate(group)
-    value = np.concatenate([gains.edge, gains.corner])
-    keep = (column >= 0) & (row >= 0)
-    return sp.csr_matrix((value[keep], (row[keep], column[keep])), shape=(groups, len(holds)))
 
 
 def is_unique(low: Floats, high: Floats) -> NDArray[np.bool_]:

@@ -189,26 +189,27 @@ def perturbed_objective(
     goals: tuple[Goal, ...],
     inward: Floats,
     usual: float = np.inf,
-    end: PerturbationBase | None = None,
+    ends: tuple[PerturbationBase, ...] = (),
 ) -> PerturbedObjective:
     """Largest objective when the outline of each part moves inward by `inward` (parts,) [mm]; negative moves it out.
 
     The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the path
     from rest is not checked: one answer of `flex` for the middle of many perturbations does that. Where the moved cells do
     not lead to an optimum, or an outline loses an edge, everything is worked out anew; so too where it leads to much more than
-    `usual`, the objective without perturbation: then the path may go through parts. `end` is what a global search found without
-    perturbation; the rounds begin there too, and the larger of both counts.
+    `usual`, the objective without perturbation: then the path may go through parts. `ends` are optima that are known without
+    perturbation; the rounds begin there too, and the largest of all counts.
     """
     most = (1 + UNUSUAL_GAIN) * usual
     climbed = _climbed_from_rest(ready, objective, goals, inward, most)
-    if end is None or not np.isfinite(climbed.value):
-        return climbed
-    first = _in_same_walls(end, inward)
-    if first is None:
-        return climbed
-    found = _gone_on(end, *first)
-    beyond = found.value if found is not None and found.value <= most else _objective(*first)
-    return PerturbedObjective(float(beyond), Verdict.OPTIMAL) if beyond > climbed.value else climbed
+    for end in ends if np.isfinite(climbed.value) else ():
+        first = _in_same_walls(end, inward)
+        if first is None:
+            continue
+        found = _gone_on(end, *first)
+        beyond = found.value if found is not None and found.value <= most else _objective(*first)
+        if beyond > climbed.value:
+            climbed = PerturbedObjective(float(beyond), Verdict.OPTIMAL)
+    return climbed
 
 
 def _gone_on(end: PerturbationBase, program: Program, solution: Solution) -> Incumbent | None:
@@ -253,11 +254,11 @@ def perturbed_objective_anew(
     goals: tuple[Goal, ...],
     inward: Floats,
     usual: float = np.inf,
-    end: PerturbationBase | None = None,
+    ends: tuple[PerturbationBase, ...] = (),
 ) -> PerturbedObjective:
     """The same as `perturbed_objective` with pairs and free spaces worked out anew, for parts made so.
 
-    It is a climb from rest, its path audited, and where there is an `end` also what rounds lead to in cells that are grown there anew.
+    It is a climb from rest, its path audited, and also what rounds lead to from `ends` in cells that are grown there anew.
     """
     try:
         ready = prepare_walls(varied(assembly, inward))
@@ -266,10 +267,12 @@ def perturbed_objective_anew(
         return PerturbedObjective(np.nan, verdict_of(why))
     if answer.objective is None:
         return PerturbedObjective(np.inf, Verdict.UNBOUNDED)
-    found = None if end is None else _grown_anew(end, inward, ready, ready.objective(goals))
-    if found is not None and answer.objective < found.value <= (1 + UNUSUAL_GAIN) * usual:
-        return PerturbedObjective(found.value, Verdict.OPTIMAL)
-    return PerturbedObjective(answer.objective, answer.verdict)
+    best = PerturbedObjective(answer.objective, answer.verdict)
+    for end in ends:
+        found = _grown_anew(end, inward, ready, ready.objective(goals))
+        if found is not None and best.value < found.value <= (1 + UNUSUAL_GAIN) * usual:
+            best = PerturbedObjective(found.value, Verdict.OPTIMAL)
+    return best
 
 
 def _grown_anew(end: PerturbationBase, inward: Floats, ready: Prepared, objective: Objective) -> Incumbent | None:

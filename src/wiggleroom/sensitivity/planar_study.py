@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-import scipy.sparse as sp
 import shapely
 from numpy.typing import NDArray
 
@@ -32,16 +31,18 @@ from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.incumbent import Start
+from wiggleroom.search.global_search import local_optima
+from wiggleroom.search.incumbent import Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
-from wiggleroom.sensitivity.dual_face import face, group_gains
+from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
+from wiggleroom.sensitivity.joint_gains import JointGains
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
     PerturbationBase,
@@ -64,6 +65,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+OTHER_CLIMBS, MAX_OTHERS, OTHER_SHARE = 24, 4, 0.5
+"""Draws begin also at optima of up to so many further climbs: the highest few that are worth this share of the answer at least."""
+
+
 @dataclass(frozen=True, eq=False)
 class PlanarStudy:
     """An assembly of the plane and what is asked of it, with the answer where one was found before; prepared when something needs that."""
@@ -73,6 +78,8 @@ class PlanarStudy:
     found: Answer | None = None
     climbs: list[Answer] = field(default_factory=list, init=False, repr=False)
     """The climb from rest, once it was needed."""
+    optima: list[PerturbationBase] = field(default_factory=list, init=False, repr=False)
+    """The end of the answer and other optima, once they were needed."""
 
     @property
     def assembly(self) -> Assembly:
@@ -169,14 +176,14 @@ class PlanarStudy:
     def derivatives(self, answer: Answer) -> GapDerivatives:
         """Derivatives by the gap of every part and joint."""
         found = ended(answer)
-        return _derivatives(found.program, found.solution, len(answer.assembly.parts))
+        return _derivatives(answer.assembly, found.program, found.solution)
 
     def quotients(self, answer: Answer) -> DifferenceQuotients:
         """How derivatives are found by solving the last program again."""
         found = ended(answer)
         start = base(self.ready, found)
         solution = replace(found.solution, u=start.solution.u, lam=start.solution.lam)
-        return DifferenceQuotients(slope, start, _derivatives(found.program, solution, len(answer.assembly.parts)))
+        return DifferenceQuotients(slope, start, _derivatives(answer.assembly, found.program, solution))
 
     def moved(self, answer: Answer, inward: Floats, stop: Stop | None) -> Answer:
         """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]; by a climb where that led to the answer."""
@@ -194,16 +201,26 @@ class PlanarStudy:
     def draws(self, answer: Answer, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""
         ready = refined_at_contacts(self.ready, answer, self._climb(answer, stop))  # draws climb from rest
-        return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._end(answer))
+        return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._known(answer, stop))
 
     def draws_afresh(self, answer: Answer) -> tuple[Work, Any]:
         """The same, pairs and free spaces worked out anew."""
-        return one_afresh, (self.assembly, answer.goals, *self._end(answer))
+        return one_afresh, (self.assembly, answer.goals, *self._known(answer, None))
 
-    def _end(self, answer: Answer) -> tuple[float, PerturbationBase | None]:
-        """Objective of an answer, and its end where a direct question does more than climb from rest."""
-        usual = np.inf if answer.objective is None else answer.objective
-        return usual, base(self.ready, ended(answer)) if is_searched(self.assembly) else None
+    def _known(self, answer: Answer, stop: Stop | None) -> tuple[float, tuple[PerturbationBase, ...]]:
+        """Objective of an answer, and, where a direct question searches, its end and other optima: for other gaps they may be larger."""
+        if answer.objective is None:
+            return np.inf, ()
+        if not is_searched(self.assembly):
+            return answer.objective, ()
+        if not self.optima:
+            self.optima.append(base(self.ready, ended(answer)))
+            first = LocalSearch(self.ready, self.ready.objective(answer.goals), solve, THOROUGH, stop)
+            first.improve(start_at_rest(self.ready))
+            below = (1 - SAME_VALUE) * answer.objective
+            others = [o for o in local_optima(first, OTHER_CLIMBS) if OTHER_SHARE * answer.objective < o.value < below]
+            self.optima.extend(base(self.ready, o) for o in others[:MAX_OTHERS])
+        return answer.objective, tuple(self.optima)
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the outline of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
@@ -217,33 +234,28 @@ class PlanarStudy:
         return np.maximum(room, 0.0)
 
 
-def _derivatives(program: Program, solution: Solution, parts: int) -> GapDerivatives:
+def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> GapDerivatives:
     """Derivatives from the multipliers of a program."""
     active = touching(program, solution.u, solution.lam)
-    joints, by_part, by_joint = _by_forces(program, solution.u, active.row, parts)
-    others = other_optima(program, solution.u, active.row, solution.lam[active.row])
-    moved = [(_by_forces(program, o.u, active.row, parts), o.force / program.length) for o in others]
-    jacobian = program.linearise(solution.u).jacobian()[active.row]
+    row, parts = active.row, len(assembly.parts)
+    some = gains(program, solution.u, row)
+    by_joint = JointGains(assembly, program, some)
+    others = other_optima(program, solution.u, row, solution.lam[row])
+    elsewhere = [(gains(program, o.u, row), o.u, o.force / program.length) for o in others]
+    by_part = [there.by_part(program.bodies, len(row)) @ force / 2 for there, _, force in elsewhere]
+    jacobian = program.linearise(solution.u).jacobian()[row]
     total = float(active.force.sum())
     return GapDerivatives(
-        by_part,
-        joints,
-        by_joint,
-        face(jacobian, active.row, solution.lam[active.row], program.length),
+        some.by_part(program.bodies, len(row)) / 2,
+        by_joint.joints,
+        by_joint.at(some, solution.u, row),
+        face(jacobian, row, solution.lam[row], program.length),
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
-        np.array([worth @ force for (_, worth, _), force in moved]).reshape(-1, parts).T,
-        np.array([worth @ force for (_, _, worth), force in moved]).reshape(-1, len(joints)).T,
+        np.array(by_part).reshape(-1, parts).T,
+        np.array([by_joint.at(there, u, row) @ force for there, u, force in elsewhere])
+        .reshape(-1, len(by_joint.joints))
+        .T,
     )
-
-
-def _by_forces(program: Program, u: Floats, row: Ints, parts: int) -> tuple[Ints, sp.csr_matrix, sp.csr_matrix]:
-    """Joints (m, 2), and what the forces of rows (k,) are worth at u by part (n, k) and by joint (m, k)."""
-    some = gains(program, u)
-    joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
-    joints, of = np.unique(joint, axis=0, return_inverse=True)
-    of = of.ravel()
-    by_part = group_gains(some, row, program.rows, (some.edge_part, some.corner_part), parts) / 2
-    return joints, by_part, group_gains(some, row, program.rows, (of, of), len(joints)) / 2
 
 
 def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
@@ -260,19 +272,19 @@ def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
 
 
 def one_draw(
-    shared: tuple[Prepared, Objective, tuple[Goal, ...], float, PerturbationBase | None], inward: Floats
+    shared: tuple[Prepared, Objective, tuple[Goal, ...], float, tuple[PerturbationBase, ...]], inward: Floats
 ) -> PerturbedObjective:
     """One draw, with the moved walls of the prepared assembly."""
-    ready, objective, goals, usual, end = shared
-    return perturbed_objective(ready, objective, goals, inward, usual, end)
+    ready, objective, goals, usual, ends = shared
+    return perturbed_objective(ready, objective, goals, inward, usual, ends)
 
 
 def one_afresh(
-    shared: tuple[Assembly, tuple[Goal, ...], float, PerturbationBase | None], inward: Floats
+    shared: tuple[Assembly, tuple[Goal, ...], float, tuple[PerturbationBase, ...]], inward: Floats
 ) -> PerturbedObjective:
     """One draw, pairs and free spaces worked out anew."""
-    assembly, goals, usual, end = shared
-    return perturbed_objective_anew(assembly, goals, inward, usual, end)
+    assembly, goals, usual, ends = shared
+    return perturbed_objective_anew(assembly, goals, inward, usual, ends)
 
 
 def _carried(smaller: PlanarStudy, made: Assembly) -> Prepared | None:

@@ -86,7 +86,7 @@ class Ranking(Drawable):
 
     @property
     def joint_importance(self) -> Floats:
-        """What more room at the contacts of each joint (m,) is worth: nearly what a gap of its own is, where parts turn little."""
+        """What a gap of its own is worth for each joint (m,): the middle of `joint_looser` and `joint_tighter` where these differ."""
         return _middle(self.joint_looser, self.joint_tighter, self.joint_unique)
 
     @property

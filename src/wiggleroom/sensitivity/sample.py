@@ -141,9 +141,10 @@ def sample(
     """Largest motion when the gap round every part varies at random.
 
     Pairs and free spaces are worked out once: walls are linear in the gaps, so every draw begins with the same walls,
-    moved. It goes through the rounds of the search from rest, and where a direct question searches also from the end of the answer without
-    variation; its end is free of overlap by exact geometry. A few draws, the extremes among them, are worked out anew, see
-    `Sample.checked`. No draw is searched for other optima.
+    moved. It goes through the rounds of the search from rest, and where a direct question searches also from the end of the answer
+    without variation and from other optima of it, for with other gaps one of these may be the largest; its end is free of overlap by
+    exact geometry.
+    A few draws, the extremes among them, are worked out anew, see `Sample.checked`. No draw is searched: it may be low.
 
     Parameters
     ----------

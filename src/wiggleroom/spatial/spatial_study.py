@@ -31,6 +31,7 @@ from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial, spatial_question_findings
+from wiggleroom.spatial.spatial_joint_gains import HoldingCorners, spatial_joint_gains
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 
 Floats = NDArray[np.float64]
@@ -236,30 +237,39 @@ def _derivatives(assembly: SpatialAssembly, held: HeldMotion) -> GapDerivatives:
     row = np.flatnonzero((found.lam > ACTIVE * found.lam.max(initial=0.0)) & (lam > at.h * P.length))
     plane = np.searchsorted(P.row, row, side="right") - 1
     pair = np.repeat(np.arange(len(P.a)), np.diff(P.plane))[plane]
-    gain, part = np.empty(len(row)), np.empty(len(row), dtype=np.int64)
-    other = np.empty(len(row), dtype=np.int64)
+    side = _sides(held, row, plane, pair, at)
     known: dict[tuple[int, int], Floats] = {}
-    owner, first = held.grouping.bodies.owner, _first_pieces(held)
-    for k, (r, p, x) in enumerate(zip(row.tolist(), plane.tolist(), pair.tolist(), strict=True)):
-        mine = r < P.row[p] + P.own[p]
-        corner = r - P.row[p] - (0 if mine else P.own[p])
-        (body, piece), (across, its) = (
-            (P.pieces[p, :2], P.pieces[p, 2:]) if mine else (P.pieces[p, 2:], P.pieces[p, :2])
-        )
-        part[k], other[k] = owner[body][piece], owner[across][its]
-        key = (int(part[k]), int(piece - first[int(part[k])]))
-        if key not in known:
-            known[key] = corner_displacements(assembly.made[key[0]], key[1]) @ assembly.parts[key[0]].R.T
-        n = found.point.n[p] if mine else -at.Psi[x].T @ found.point.n[p]
-        gain[k] = -n @ known[key][corner]
+    gain = np.empty(len(row))
+    for k, (part, piece, corner) in enumerate(zip(side.part.tolist(), side.piece.tolist(), side.corner, strict=True)):
+        if (part, piece) not in known:
+            known[part, piece] = corner_displacements(assembly.made[part], piece) @ assembly.parts[part].R.T
+        gain[k] = -side.toward[k] @ known[part, piece][corner]
     columns = np.arange(len(row))
-    ends = np.sort(np.column_stack([part, other]), axis=1)
-    joints, of = np.unique(ends, axis=0, return_inverse=True)
-    by_part = sp.csr_matrix((gain / 2, (part, columns)), shape=(len(assembly.parts), len(row)))
-    by_joint = sp.csr_matrix((gain / 2, (of.ravel(), columns)), shape=(len(joints), len(row)))
+    by_part = sp.csr_matrix((gain / 2, (side.part, columns)), shape=(len(assembly.parts), len(row)))
+    joints, by_joint = spatial_joint_gains(assembly, side, lam[row])
     return GapDerivatives(
         by_part, joints, by_joint, face(_jacobian(at, row, plane, pair), row, lam[row], P.length), 0.0,
         np.zeros((len(assembly.parts), 0)), np.zeros((len(joints), 0)),
+    )  # fmt: skip
+
+
+def _sides(held: HeldMotion, row: Ints, plane: Ints, pair: Ints, at: LinearisedSeparatingPlanes) -> HoldingCorners:
+    """The corners of some rows, and what they are held against."""
+    P, found, owner = held.program, held.found, held.grouping.bodies.owner
+    first = _first_pieces(held)
+    part, other, piece = (np.empty(len(row), dtype=np.int64) for _ in range(3))
+    corner = row - P.row[plane]
+    mine = corner < P.own[plane]
+    toward, body = np.empty((len(row), 3)), np.where(mine, P.a[pair], P.b[pair])
+    for k, (p, x) in enumerate(zip(plane.tolist(), pair.tolist(), strict=True)):
+        ends = P.pieces[p, :2], P.pieces[p, 2:]
+        (its, own), (across, there) = ends if mine[k] else ends[::-1]
+        part[k], other[k] = owner[its][own], owner[across][there]
+        piece[k] = own - first[int(part[k])]
+        toward[k] = found.point.n[p] if mine[k] else -at.Psi[x].T @ found.point.n[p]
+    return HoldingCorners(
+        part, other, piece, np.where(mine, corner, corner - P.own[plane]), toward, 2 * plane + mine,
+        held.grouping.bodies.at[body] + P.V[row],
     )  # fmt: skip
 
 

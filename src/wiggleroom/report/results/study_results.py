@@ -266,5 +266,10 @@ def sample_sure(found: Sample) -> list[tuple[str, str]]:
         off = f"off by {found.largest_difference:.1e}"
         said.append(("checked", f"every end for overlap; {len(found.checked)} draws worked out anew, {off}"))
     if found.answer.search is not None:
-        said.append(("searched", "the answer without variation; draws begin at rest and at its end"))
+        said.append(
+            (
+                "searched",
+                "the answer without variation; draws begin at rest, at its end and at other optima that a few climbs met",
+            )
+        )
     return said

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from wiggleroom.spatial.solids.face_planes import face_planes
+from wiggleroom.spatial.solids.face_planes import face_planes, lies_in
 from wiggleroom.spatial.solids.spatial_model import MadeSolid
 
 Floats = NDArray[np.float64]
@@ -24,6 +24,7 @@ def corner_displacements(made: MadeSolid, piece: int) -> Floats:
     Source: the mitred offset, as for the corners of outlines in `wiggleroom.geometry.offset_bodies`.
     """
     normal, level, label = face_planes(made.surface)
+    triangles = made.surface.vertices[made.surface.faces]
     size = float(np.ptp(made.surface.vertices, axis=0).max())
     near = ON_PLANE * size
     corners = made.pieces[piece].corners
@@ -35,24 +36,10 @@ def corner_displacements(made: MadeSolid, piece: int) -> Floats:
     out = np.zeros_like(corners)
     for k, corner in enumerate(corners):
         on = np.abs(normal @ corner - level) < near
-        touched = [p for p in np.flatnonzero(on).tolist() if _on_face(made, label == p, corner, near)]
+        touched = [p for p in np.flatnonzero(on).tolist() if lies_in(triangles[label == p], corner, near)]
         for n0, n1, n2, offset in own[np.abs(own[:, :3] @ corner + own[:, 3]) < near].tolist():
             same = (normal @ np.array([n0, n1, n2]) > 1 - 1e-9) & (np.abs(level + offset) < near)
             touched += np.flatnonzero(same).tolist()
         if touched:
             out[k] = np.linalg.lstsq(normal[touched], inward[touched], rcond=1e-6)[0]
     return out
-
-
-def _on_face(made: MadeSolid, faces: NDArray[np.bool_], point: Floats, near: float) -> bool:
-    """True where a point of the faces' plane lies in one of these triangles, or within `near` of it."""
-    a, b, c = (made.surface.vertices[made.surface.faces[faces, k]] for k in range(3))
-    cross = np.cross(b - a, c - a)
-    area = np.linalg.norm(cross, axis=1)
-    unit = cross / np.maximum(area, 1e-300)[:, None]
-    inside = np.ones(len(a), dtype=bool)
-    for start, end in ((a, b), (b, c), (c, a)):
-        side = np.cross(unit, end - start)
-        length = np.maximum(np.linalg.norm(side, axis=1), 1e-300)
-        inside &= np.einsum("ij,ij->i", side, point - start) / length > -near
-    return bool((inside & (area > 0)).any())

@@ -35,3 +35,17 @@ def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
     level = np.full(count, -np.inf)
     np.maximum.at(level, label, np.einsum("ij,ij->i", unit[label], a))
     return unit, level, label
+
+
+def lies_in(triangles: Floats, point: Floats, near: float) -> bool:
+    """True where a point of the plane of triangles (k, 3, 3) lies in one of them, or within `near` of it."""
+    a, b, c = triangles.transpose(1, 0, 2)
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    unit = cross / np.maximum(area, 1e-300)[:, None]
+    inside = np.ones(len(a), dtype=bool)
+    for start, end in ((a, b), (b, c), (c, a)):
+        side = np.cross(unit, end - start)
+        length = np.maximum(np.linalg.norm(side, axis=1), 1e-300)
+        inside &= np.einsum("ij,ij->i", side, point - start) / length > -near
+    return bool((inside & (area > 0)).any())

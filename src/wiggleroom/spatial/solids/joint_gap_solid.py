@@ -45,11 +45,14 @@ class FacePatch:
     region : shapely.MultiPolygon [mm]
         In the plane of the face.
     gap : float [mm]
+    joint : int
+        Number of the joint among those of the drawing.
     """
 
     face: int
     region: shapely.Geometry
     gap: float
+    joint: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +83,7 @@ def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], li
     size = max(float(np.ptp(s.vertices, axis=0).max()) for s in surface.values())
     patches: dict[str, list[FacePatch]] = {name: [] for name in names}
     findings = []
-    for joint in drawing.gaps:
+    for number, joint in enumerate(drawing.gaps):
         one, other = joint.parts
         drawn = _distance(part[one], surface[one], part[other], surface[other])
         reach, slack = joint_reach(drawn, joint.gap, 1e-6 * size)
@@ -93,7 +96,7 @@ def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], li
                 kept = [
                     replace(p, region=shapely.difference(p.region, region)) if p.face == k else p for p in patches[name]
                 ]  # where regions overlap the last one counts
-                patches[name] = [*kept, FacePatch(k, region, joint.gap)]
+                patches[name] = [*kept, FacePatch(k, region, joint.gap, number)]
     return {name: PatchedSolid(faces[name], tuple(patches[name])) for name in names}, list(dict.fromkeys(findings))
 
 

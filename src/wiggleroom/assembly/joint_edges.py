@@ -1,0 +1,98 @@
+"""The edges that the gap of one joint moves: what a little more of it does to the outlines of both parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.facing import split_ring
+from wiggleroom.assembly.gaps import joint_stretches, outline_shapes
+from wiggleroom.drawing.model import Drawing, JointGap, Points
+
+AT_JOINT = 0.5
+"""A joint's gap moves each of both outlines by half of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointEdges:
+    """Outlines of a part as drawn, cut where gaps of its joints begin and end, and how the gap of one joint moves them.
+
+    Parameters
+    ----------
+    start, end : (k, 2) float64 [mm]
+        Edges in the part's own frame, material on their left.
+    inward : (k,) float64 [mm]
+        How far each lies inward as it is made.
+    moves : (k,) float64
+        How far each moves inward for 1 mm more gap in the joint.
+    """
+
+    start: Points
+    end: Points
+    inward: NDArray[np.float64]
+    moves: NDArray[np.float64]
+
+    def at(self, point: Points, along: Points) -> NDArray[np.float64]:
+        """How far the edges (q,) move that lie, as made, at points (q, 2) [mm] and run along unit vectors (q, 2)."""
+        edge = self.end - self.start
+        length = np.hypot(*edge.T)
+        ahead = edge / length[:, None]
+        far = point[:, None] - self.start
+        beside = far[..., 1] * ahead[:, 0] - far[..., 0] * ahead[:, 1] - self.inward
+        run = (far * ahead).sum(axis=2)
+        beyond = np.maximum(np.maximum(-run, run - length), 0.0)
+        turned = 1.0 - along @ ahead.T  # as far off as the longest edge is long, where they run in opposite directions
+        return self.moves[np.argmin(np.hypot(beside, beyond) + length.max() * turned, axis=1)]
+
+
+def gaps_beside(gaps: Sequence[JointGap], pair: tuple[str, str], usual: float) -> tuple[tuple[JointGap, ...], int]:
+    """Gaps of all joints that two parts have, that of their own last unless it is stated, and the number of that among them."""
+    near = {frozenset(joint.parts): joint for joint in gaps if set(pair) & set(joint.parts)}
+    near.setdefault(frozenset(pair), JointGap(pair, usual))
+    return tuple(near.values()), list(near).index(frozenset(pair))
+
+
+def joint_edges(drawing: Drawing, pair: tuple[int, int]) -> tuple[JointEdges, JointEdges] | None:
+    """What the gap of the joint of two parts moves, as `gaps` of an assembly file says it; None where they face each other nowhere.
+
+    Parameters
+    ----------
+    drawing : Drawing [mm]
+    pair : (int, int)
+        Numbers of both parts.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Part, Region
+    >>> brick = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]))
+    >>> low, high = joint_edges(Drawing((Part("a", (brick,)), Part("b", (brick,), (0.0, 1.0, 0.0)))), (0, 1))
+    >>> low.moves.tolist(), high.moves.tolist()
+    ([0.0, 0.0, 0.5, 0.0], [0.5, 0.0, 0.0, 0.0])
+    """
+    names = drawing.parts[pair[0]].name, drawing.parts[pair[1]].name
+    gaps, number = gaps_beside(drawing.gaps, names, drawing.gap)
+    near = {name for joint in gaps for name in joint.parts} - set(names)
+    parts = (*(drawing.parts[k] for k in pair), *(p for p in drawing.parts if near and p.name in near))
+    some = replace(drawing, parts=parts, gaps=gaps)
+    shapes = outline_shapes(some)
+    stretches, _ = joint_stretches(some, shapes)
+    found = []
+    for part in (0, 1):
+        shape = int(shapes.shape[part])
+        mine = stretches.get(shape, [])
+        if not any(s.joint == number for s in mine):
+            return None
+        moves = [replace(s, inward=AT_JOINT if s.joint == number else 0.0) for s in mine]
+        usual = drawing.gap / 2 - some.parts[part].offset
+        pieces = []
+        for loop in np.flatnonzero(shapes.loop_shape == shape).tolist():
+            ring = shapes.loops.rings()[loop]
+            points, inward = split_ring(ring, usual, shapes.on_loop(loop, mine))
+            pieces.append(
+                (points, np.roll(points, -1, axis=0), inward, split_ring(ring, 0.0, shapes.on_loop(loop, moves))[1])
+            )
+        found.append(JointEdges(*(np.concatenate(column) for column in zip(*pieces, strict=True))))
+    return found[0], found[1]
