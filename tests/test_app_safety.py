@@ -371,8 +371,8 @@ def test_pings_of_a_peer_that_is_gone_are_left(
     with served.visit() as one:
         ping = bytes([0x89, 0x80, 0, 0, 0, 0])
         one.socket.socket.sendall(100 * ping)
-        with pytest.raises(ConnectionClosed):
+        with contextlib.suppress(ConnectionClosed):
             while True:
-                one.socket.recv()
+                one.socket.recv(timeout=30)
     assert answers == [False]
     assert "socket.send() raised" not in caplog.text
