@@ -371,8 +371,7 @@ def test_a_sweep_that_finds_more_at_the_gap_of_the_design_tells_the_answer_anew(
     number = page.send("sweep", gaps=[0.02, 0.01, 0.005])
     whole = page.until(number, "sweep")
     (own,) = [step["objective"] for step in whole["steps"] if step["gap"] == 0.01]
-    shown, *proven = [r for r in page.told if r["kind"] == "flex"]
-    assert len(proven) == (asked == "prove"), "a bound is told besides"
+    (shown,) = [r for r in page.told if r["kind"] == "flex"]
     assert shown["id"] == number
     assert shown["objective"] == own == pytest.approx(2.06)
     assert shown["motions"][0][-1][1][1] == pytest.approx(2.06)

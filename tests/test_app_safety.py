@@ -353,3 +353,26 @@ def test_joints_of_parts_that_are_not_there_are_refused(served: Served) -> None:
         reply = one.open("chain.json", CHAIN, gaps=[["b1", "b9", 0.1]])
     assert reply["kind"] == "failed"
     assert any('gaps: there is no part "b9"' in line for line in reply["findings"])
+
+
+def test_pings_of_a_peer_that_is_gone_are_left(
+    served: Served, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The first answer is refused as when a peer is gone; written for each of its pings, asyncio would complain of the others."""
+    answers: list[bool] = []
+    answer = patient.WebSocketsSansIOProtocol.handle_ping
+
+    def gone(self: patient.WebSocketsSansIOProtocol) -> None:
+        answers.append(self.transport.is_closing())
+        self.transport.abort()
+        answer(self)
+
+    monkeypatch.setattr(patient.WebSocketsSansIOProtocol, "handle_ping", gone)
+    with served.visit() as one:
+        ping = bytes([0x89, 0x80, 0, 0, 0, 0])
+        one.socket.socket.sendall(100 * ping)
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                one.socket.recv(timeout=30)
+    assert answers == [False]
+    assert "socket.send() raised" not in caplog.text

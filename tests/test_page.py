@@ -688,6 +688,44 @@ def test_the_start_page_opens_samples_and_files_of_before(browser: Any, tmp_path
         assert "chain-design.json" in page.locator(".command").inner_text()
 
 
+def test_the_samples_are_one_press_away_and_so_is_the_way_back(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        way = page.get_by_role("button", name="wiggleroom: samples and files opened before")
+        way.click()
+        page.locator(".sample").first.wait_for()
+        assert page.locator(".panel, .middle, .gapstrip").evaluate_all("them => them.every(one => one.inert)")
+        page.locator("body").press("f")  # means nothing here
+        page.get_by_role("button", name="Back to peg.json").click()
+        page.locator(".sample").first.wait_for(state="hidden")
+        assert page.locator(".panel").evaluate("one => !one.inert")
+        answered(page, "peg moves 1 mm")
+        way.click()
+        page.locator(".sample").first.wait_for()
+        page.keyboard.press("Escape")
+        page.locator(".sample").first.wait_for(state="hidden")
+        way.click()
+        page.locator(".sample", has_text="chain").click()
+        answered(page, "b6 moves")
+        assert page.locator(".start").count() == 0
+
+
+def test_work_on_the_drawing_before_ends_with_it(browser: Any, peg: Served) -> None:
+    """The server leaves it, so nobody would ever say that it is done."""
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.get_by_role("tab", name="Vary").click()
+        page.get_by_label("draws").fill("100000")
+        page.get_by_label("draws").press("Enter")
+        page.locator(".panel").get_by_role("button", name="Draw").click()
+        page.locator(".work", has_text="drawing gaps at random").wait_for()
+        page.get_by_role("button", name="wiggleroom: samples and files opened before").click()
+        page.locator(".sample", has_text="chain").click()
+        answered(page, "b6 moves")
+        assert page.locator(".work", has_text="drawing gaps").count() == 0
+        assert page.locator(".panel").get_by_role("button", name="Draw").is_enabled()
+
+
 def test_a_word_that_needs_explaining_is_explained_where_it_stands(browser: Any, peg: Served) -> None:
     with visiting(browser, peg) as page:
         answered(page, "peg moves 1 mm")

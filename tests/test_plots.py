@@ -95,9 +95,12 @@ def test_wrong_shapes_are_refused() -> None:
         bars(["a"], np.array([np.nan]), label="x", title="t")
 
 
-@pytest.mark.parametrize(("low", "high"), [(0, 1), (-3.3, 1e5), (1e-9, 3e-9), (5.0, 5.0001)])
-def test_ticks_are_round_and_inside(low: float, high: float) -> None:
-    found = ticks(low, high)
+@pytest.mark.parametrize("most", [3, 8])
+@pytest.mark.parametrize(
+    ("low", "high"), [(0, 1), (-3.3, 1e5), (1e-9, 3e-9), (5.0, 5.0001), (8.55, 9.4), (0.96, 1.99), (1.1, 9.9)]
+)
+def test_ticks_are_round_and_inside(low: float, high: float, most: int) -> None:
+    found = ticks(low, high, most)
     assert 2 <= len(found) <= 10
     slack = 1e-6 * (high - low)
     assert low - slack <= found[0]

@@ -29,7 +29,7 @@ function Page() {
   return (
     <div class="page" data-empty={drawing.value === null} data-wide={tab.value === "study" || (standalone.value !== null && tab.value === "space")}>
       <TopBar />
-      <main class="middle" inert={atStart.value}>
+      <main class="middle" inert={atStart.value || (drawing.value === null && !standalone.value)}>
         <Headline />
         <div class="stages">
           {onSheet() ? <SheetStage /> : <><Beside />{inSpace() ? <SolidStage /> : <Stage />}</>}

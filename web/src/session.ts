@@ -390,6 +390,10 @@ function opened(reply: Opened): void {
     return askFlex(); // the line came back: nothing that was set is lost
   }
   again = false;
+  endDrag();
+  quick = null;
+  state.running.value = new Map(); // the server has left what was asked of the drawing before
+  state.waiting.value = false;
   const read: Design = { ...reply.design, gap: reply.gap };
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (!asks(read) && !reply.apart) read.goals = suggested; // panels of a sheet are put together first

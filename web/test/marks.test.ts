@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { ContactEntry } from "../src/protocol.ts";
-import { strongest } from "../src/stage/marks.ts";
+import { mostMarks, strongest } from "../src/stage/marks.ts";
 
 const spot = (force: number, x: number, y = 5) => ({ contact: { force } as ContactEntry, x, y });
 const forces = (some: ReturnType<typeof strongest>): number[] => some.map(({ contact }) => contact.force);
@@ -15,4 +15,9 @@ test("of many contacts the strongest in view are marked", () => {
 
 test("coming nearer marks weaker ones, too", () => {
   assert.deepEqual(forces(strongest([spot(1, 10), spot(9, 200)], { width: 100, height: 50 }, 1)), [1]);
+});
+
+test("a small picture has few marks, a large one no more than can be told apart", () => {
+  assert.ok(mostMarks({ width: 390, height: 110 }) < 15);
+  assert.equal(mostMarks({ width: 4000, height: 4000 }), mostMarks({ width: 2000, height: 2000 }));
 });

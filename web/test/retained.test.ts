@@ -16,13 +16,14 @@ class Canvas {
   beginPath(): void {}
   rect(): void {}
   clip(): void {}
-  fill(): void {}
-  stroke(): void {}
+  fill(): void { drawn++; }
+  stroke(): void { drawn++; }
   fillRect(): void {}
   fillText(): void {}
   drawImage(): void {}
 }
 
+let drawn = 0;
 const made: Canvas[] = [];
 const PARTS = 400;
 const NONE: ReadonlySet<number> = new Set();
@@ -77,4 +78,14 @@ test("after slow frames the share of a quick frame is soon as large as before", 
   retained.show(screen, picture(0), 0, 5);
   for (let k = 1; k < 60; k++) framesFor(k % 2, 100);
   assert.ok(framesFor(0.5, 5) + framesFor(0, 5) < 40);
+});
+
+test("outlines at rest count for the share of a frame as parts do", () => {
+  const retained = new Retained();
+  retained.show(screen, picture(0), 0, 5);
+  const mostSteps = 25 / 0.05; // of the first estimate for one step
+  drawn = 0;
+  retained.show(screen, picture(1), 0, 25);
+  assert.ok(retained.behind, "800 steps are no work for one frame");
+  assert.ok(drawn <= 2 * mostSteps, `${drawn} lines and areas`); // a part has both
 });

@@ -39,7 +39,7 @@ class LimitedWebSocket(WebSocketsSansIOProtocol):
             return
         least, most = SLICE_BYTES
         begin = before = self.loop.time()
-        while self._unparsed and before - begin < TURN_SECONDS and not self.read_paused and self.writable.is_set():
+        while self._unparsed and before - begin < TURN_SECONDS and self._takes_more():
             piece = bytes(self._unparsed[: self._slice])
             del self._unparsed[: self._slice]
             super().data_received(piece)
@@ -60,6 +60,15 @@ class LimitedWebSocket(WebSocketsSansIOProtocol):
                 self._turn = self.loop.call_soon(self._parse)
         elif not self.read_paused:
             self.transport.resume_reading()
+
+    def _takes_more(self) -> bool:
+        """Whether peer and application are there and keep up."""
+        return not (self.read_paused or self.transport.is_closing()) and self.writable.is_set()
+
+    def handle_ping(self) -> None:
+        """Answer while the peer is there: what it sent before it went may hold thousands of pings."""
+        if not self.transport.is_closing():
+            super().handle_ping()
 
     async def receive(self) -> Any:
         """Next message for the application."""

@@ -7,7 +7,8 @@ import { assembled } from "../sheetState.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
-import { MOST_MARKS } from "../stage/marks.ts";
+import { size } from "../stage/camera.ts";
+import { mostMarks } from "../stage/marks.ts";
 import { ask, few, number, short } from "../words.ts";
 import { unitOf } from "./GapStrip.tsx";
 import { Meaning } from "./Meaning.tsx";
@@ -93,7 +94,10 @@ function draggedSaid(): Said {
 const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
 
 /** That not all contacts have their arrow. */
-const thinned = (count: number): string[] => (count > MOST_MARKS ? [`arrows at the ${MOST_MARKS} strongest contacts in view`] : []);
+function thinned(count: number): string[] {
+  const most = mostMarks(size.value);
+  return !inSpace() && count > most ? [`arrows at the ${most} strongest contacts in view`] : [];
+}
 
 const NAMES: Record<string, string> = {
   flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",

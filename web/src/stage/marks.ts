@@ -13,8 +13,12 @@ export interface Marks {
   highlit: Point | null;
 }
 
+const MOST_MARKS = 120;
+/** A mark has so much of the picture to itself [px2]. */
+const MARK_AREA = 4000;
+
 /** More marks would hide the parts. */
-export const MOST_MARKS = 120;
+export const mostMarks = ({ width, height }: Size): number => Math.min(MOST_MARKS, Math.ceil((width * height) / MARK_AREA));
 
 /** A contact and where it is on the screen [px]. */
 interface Spot { contact: ContactEntry; x: number; y: number }
@@ -40,7 +44,7 @@ export function paintMarks(
     const [x, y] = toScreen(view, size, outOf(placed(carrier, motion, i, factor), local));
     return [{ contact, x, y }];
   });
-  for (const { contact, x, y } of strongest(spots, size, MOST_MARKS)) {
+  for (const { contact, x, y } of strongest(spots, size, mostMarks(size))) {
     const share = contact.force / most;
     const picked = marks.highlit !== null && marks.highlit[0] === contact.point[0] && marks.highlit[1] === contact.point[1];
     if (share > 1e-3) force(g, [x, y], contact.normal as Point, 8 + longest * Math.sqrt(share), colours.force, colours.paper);

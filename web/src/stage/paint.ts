@@ -39,7 +39,7 @@ export function paint(g: CanvasRenderingContext2D, size: Size, ratio: number, vi
 /** Part of the canvas [px]: x0, y0, x1, y1. */
 export type Region = readonly [number, number, number, number];
 
-/** The same in steps, one a part, so that frames may come between; where a region is given, no more than what reaches into it. */
+/** The same in steps, one a part and one an outline at rest, so that frames may come between; where a region is given, no more than what reaches into it. */
 export function* painting(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, rough: boolean, within?: Region): Generator<void> {
   const seen = visible(size, view, scene, within).filter(({ i }) => !scene.held.has(i));
   if (!rough) yield* restOutlines(g, size, ratio, view, scene, within);
@@ -139,10 +139,13 @@ function reaches(size: Size, view: View, { shapes, motion, factor }: Scene, i: n
   return onScreen(size, view, at[0] + motion[3 * i]! * factor, at[1] + motion[3 * i + 1]! * factor, radius, within);
 }
 
-/** How many parts reach into a region. */
-export function reaching(size: Size, view: View, scene: Scene, region: Region): number {
+/** How many steps it takes to paint a region: parts that reach into it, and outlines at rest. */
+export function stepsIn(size: Size, view: View, scene: Scene, region: Region): number {
   let count = 0;
-  for (let i = 0; i < scene.shapes.length; i++) if (reaches(size, view, scene, i, region)) count++;
+  for (let i = 0; i < scene.shapes.length; i++) {
+    if (!scene.held.has(i) && reaches(size, view, scene, i, region)) count++;
+    if (outlinedAtRest(size, view, scene, i, region)) count++;
+  }
   return count;
 }
 
@@ -164,10 +167,15 @@ const leftRest = (view: View, { shapes, motion, factor, held }: Scene, i: number
 export const changed = ({ radius }: Shape, a: Float32Array, b: Float32Array | null, i: number): number =>
   Math.hypot(a[3 * i]! - (b?.[3 * i] ?? 0), a[3 * i + 1]! - (b?.[3 * i + 1] ?? 0)) + radius * Math.abs(a[3 * i + 2]! - (b?.[3 * i + 2] ?? 0));
 
+function outlinedAtRest(size: Size, view: View, scene: Scene, i: number, within?: Region): boolean {
+  const { at, radius } = scene.shapes[i]!;
+  return radius * view.scale >= SMALLEST && leftRest(view, scene, i) && onScreen(size, view, at[0], at[1], radius, within);
+}
+
 function* restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, within?: Region): Generator<void> {
   for (let i = 0; i < scene.shapes.length; i++) {
     const one = scene.shapes[i]!;
-    if (one.radius * view.scale < SMALLEST || !onScreen(size, view, one.at[0], one.at[1], one.radius, within) || !leftRest(view, scene, i)) continue;
+    if (!outlinedAtRest(size, view, scene, i, within)) continue;
     g.strokeStyle = scene.colours.rest;
     g.lineWidth = 1 / view.scale;
     stand(g, size, ratio, view, { x: one.at[0], y: one.at[1], cos: 1, sin: 0 });

@@ -7,7 +7,7 @@
  */
 
 import type { Point } from "../protocol.ts";
-import { changed, clear, extentOf, painting, type Region, reaching, type Scene } from "./paint.ts";
+import { changed, clear, extentOf, painting, type Region, type Scene, stepsIn } from "./paint.ts";
 import { placed } from "./shapes.ts";
 import { type Size, toScreen, type View } from "./view.ts";
 
@@ -66,7 +66,7 @@ export class Retained {
     } else if (!this.#steps) {
       const change = damage(this.#front, now, least);
       if (!change) this.#front.picture = now;
-      else if (reaching(now.size, now.view, now.scene, change.region) <= most) for (const _ of repainting(this.#front, now, change)) this.#painted++;
+      else if (stepsIn(now.size, now.view, now.scene, change.region) <= most) for (const _ of repainting(this.#front, now, change)) this.#painted++;
       else this.#begin(g.canvas, now, change);
     } else older = true; // what is painted was wanted in an earlier frame
     if (this.#steps) this.#goOn(g, most);

@@ -56,14 +56,21 @@ class Axes:
 
 
 def ticks(low: float, high: float, most: int = MAX_TICKS) -> Floats:
-    """Round numbers between two values, at most so many steps.
+    """Round numbers between two values, at most so many steps; more where there would be one number alone, which tells no scale.
 
     >>> ticks(0.0, 1.3).round(3).tolist()
     [0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2]
+    >>> ticks(8.55, 9.4, 3).round(3).tolist()
+    [8.6, 8.8, 9.0, 9.2, 9.4]
     """
     power = 10.0 ** math.floor(math.log10((high - low) / most))
-    step = next(power * s for s in (1, 2, 5, 10) if (high - low) / (power * s) <= most)
-    return np.float64(step) * np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)
+    sizes = (0.2, 0.5, 1, 2, 5, 10)
+    k = next(k for k in range(2, 6) if (high - low) / (power * sizes[k]) <= most)
+    for step in (power * sizes[k], power * sizes[k - 1], power * sizes[k - 2]):
+        found = np.float64(step) * np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)
+        if len(found) > 1:
+            break
+    return found
 
 
 def span(values: Floats, *, zero: bool = False) -> tuple[float, float]:
