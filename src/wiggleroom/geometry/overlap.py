@@ -39,6 +39,7 @@ def overlaps(bodies: Bodies, motion: Floats, ignored: Ints) -> Overlaps:
     a, b = shapely.STRtree(geometry).query(geometry)
     keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * len(geometry) + b, ignored)
     a, b = a[keep], b[keep]
+    shapely.prepare(geometry)
     hit = shapely.intersects(geometry[a], geometry[b])
     a, b = a[hit], b[hit]
     common = shapely.intersection(geometry[a], geometry[b])

@@ -33,6 +33,7 @@ class ConvergenceMonitor:
     iterations: int = 0
     error: float = np.inf
     mu: float = 0.0
+    infeasible: float = 0.0
     infeasibility_ratio: float = 0.0
     feasible: tuple[Floats, float, Floats | None] | None = None
     path: list[Floats] = field(default_factory=list)
@@ -76,7 +77,7 @@ class ConvergenceMonitor:
         if self.progress is not None:
             self.progress(self.iterations, state.at.value)
         self.mu = gap / max(len(state.s), 1)
-        infeasible = violation(state.lam, state.s, state.at.h)
+        self.infeasible = violation(state.lam, state.s, state.at.h)
         step_work, dual_displacement = residual_work(dual_residual, state.move, state.u, self.begin)
         wrong = step_work if k else 0.0
         settings, whole = settings_for(len(state.u)), max(abs(value), 1.0)
@@ -85,8 +86,8 @@ class ConvergenceMonitor:
             if dual_displacement > settings.dual_error_floor * whole
             else 0.0
         )
-        self.infeasibility_ratio = max(infeasible, wrong, dual_error) / gap if gap > 0 else 0.0
-        self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
+        self.infeasibility_ratio = max(self.infeasible, wrong, dual_error) / gap if gap > 0 else 0.0
+        self.error = max(gap, self.infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
             self.feasible = state.u, self.mu, state.lam

@@ -12,7 +12,7 @@ from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import LARGE_PROGRAM, MAX_LIFTS, MAX_PULLS, SETTINGS, SLACK_TOLERANCE
 from wiggleroom.solve.newton_step import Iterate, newton
 from wiggleroom.solve.predictor_corrector import NewtonStep, take_step
-from wiggleroom.solve.row_operations import dot
+from wiggleroom.solve.row_operations import dot, violation
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, 
         step = NewtonStep.to_boundary(newton(state, matrix, dual_residual, mu - state.s * state.lam), shift)
         if large and step.primal_step < SETTINGS.min_restoring_step:
             return _lifted(state, matrix, retraction)
-        take_step(state, step, retraction)
+        take_step(state, step, retraction, violation(state.lam, state.s, state.at.h))
     return state
 
 

@@ -92,7 +92,7 @@ def solve(
             state, matrix, retraction, dual_residual, watch.mu, watch.infeasibility_ratio, least
         )
         if step is not None:
-            take_step(state, step.capped(farthest), retraction)
+            take_step(state, step.capped(farthest), retraction, watch.infeasible)
         return step is not None
 
     for escapes in range(SETTINGS.max_saddle_escapes + 1):

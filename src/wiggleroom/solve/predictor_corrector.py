@@ -12,7 +12,7 @@ from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import SETTINGS, settings_for
 from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, newton
-from wiggleroom.solve.row_operations import corrector_goal, dot, gap_after, stepped_slacks, violation
+from wiggleroom.solve.row_operations import corrector_goal, gap_after, stepped_slacks
 
 Floats = NDArray[np.float64]
 
@@ -101,14 +101,13 @@ def predictor_corrector_step(
     return None if stuck else found
 
 
-def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
-    """Take the step; halve it while the violation of rows grows and exceeds half the complementarity.
+def take_step(state: Iterate, step: NewtonStep, retraction: Retraction, before: float) -> None:
+    """Take the step; halve it while the violation of rows, now `before`, grows and exceeds half the complementarity.
 
     Rows and derivatives at the new point take the place of those at the old one: in assemblies of a million parts these arrays count.
     """
     lam, value = state.lam + step.dual_step * step.lam, state.at.value
     share = step.primal_step
-    before = violation(state.lam, state.s, state.at.h)
     # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so try longer ones
     short = step.primal_step == 1.0 and step.shift > SETTINGS.max_free_shift
     state.stride = min(SETTINGS.stride_growth * state.stride, SETTINGS.max_stride) if short else 1.0
@@ -124,8 +123,8 @@ def take_step(state: Iterate, step: NewtonStep, retraction: Retraction) -> None:
     for _ in range(SETTINGS.max_halvings + 1):
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u, state.at)
-        stepped_slacks(state.s, step.s, share, at.h, SETTINGS.min_slack, s)
-        if violation(lam, s, at.h) <= max(SETTINGS.max_violation * dot(s, lam), SETTINGS.max_violation_growth * before):
+        wrong, gap = stepped_slacks(state.s, step.s, share, lam, at.h, SETTINGS.min_slack, s)
+        if wrong <= max(SETTINGS.max_violation * gap, SETTINGS.max_violation_growth * before):
             break
         share /= 2
     state.move, state.shift = step.u, step.shift

@@ -80,11 +80,16 @@ def violation(lam, s, h):
     return total
 
 
-@njit(**NO_ALLOCATION)
-def stepped_slacks(s, ds, step, h, least, out):
-    """Fill `out` with slacks after a step, no less than the rows and `least`."""
+@njit(**SUM)
+def stepped_slacks(s, ds, step, lam, h, least, out):
+    """Fill `out` with slacks after a step, no less than the rows and `least`; their violation, and the sum of the products with `lam`."""
+    wrong, gap = 0.0, 0.0
     for k in range(len(s)):
-        out[k] = max(max(s[k] + step * ds[k], h[k]), least)
+        slack = max(max(s[k] + step * ds[k], h[k]), least)
+        out[k] = slack
+        wrong += lam[k] * abs(slack - h[k])
+        gap += slack * lam[k]
+    return wrong, gap
 
 
 @njit(**SUM)
