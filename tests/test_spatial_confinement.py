@@ -102,6 +102,20 @@ def test_a_pin_with_heads_is_held_by_its_hole(heads: bool, opening: str) -> None
     assert found.certainty == "proven"
 
 
+@pytest.mark.parametrize(("heads", "held"), [((-4, 10.5), True), ((-4,), False)])
+def test_a_ring_is_held_by_a_rod_of_several_standing_parts(heads: tuple[float, ...], held: bool) -> None:
+    """With one head missing it goes straight off."""
+    circle = np.column_stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)])
+    ring = {"name": "ring", "outline": (6.0 * circle).tolist(), "holes": [(2.2 * circle).tolist()], "thickness": 10}
+    stem = {"name": "stem", "outline": (2.0 * circle).tolist(), "thickness": 12, "at": [0, 0, -1], "fixed": True}
+    rod = [
+        {"name": f"head{k}", "outline": (3.6 * circle).tolist(), "thickness": 3.5, "at": [0, 0, z], "fixed": True}
+        for k, z in enumerate(heads)
+    ]
+    confinement = PairwiseConfinement(prepare_spatial(spatial(ring, stem, *rod)), None)
+    assert any(confinement.prove(effort) for effort in EFFORTS[:2]) == held
+
+
 def test_all_rotations_of_a_cell_lie_within_its_turn() -> None:
     rng = np.random.default_rng(5)
     for _ in range(60):

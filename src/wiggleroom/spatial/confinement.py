@@ -2,8 +2,8 @@
 
 The poses of one body against another that may be reached from rest are covered by cells, so coarse that what is nearly free counts
 as free. Where the cover is closed all round by blocked cells, the two never part. Bodies that such pairs hold together, and to what
-stands, are interlocked. Of a body that is round about an axis the cylinders inside it are looked at, for which turns about it do not
-count: then cells have five axes in place of six.
+stands, are interlocked. Of a body that is round about an axis, or of all that stands where one of its bodies is, the cylinders inside
+are looked at, for which turns about the axis do not count: then cells have five axes in place of six.
 
 Source: Zhang, Kim and Manocha, "Efficient cell labelling and path non-existence computation using C-obstacle query" (2008).
 """
@@ -184,36 +184,33 @@ class PairwiseConfinement:
         return corners.min(axis=0), corners.max(axis=0)
 
     def _closed_in(self, one: list[int], other: list[int], effort: CoverEffort) -> bool:
-        """True where two bodies, the first of which may be all that stand, are shown never to part."""
-        asked = [(one, other, True)]
-        if len(one) == 1:
-            asked.append((other, one, True))
-        asked.append((one, other, False))
-        return any(self._closed(a, b[0], as_round, effort) for a, b, as_round in asked if not self._stopped())
+        """True where two bodies, one of which may be all that stand, are shown never to part."""
+        asked = [(one, other, True), (other, one, True), (one, other, False)]
+        return any(self._closed(a, b, as_round, effort) for a, b, as_round in asked if not self._stopped())
 
-    def _closed(self, one: list[int], body: int, as_round: bool, effort: CoverEffort) -> bool:
-        """True where the cover of the poses of a body against others is closed; as a round one if asked."""
+    def _closed(self, one: list[int], two: list[int], as_round: bool, effort: CoverEffort) -> bool:
+        """True where the cover of the poses of some bodies against others is closed; as round ones if asked."""
         ready = self.ready
         bodies = ready.grouping.bodies
-        (low1, high1), (low2, high2) = self._box(one), self._box([body])
+        (low1, high1), (low2, high2) = self._box(one), self._box(two)
         low, high = np.maximum(low1, low2), np.minimum(high1, high2)
         origin, size = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+        body = next((k for k in two if self._round_centre(k)), -1) if as_round else two[0]
+        if body < 0:
+            return False
         edges = common_edges(ready, body)
         z = edges[0]
         if as_round:
-            centre = round_centres(ready, body, z)
-            if not centre:
-                return False
-            through = centre[0] + bodies.at[body]
+            through = self._round_centre(body)[0] + bodies.at[body]
             origin = through + ((origin - through) @ z) * z
         x = next((e for e in edges[1:] if abs(e @ z) < PERPENDICULAR), np.linalg.svd(z[None])[2][1])
         x = x - (x @ z) * z
         x /= np.linalg.norm(x)
         frame = np.array([x, np.cross(z, x), z])
-        mine, owner = self._framed([body], frame, origin)
+        mine, owner = self._framed(two, frame, origin)
         theirs, whose = self._framed(one, frame, origin)
         if as_round:
-            mine, owner = self._cylinders(body, frame, origin)
+            mine, owner = self._cylinders(two, frame, origin)
             if len(mine) < 2:
                 return False
         ignored = bodies.ignored
@@ -222,7 +219,7 @@ class PairwiseConfinement:
         half_box = float(np.linalg.norm(A[0], axis=1).max() + np.linalg.norm(B[0], axis=1).max())
         if min(effort.free_width, effort.blocked_width) * size < MIN_WIDTH * half_box:
             return False
-        margin = MARGIN * half_box + COORDINATE_ROUNDING * float(np.abs([*self._box(one), *self._box([body])]).max())
+        margin = MARGIN * half_box + COORDINATE_ROUNDING * float(np.abs([*self._box(one), *self._box(two)]).max())
         most = effort.cells
         tree = (
             np.empty((most, 6)), np.empty((most, 6)), np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most, np.int64),
@@ -243,12 +240,16 @@ class PairwiseConfinement:
         pieces = [p.placed(frame, frame @ (bodies.at[k] - origin)) for k in unit for p in bodies.pieces[k]]
         return pieces, [part for k in unit for part in bodies.owner[k].tolist()]
 
-    def _cylinders(self, body: int, frame: Floats, origin: Floats) -> tuple[list[ConvexPiece], list[int]]:
-        """Cylinders inside the parts of a body round the z axis of a frame, and the part of each."""
+    def _round_centre(self, body: int) -> list[Floats]:
+        """A point of the axis about which a body is round, in its frame, or none."""
+        return round_centres(self.ready, body, common_edges(self.ready, body)[0])
+
+    def _cylinders(self, unit: list[int], frame: Floats, origin: Floats) -> tuple[list[ConvexPiece], list[int]]:
+        """Cylinders inside the parts of bodies round the z axis of a frame, and the part of each."""
         assembly = self.ready.assembly
         pieces: list[ConvexPiece] = []
         owner: list[int] = []
-        for k in np.flatnonzero(self.ready.grouping.body_of == body).tolist():
+        for k in self._parts(unit):
             part, surface = assembly.parts[k], assembly.made[k].surface
             world = surface.vertices @ part.R.T + part.at
             found = inscribed_cylinders(Surface((world - origin) @ frame.T, surface.faces))
