@@ -35,18 +35,6 @@ class JointEdges:
     inward: NDArray[np.float64]
     moves: NDArray[np.float64]
 
-    def at(self, point: Points, along: Points) -> NDArray[np.float64]:
-        """How far the edges (q,) move that lie, as made, at points (q, 2) [mm] and run along unit vectors (q, 2)."""
-        edge = self.end - self.start
-        length = np.hypot(*edge.T)
-        ahead = edge / length[:, None]
-        far = point[:, None] - self.start
-        beside = far[..., 1] * ahead[:, 0] - far[..., 0] * ahead[:, 1] - self.inward
-        run = (far * ahead).sum(axis=2)
-        beyond = np.maximum(np.maximum(-run, run - length), 0.0)
-        turned = 1.0 - along @ ahead.T  # as far off as the longest edge is long, where they run in opposite directions
-        return self.moves[np.argmin(np.hypot(beside, beyond) + length.max() * turned, axis=1)]
-
 
 def gaps_beside(gaps: Sequence[JointGap], pair: tuple[str, str], usual: float) -> tuple[tuple[JointGap, ...], int]:
     """Gaps of all joints that two parts have, that of their own last unless it is stated, and the number of that among them."""

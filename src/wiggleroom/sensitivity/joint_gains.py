@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -9,6 +11,8 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.joint_edges import JointEdges, joint_edges
 from wiggleroom.assembly.mitre import STEP_COSINE
+from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit
+from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.program.gap_sensitivity import Gains
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.active_set import feet
@@ -18,6 +22,69 @@ Ints = NDArray[np.int64]
 
 SAME_PLACE = 1e-9
 """Joints whose parts lie to each other alike, to this share of the assembly's size, are the same."""
+
+
+class _At(NamedTuple):
+    """Pairs of a wall and a joint of the part that its edge or corner belongs to, and which `outline` the joint moves."""
+
+    wall: Ints
+    joint: Ints
+    outline: Ints
+
+
+class _Pieces(NamedTuple):
+    """Pieces of several outlines, one outline after the other; those of outline k are `first[k]` to `first[k + 1]`.
+
+    Each begins at `start` (k, 2) and runs along the unit vector `ahead` (k, 2) for `length` (k,) [mm]; `inward` and `moves` (k,) are
+    those of `JointEdges`.
+    """
+
+    first: Ints
+    start: Floats
+    ahead: Floats
+    length: Floats
+    inward: Floats
+    moves: Floats
+
+    @classmethod
+    def of(cls, outlines: list[JointEdges]) -> _Pieces:
+        """Those of some outlines."""
+        first = np.concatenate([[0], np.cumsum([len(o.moves) for o in outlines], dtype=np.int64)])
+        none = np.zeros((0, 2))
+        start, end = (np.concatenate([none, *(getattr(o, name) for o in outlines)]) for name in ("start", "end"))
+        inward, moves = (np.concatenate([none[:, 0], *(getattr(o, n) for o in outlines)]) for n in ("inward", "moves"))
+        length = np.hypot(*(end - start).T)
+        return cls(first, start, (end - start) / length[:, None], length, inward, moves)
+
+
+def _at_joints(of: Ints, part: Ints, joint: Ints, outline: Ints) -> _At:
+    """Each wall with all joints of its part `of` (w,), where `part` (j,), ascending, `joint` and `outline` list the parts of joints."""
+    low, high = np.searchsorted(part, of, "left"), np.searchsorted(part, of, "right")
+    count = high - low
+    wall = np.repeat(np.arange(len(of)), count)
+    place = np.arange(len(wall)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)
+    return _At(wall, joint[place], outline[place])
+
+
+@njit(**NO_ALLOCATION)
+def _nearest_moves(outline, first, start, ahead, length, inward, moves, point, along, out):
+    """Fill `out` (q,) with how far the piece of each outline moves that, as made, is nearest to a point and runs along a unit vector."""
+    for q in range(len(outline)):
+        begin, end = first[outline[q]], first[outline[q] + 1]
+        longest = 0.0
+        for k in range(begin, end):
+            longest = max(longest, length[k])
+        least = np.inf
+        for k in range(begin, end):
+            x, y = point[q, 0] - start[k, 0], point[q, 1] - start[k, 1]
+            beside = y * ahead[k, 0] - x * ahead[k, 1] - inward[k]
+            run = x * ahead[k, 0] + y * ahead[k, 1]
+            beyond = max(-run, run - length[k], 0.0)
+            # as far off as the longest piece is long, where they run in opposite directions
+            turned = 1.0 - along[q, 0] * ahead[k, 0] - along[q, 1] * ahead[k, 1]
+            off = np.hypot(beside, beyond) + longest * turned
+            if off < least:
+                least, out[q] = off, moves[k]
 
 
 class JointGains:
@@ -40,17 +107,34 @@ class JointGains:
         pairs = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
         self.joints: Ints = np.unique(pairs, axis=0).reshape(-1, 2)
         self._assembly, self._program = assembly, program
-        self._before = np.argsort(program.bodies.shapes.after)
-        self._of: list[list[tuple[int, JointEdges]]] = [[] for _ in assembly.parts]
-        """Joints of each part, and what of its outlines they move."""
+        self._pieces, part, joint, outline = self._joint_outlines()
+        self._edge, self._corner = (_at_joints(of, part, joint, outline) for of in (some.edge_part, some.corner_part))
+        shapes = program.bodies.shapes
+        before, body = np.argsort(shapes.after)[some.corner], some.corner_body
+        spot = shapes.corner[some.corner]
+        self._behind, self._ahead = (
+            self._moves(self._corner, some.corner_part, body, spot, edge) for edge in (before, some.corner)
+        )
+        self._normals = shapes.normal[before], shapes.normal[some.corner]
+
+    def _joint_outlines(self) -> tuple[_Pieces, Ints, Ints, Ints]:
+        """What joints move: pieces of outlines, and for each part of a joint the part, the joint, and which of the outlines it is."""
+        assembly = self._assembly
         known: dict[tuple[object, ...], tuple[JointEdges, JointEdges] | None] = {}
         alone = {name for joint in assembly.drawing.gaps for name in joint.parts}
+        outlines: list[JointEdges] = []
+        number: dict[tuple[object, ...], int] = {}
+        found = []
         for k, (a, b) in enumerate(self.joints.tolist()):
             key = self._key(a, b) if alone.isdisjoint((assembly.names[a], assembly.names[b])) else (k,)
             if key not in known:
                 known[key] = joint_edges(assembly.drawing, (a, b))
-            for part, edges in zip((a, b), known[key] or (), strict=False):
-                self._of[part].append((k, edges))
+                number[key] = len(outlines)
+                outlines += known[key] or ()
+            if known[key] is not None:
+                found += [(a, k, number[key]), (b, k, number[key] + 1)]
+        part, joint, outline = np.array(sorted(found), dtype=np.int64).reshape(-1, 3).T.copy()
+        return _Pieces.of(outlines), part, joint, outline
 
     def _key(self, a: int, b: int) -> tuple[object, ...]:
         """What is alike where two joints are."""
@@ -62,43 +146,29 @@ class JointGains:
         return (id(one.regions), one.offset, id(other.regions), other.offset, *place.tolist())
 
     def at(self, some: Gains, u: Floats, holds: Ints) -> sp.csr_matrix:
-        """Gain (m, k) of each of k rows at u (3F,) for 1 mm more gap in each joint."""
+        """Gain (m, k) of each of k rows at u (3F,) for 1 mm more gap in each joint; `some` are the gains of the same walls there."""
         shapes = self._program.bodies.shapes
         foot = np.clip(feet(self._program, u, holds[some.column]), 0.0, 1.0)[:, None]
-        before = self._before[some.corner]
         spot = shapes.corner[some.edge] + foot * (shapes.corner[shapes.after[some.edge]] - shapes.corner[some.edge])
-        value, joint, column = [], [], []
-        for part in np.unique(self.joints).tolist():
-            edges, corners = np.flatnonzero(some.edge_part == part), np.flatnonzero(some.corner_part == part)
-            for k, moved in self._of[part]:
-                there = self._moves(moved, part, some.edge_body[edges], spot[edges], some.edge[edges])
-                value.append(there)
-                own = some.corner_body[corners], shapes.corner[some.corner[corners]]
-                behind, ahead = (self._moves(moved, part, *own, e[corners]) for e in (before, some.corner))
-                normals = shapes.normal[before[corners]], shapes.normal[some.corner[corners]]
-                value.append(_corner_gain(some.toward[corners], *normals, behind, ahead))
-                column += [some.column[edges], some.column[corners]]
-                joint += [np.full(len(c), k) for c in column[-2:]]
-        flat = [np.concatenate(x) if x else np.zeros(0) for x in (value, joint, column)]
-        return sp.csr_matrix(
-            (flat[0], (flat[1].astype(int), flat[2].astype(int))), shape=(len(self.joints), len(holds))
-        )
+        by_edge = self._moves(self._edge, some.edge_part, some.edge_body, spot, some.edge)
+        wall = self._corner.wall
+        one, other = (normal[wall] for normal in self._normals)
+        by_corner = _corner_gain(some.toward[wall], one, other, self._behind, self._ahead)
+        joint = np.concatenate([self._edge.joint, self._corner.joint])
+        column = some.column[np.concatenate([self._edge.wall, wall])]
+        shape = len(self.joints), len(holds)
+        return sp.csr_matrix((np.concatenate([by_edge, by_corner]), (joint, column)), shape=shape)
 
-    def _moves(self, moved: JointEdges, part: int, body: Ints, point: Floats, edge: Ints) -> Floats:
-        """How far edges (q,) of a part move at points (q, 2) of the frames of their bodies."""
-        if not len(edge):
-            return np.zeros(0)
-        normal = self._program.bodies.shapes.normal[edge]
-        x, y, angle = self._program.bodies.rest[body[0]]  # the part's, so one for all
-        px, py, its = self._assembly.parts[part].at
-        turn = _rotation(angle - its)
-        shift = np.array([x - px, y - py]) @ _rotation(its)
-        return moved.at(point @ turn.T + shift, np.column_stack([-normal[:, 1], normal[:, 0]]) @ turn.T)
-
-
-def _rotation(angle: float) -> Floats:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]])
+    def _moves(self, where: _At, part: Ints, body: Ints, point: Floats, edge: Ints) -> Floats:
+        """How far the edges of walls (w,), at points (w, 2) of the frames of their bodies, move for each of the pairs of wall and joint."""
+        bodies = self._program.bodies
+        rest, at = bodies.rest[body], np.array([p.at for p in self._assembly.parts])[part]
+        along = np.column_stack([-bodies.shapes.normal[edge][:, 1], bodies.shapes.normal[edge][:, 0]])
+        turn = rest[:, 2] - at[:, 2]
+        spot = rotated(point, turn) + rotated(rest[:, :2] - at[:, :2], -at[:, 2])
+        out = np.empty(len(where.wall))
+        _nearest_moves(where.outline, *self._pieces, spot[where.wall], rotated(along, turn)[where.wall], out)
+        return out
 
 
 def _corner_gain(toward: Floats, one: Floats, other: Floats, behind: Floats, ahead: Floats) -> Floats:
