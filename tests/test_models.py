@@ -113,8 +113,8 @@ def test_chains_against_the_true_optimum(joint: str, gap: float) -> None:
     assert 0.3 < value[wr.Hull()] < value[wr.Hull("joint")] < 0.8
     assert value[wr.Hull(slices=41)] == pytest.approx(1, abs=5e-3)
     assert value[wr.Hull("joint")] + 0.1 < value[wr.Hull("joint", rounds=8)] < 1 + 1e-6
-    # chains of arrows have local optima
-    assert value[wr.HalfPlane()] == pytest.approx(1, abs=1e-2 if joint == "arrow" else 1e-5)
+    # chains of arrows have local optima: they end at 0.985 and 0.995 of it, stationary
+    assert value[wr.HalfPlane()] == pytest.approx(1, abs=2e-2 if joint == "arrow" else 1e-5)
 
 
 def test_a_short_chain_against_the_true_optimum() -> None:

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 import shapely
 from benchmarks.attack.families import draw
 from benchmarks.attack.oracle import Ground
 from benchmarks.attack.studies import STUDY_GAP
+from scipy.optimize import linprog
 
 import wiggleroom as wr
 from tests.flexing import box, part_at, polygon_part, slot
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
+from wiggleroom.sensitivity.dual_face import DualFace
+from wiggleroom.sensitivity.face_ranges import ranges
 from wiggleroom.sensitivity.rank import rank_at_once
 
 
@@ -353,3 +358,51 @@ def test_no_derivative_is_shown_that_is_only_rounding() -> None:
     slopes = np.abs([ranking.looser, ranking.tighter])
     assert slopes.max() > 0.1
     assert ((slopes == 0) | (slopes > 1e-9)).all()
+
+
+def almost_dependent_face() -> tuple[DualFace, sp.csr_matrix, np.ndarray]:
+    """A face whose equations depend on each other but for rounding; linear functions on it; the null space without rounding."""
+    rng = np.random.default_rng(3)
+    exact = rng.integers(-2, 3, (30, 12)).astype(float) @ rng.integers(-2, 3, (12, 40)).astype(float)
+    balance = exact + 1e-11 * rng.standard_normal(exact.shape)
+    force = 10.0 ** rng.uniform(-2, 0, 40)
+    null = np.linalg.svd(exact)[2][12:].T
+    rows = np.arange(40)
+    return (
+        DualFace(rows, force, sp.csr_matrix(balance), np.zeros((40, 0)), np.zeros(0)),
+        sp.csr_matrix(rng.random((6, 40))),
+        null,
+    )
+
+
+@pytest.mark.parametrize("with_highspy", [True, False])
+def test_ranges_are_those_of_the_equations_without_rounding(
+    with_highspy: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    face, worth, null = almost_dependent_face()
+    if not with_highspy:
+        monkeypatch.setattr("wiggleroom.sensitivity.face_ranges.find_spec", lambda name: None)
+    found = ranges(face, worth)
+    for row, ends in zip(worth.toarray(), found, strict=True):
+        for sign, end in zip((1.0, -1.0), ends, strict=True):
+            asked = linprog(sign * row @ null, A_ub=-null, b_ub=face.force, bounds=(None, None))
+            if asked.status == 3:  # nothing bounds it
+                assert np.isnan(end)
+            else:
+                assert end == pytest.approx(row @ face.force + sign * asked.fun, rel=1e-6)
+    assert np.isfinite(found).any()
+
+
+def test_ranges_stop_when_asked() -> None:
+    face, worth, _ = almost_dependent_face()
+    stop = threading.Event()
+    stop.set()
+    assert np.isnan(ranges(face, worth, stop)).all()
+
+
+@pytest.mark.slow
+def test_solves_that_end_in_another_optimum_say_nothing_of_a_gap() -> None:
+    ranking = wr.rank(wr.flex(wr.patterns.grid(12, 12, joint="tee", gap=0.01), search=0), exact=True)
+    assert not ranking.unique.all()
+    assert (ranking.looser > -1e-6).all()  # more gap never takes motion away
+    assert ranking.tighter.max() < 20  # 14.6 by the multipliers, for the part that is pulled

@@ -24,15 +24,16 @@ def compile_kernels() -> None:
 
 
 def in_the_plane() -> None:
-    """The largest motion by every model, a free space, and what interlocks."""
+    """The largest motion by every model, whose gap it is due to, a free space, and what interlocks."""
     from wiggleroom.assembly import patterns
     from wiggleroom.disassembly.interlock import check
     from wiggleroom.freespace.free_space import free_space
     from wiggleroom.maximise import flex
+    from wiggleroom.sensitivity.rank import rank
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)
-    flex(patterns.jigsaw(2, 2, gap=0.02))
+    rank(flex(patterns.jigsaw(2, 2, gap=0.02)))
     flex(patterns.grid(19, 19), search=0)
     free_space(patterns.chain(2), "b1", "b2")
     check(patterns.chain(2, joint="swallowtail", gap=0.02))

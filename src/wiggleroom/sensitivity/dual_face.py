@@ -29,14 +29,11 @@ class DualFaceSettings:
         A random direction of which less than this is left within the face is rounding: the face is a point.
     uniqueness_tolerance : float in (0, 1)
         A derivative that varies by less than this share of itself, or of a thousandth of the largest, is unique.
-    smallest_entry : float in (0, 1)
-        Entries of the balance below this share of the largest are rounding.
     """
 
     random_directions: int = 12
     min_direction: float = 1e-4
     uniqueness_tolerance: float = 1e-3
-    smallest_entry: float = 1e-7
 
 
 SETTINGS = DualFaceSettings()
@@ -72,22 +69,6 @@ class DualFace:
         change = worth @ self.turn
         ends = np.concatenate([np.zeros((len(value), 1)), change, -change * self.back], axis=1)
         return value + ends.min(axis=1), value + ends.max(axis=1)
-
-    def range_of(self, worth: Floats) -> tuple[float, float]:
-        """Least and largest value of one linear function `worth` (k,) on the whole face, by linear programs."""
-        from scipy.optimize import linprog
-
-        value = float(worth @ self.force)
-        scale = self.force.max()
-        balance = self.balance.copy()  # without what rounding left: a linear program would scale it up
-        balance.data[np.abs(balance.data) < SETTINGS.smallest_entry * np.abs(balance.data).max(initial=0.0)] = 0.0
-        ends = []
-        for sign in (1.0, -1.0):
-            found = linprog(
-                sign * worth, A_eq=balance, b_eq=balance @ (self.force / scale), bounds=(0, None), method="highs"
-            )  # fmt: skip
-            ends.append(sign * found.fun * scale if found.status == 0 else value)
-        return min(ends[0], value), max(ends[1], value)
 
 
 def face(jacobian: sp.csr_matrix, holds: Ints, force: Floats, length: float) -> DualFace:

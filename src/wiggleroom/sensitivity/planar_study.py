@@ -64,6 +64,9 @@ from wiggleroom.verdict import PathState, Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+ROUNDING = 1e-9
+"""Share of an objective to which solving the same program again may differ."""
+
 
 OTHER_CLIMBS, MAX_OTHERS, OTHER_SHARE = 24, 4, 0.5
 """Draws begin also at optima of up to so many further climbs: the highest few that are worth this share of the answer at least."""
@@ -265,9 +268,9 @@ def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
         extra = sign * step * start.program.length
         inward = np.zeros(len(start.program.bodies.body_of))
         inward[part] = extra / 2
-        value = objective_in_same_walls(start, inward)
-        if np.isfinite(value):
-            return (value - start.value) / extra
+        gain = objective_in_same_walls(start, inward) - start.value
+        if sign * gain >= -ROUNDING * abs(start.value):  # less motion for more gap: another optimum
+            return gain / extra
     return np.nan
 
 

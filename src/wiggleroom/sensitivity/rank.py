@@ -17,6 +17,7 @@ from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity.dual_face import is_unique
+from wiggleroom.sensitivity.face_ranges import ranges
 from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives, GapStudy, check_end
 from wiggleroom.sensitivity.planar_study import PlanarStudy, study_of
 
@@ -28,6 +29,10 @@ MAX_LP_ROWS = 3000
 
 ROUNDING = 1e-9
 """Share of the largest derivative below which one is none."""
+
+JUMP = 0.2
+"""With the largest derivative by the multipliers, solves that lose more than this share of it for more gap, or change by more than it over
+this share, ended in another optimum."""
 
 MAX_SOLVED_AGAIN = 40
 """Where the motion may slide without loss, up to so many parts whose derivative is not unique are solved again without being asked for."""
@@ -201,30 +206,32 @@ def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS,
     """Ranking from the forces that hold an answer."""
     one, joints = found.face, found.joints
     whole = len(one.row) <= most_rows
-    ranges = []
+    sides = []
     for worth, elsewhere in ((found.part, found.part_elsewhere), (found.joint, found.joint_elsewhere)):
         middle = worth @ one.force
         low, high = one.spread(worth)
         ends = np.column_stack([low, high, elsewhere])
         one_force, unique = is_unique(low, high), is_unique(ends.min(axis=1), ends.max(axis=1))
         low, high = np.where(one_force, middle, low), np.where(one_force, middle, high)
-        for k in np.flatnonzero(~one_force) if whole else ():
-            if stop is not None and stop.is_set():
-                whole = False
-                break
-            low[k], high[k] = one.range_of(worth[[k]].toarray()[0])
+        some = np.flatnonzero(~one_force)
+        if whole and len(some):
+            least, most = ranges(one, worth[some], stop).T
+            known = np.isfinite(least), np.isfinite(most)
+            low[some] = np.where(known[0], np.minimum(least, middle[some]), low[some])
+            high[some] = np.where(known[1], np.maximum(most, middle[some]), high[some])
+            whole = bool(np.all(known))
         least, most = np.column_stack([low, elsewhere]).min(axis=1), np.column_stack([high, elsewhere]).max(axis=1)
         # with more gap the motion takes the best place for it: where forces are one at each place, that is where it is worth most
         looser, tighter = np.where(one_force, most, least), np.where(one_force, least, most)
         looser, tighter = np.where(unique, middle, looser), np.where(unique, middle, tighter)
-        ranges.append((*_without_rounding(looser, tighter), unique, middle))
-    (looser, tighter, unique, middle), (joint_looser, joint_tighter, joint_unique, _) = ranges
+        sides.append((*_without_rounding(looser, tighter), unique, middle))
+    (looser, tighter, unique, middle), (joint_looser, joint_tighter, joint_unique, _) = sides
     most = np.maximum(joint_looser, joint_tighter)
     held = most > ROUNDING * most.max(initial=0.0)
-    known = whole and not found.part_elsewhere.shape[1]
+    certain = whole and not found.part_elsewhere.shape[1]
     return Ranking(
         answer, "duals", looser, tighter, unique, middle, joints[held], joint_looser[held], joint_tighter[held],
-        joint_unique[held], "whole" if known else "sampled", found.virtual,
+        joint_unique[held], "whole" if certain else "sampled", found.virtual,
     )  # fmt: skip
 
 
@@ -242,7 +249,9 @@ def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, b
         finding = f"stopped after {sum(s is not None for s in slopes)} of {len(tasks)} solves: there is no ranking yet"
         raise InputError(finding)
     pair = np.array(slopes, dtype=float).reshape(-1, 2)
-    solved = np.isfinite(pair).all(axis=1)  # the others keep what the multipliers say
+    most = float(ranking.tighter.max(initial=0.0))
+    another_optimum = (pair < -JUMP * most) | (pair > most / JUMP)
+    solved = (np.isfinite(pair) & ~another_optimum).all(axis=1)  # the others keep what the multipliers say
     parts, pair = parts[solved], pair[solved]
     known = solved.all() and not found.derivatives.joint_elsewhere.shape[1]
     ends = "whole" if known else ranking.ends

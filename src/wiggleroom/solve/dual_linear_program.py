@@ -91,7 +91,7 @@ class DualLinearProgram:
         lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
         lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
         self.over = over
-        self.highs = _solver(highspy, over, n)
+        self.highs = quiet_solver(highspy, over, n)
         self.highs.passModel(lp)
         self.every = np.arange(n, dtype=np.int32)
         self.x: Floats = np.zeros(n)
@@ -103,7 +103,7 @@ class DualLinearProgram:
         other.up, other.down, other.every, other.x = self.up, self.down, self.every, self.x
         other.count, other.more = self.count, True
         other.over = self.over
-        other.highs = _solver(highspy, self.over, len(self.every))
+        other.highs = quiet_solver(highspy, self.over, len(self.every))
         other.highs.passModel(self.highs.getLp())
         other.highs.setBasis(self.highs.getBasis())
         used = np.flatnonzero(row).astype(np.int32)
@@ -140,7 +140,9 @@ class DualLinearProgram:
         return int(self.highs.getInfo().simplex_iteration_count)
 
 
-def _solver(highspy: Any, over: Callable[[], bool], rows: int) -> Any:
+def quiet_solver(highspy: Any, over: Callable[[], bool], rows: int) -> Any:
+    """Simplex method of HiGHS that prints nothing, for programs with so many rows, which asks at every iteration whether it is `over`."""
+
     class Silent(highspy.Highs):  # type: ignore[misc]
         """Prints nothing: where its constructor asks for callbacks, HiGHS 1.16 would print a line before it can be told."""
 
