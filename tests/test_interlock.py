@@ -17,6 +17,7 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.disassembly.escape import EscapeEffort
 from wiggleroom.disassembly.interlock import interlock, with_ground
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import FreeSpaceError
 from wiggleroom.freespace.subdivision.passage import passage
@@ -230,6 +231,19 @@ def test_what_led_apart_at_one_gap_is_asked_first_at_another():
         assert deepest(made, found) < 1e-9
     assert len(effort.exits) == 1
     assert found.questions == len(effort.exits[0])  # and nothing else
+
+
+def test_no_pair_is_looked_at_where_what_led_apart_at_another_gap_does_so_here(monkeypatch):
+    drawing = wr.read(str(HERE / "simultaneous.json")).drawing
+    effort = EscapeEffort(40_000, 40)
+    interlock(assemble(drawing, gap=1.1 * drawing.gap), effort, every=False, stop=None, tell=silent)
+    looked: list[int] = []
+    monkeypatch.setattr(PassagesByGap, "look", lambda *_: looked.append(1))
+    made = assemble(drawing, gap=1.05 * drawing.gap)
+    found = interlock(made, effort, every=False, stop=None, tell=silent)
+    assert found.verdict == "comes apart"
+    assert deepest(made, found) < 1e-9
+    assert not looked
 
 
 def test_without_a_free_space_round_rest_boxes_of_motions_decide(monkeypatch):

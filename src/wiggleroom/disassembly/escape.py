@@ -242,6 +242,13 @@ def _beyond_slides(
         simpler = ready
     if simpler.simplified:  # what holds larger parts need not hold these: proofs are about the outlines as they are
         ready = replace(simpler, bodies=bodies, simplified=0.0)
+    # near the gap at which it comes apart, proofs of pairs take far longer than these
+    for goals in () if refused else effort.exits[::-1]:
+        known_exit = escape_by_goals(simpler, ground, begin.group, goals, stop)
+        if known_exit is not None:
+            stage = _after_motion(assembly, surveyed, simpler, still, *known_exit)
+            if stage.path is not None:
+                return replace(stage, questions=len(goals))
     known, tries = _rigid(ready, begin, effort, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
@@ -253,12 +260,6 @@ def _beyond_slides(
         stage = _leave_moving(assembly, surveyed, still, together.path, together.exit)
         if stage.path is not None:
             return stage
-    for goals in () if refused else effort.exits[::-1]:
-        known_exit = escape_by_goals(simpler, ground, known.group, goals, stop)
-        if known_exit is not None:
-            stage = _after_motion(assembly, surveyed, simpler, still, *known_exit)
-            if stage.path is not None:
-                return replace(stage, questions=len(goals))
     nearly = _nearly(ready, ground, known.group, stop)
     for rigid in itertools.chain(
         tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, stop) for e in nearly)
