@@ -1,9 +1,9 @@
 """A person who knows the design, for measurements: says one thing at a time about a sheet that is not right.
 
 The person knows which rows of fingers the generator drew, and of generators that draw two boxes which panels are of one. What is
-said is one of these, the first that there is: the panels of one box (`groups`), outlines that are no part of the whole (`skip`), or how
-one panel is joined (`join`), or where it stands (`[[plate]]`) where a joint is as deep as two plates. Of all ways to lay an open row of
-a panel into one of a panel that stands the one is said that closes the most joints without sharing material.
+said is one of these, the first that there is: the panels of one box (`groups`), outlines that are no plate or no part of the
+whole (`skip`), or how one panel is joined (`join`), or where it stands (`[[plate]]`) where a joint is as deep as two plates. Of all
+ways to lay an open row of a panel into one of a panel that stands the one is said that closes the most joints without sharing material.
 """
 
 from __future__ import annotations
@@ -32,6 +32,9 @@ BODIES = {
 }
 """Panels of one of two boxes, as their generators draw them, where the fingers of one fit the other."""
 
+FLEXIBLE = {"Silverware": ("p-1",)}
+"""Walls that bend along their slits: no plates, which a person leaves out."""
+
 
 def next_hint(
     drawn: DrawnSheet,
@@ -45,6 +48,8 @@ def next_hint(
     """What was said and one hint more; None where nothing closes a joint more."""
     if not said.groups and drawn.name in BODIES:
         return replace(said, groups=BODIES[drawn.name])
+    if not said.skip and drawn.name in FLEXIBLE:
+        return replace(said, skip=FLEXIBLE[drawn.name])
     foreign = tuple(sorted(judged.unfilled & (set(poses) - joints.joined)))
     if foreign and joints.asked:
         return replace(said, skip=(*said.skip, *foreign))

@@ -21,9 +21,11 @@ from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.edge_constraints import edge_flanks
-from wiggleroom.mating.edge_ends import aligned_ends
+from wiggleroom.mating.edge_ends import aligned_ends, edge_ends, ends_together
+from wiggleroom.mating.flanks import plates_of
 from wiggleroom.mating.hints import EdgeReference, FixedPlate, Hints, edge_reference, read_hints, write_hints
 from wiggleroom.mating.loose_panel_poses import laid_plates
+from wiggleroom.mating.pair_poses import PairPoseTable
 from wiggleroom.mating.panel_set import PanelSet
 from wiggleroom.mating.plates_writer import fixed_axis_turns, write_plates
 
@@ -308,6 +310,66 @@ def test_walls_meet_at_the_angle_of_the_base_below_them(tmp_path: Path) -> None:
     walls = [turn[:, 2] for row, turn in zip(body.rows, body.turns, strict=True) if found.plates[row].name != "base"]
     beside = sorted(abs(round(float(np.degrees(np.arccos(walls[0] @ other))))) for other in walls[1:])
     assert {min(angle, 180 - angle) for angle in beside} == {72, 36}
+
+
+def prism(sides: int, apothem: float, height: float, t: float) -> list[shapely.Polygon]:
+    """Base and walls of a prism: fingers t sin a long whose middles lie t tan(a/2) cos(a) / 2 behind where the middle planes cross."""
+    turn = 2 * np.pi / sides
+    base = shapely.Polygon(
+        [apothem / np.cos(turn / 2) * np.array([np.cos(k * turn), np.sin(k * turn)]) for k in range(sides)]
+    )
+    half = (apothem - t / 2) * np.tan(turn / 2) - t * np.tan(turn / 2) * np.cos(turn) / 2
+    low, high = half - t * np.sin(turn) / 2, half + t * np.sin(turn) / 2
+    wall = shapely.box(-high, t, low, height)
+    for v in range(10, int(height) - 10, 12):
+        wall = wall.union(shapely.box(low, v, high, v + 6)).difference(shapely.box(-high, v, -low, v + 6))
+    for u in (-14.0, -2.0, 10.0):
+        wall = wall.union(shapely.box(u, 0, u + 6, t))
+        for k in range(sides):
+            notch = shapely.box(apothem - t, u, apothem + 1, u + 6)
+            base = base.difference(affinity.rotate(notch, (k + 0.5) * turn, origin=(0, 0), use_radians=True))
+    return [base, *[wall] * sides]
+
+
+def test_poses_count_as_likely_whose_angle_asks_for_fingers_as_long_as_they_are() -> None:
+    """Walls of a pentagon turn by 72 degrees and stand square on the base, though lengths differ by less than a laser is off by."""
+    panels = prism(5, 43.0, 80.0, 3.0)
+    plates = plates_of([f"p{k}" for k in range(6)], panels, [3.0] * 6, 0.0)
+    poses = PairPoseTable(PanelSet(plates), whole=True)
+    walls, base = poses.between(1, 2), poses.between(0, 1)
+    likely = walls.turns[walls.together == 2.0, 2, 2]
+    assert np.abs(likely).min() > 0.3  # no wall square to another
+    assert any(abs(abs(cosine) - np.cos(np.radians(72))) < 1e-3 for cosine in likely)
+    assert (np.abs(base.turns[base.together == 2.0, 2, 2]) < 1e-6).any()
+
+
+def test_slanted_ends_of_an_edge_are_not_compared() -> None:
+    panels = prism(5, 43.0, 80.0, 3.0)
+    base, wall = plates_of(["base", "wall"], panels[:2], [3.0] * 2, 0.0)
+    ends = [edge_ends(base, line) for line in base.lines]
+    assert all(each is not None and np.isnan(each).all() for each in ends)
+    assert not any(np.isnan(edge_ends(wall, line) or 0.0).any() for line in wall.lines)
+    assert ends_together(ends[0], (-20.0, 20.0), 3.0) == 2.0
+
+
+def test_notches_for_two_plates_on_each_other_hold_both() -> None:
+    comb = shapely.box(0, 0, 60, 30)
+    for x in (9.0, 21.0, 33.0, 45.0):
+        comb = comb.difference(shapely.box(x, 24, x + 6, 31))
+    (plate,) = plates_of(["comb"], [comb], [3.0], 0.0)
+    assert sorted(round(float(y), 6) for y in set((plate.middle[:, 1] + plate.centre[1]).round(6))) == [25.5, 28.5]
+    assert np.allclose(plate.length, 3.0)
+    assert len(plate.length) == 16
+    assert not plate.needed.any()
+
+
+def test_the_sides_of_common_fingers_are_one_flank_each() -> None:
+    fingers = shapely.box(0, 0, 60, 30)
+    for x in (9.0, 21.0, 33.0, 45.0):  # as wide as two plates, as deep as one
+        fingers = fingers.difference(shapely.box(x, 27, x + 6, 31))
+    (plate,) = plates_of(["fingers"], [fingers], [3.0], 0.0)
+    assert len(plate.length) == 8
+    assert plate.needed.all()
 
 
 def test_a_panel_that_fits_nothing_lies_loose(command: Callable[..., int], tmp_path: Path) -> None:

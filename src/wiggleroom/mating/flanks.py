@@ -43,6 +43,8 @@ class FlankSettings:
         A tab or gap longer than this many times the usual one of its line separates two rows of fingers.
     long_stretch : float > 1
         And so does a tab as many times longer than the usual gap, or a gap than the usual tab.
+    double_flanks : int
+        As many edges of an outline twice as long as a plate is thick are the sides of notches for two plates on each other.
     angle_flanks : int
         Rows of at least as many flanks say at which angles panels meet.
     least_angle, square_angle : float [degrees]
@@ -59,6 +61,7 @@ class FlankSettings:
     relief_width: float = 0.3
     even_stretch: float = 1.25
     long_stretch: float = 3.0
+    double_flanks: int = 4
     angle_flanks: int = 4
     least_angle: float = 20.0
     square_angle: float = 4.0
@@ -278,22 +281,43 @@ def _flanks(
         fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1)
         fits |= (np.abs(size[:, None] - askew) < ASKEW_LENGTH_TOLERANCE * wanted.min()).any(1)
         fits &= square & bend & reflex_end
+        double = _notches_for_two(size, square & bend & (convex ^ np.roll(convex, -1)), fits, float(wanted.min()))
         number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
         number[fits] = np.arange(fits.sum()) + len(middle)
         window = place > 0 and np.count_nonzero(corner) != 4
-        before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]
-        middle += list((here[fits] + there[fits]) / 2)
-        inward += list(np.column_stack([-unit[fits, 1], unit[fits, 0]]))
-        along += list(unit[fits])
-        length += list(size[fits])
-        neighbours += list(np.column_stack([before, after]))
-        bottom += list(~convex[fits] & ~np.roll(convex, -1)[fits])
-        jointed += [not window] * int(fits.sum())
+        # The side of a notch for two plates on each other is two flanks; such a notch need not be filled.
+        for edges, share, part in ((fits, 0.5, 1.0), (double, 0.25, 0.5), (double, 0.75, 0.5)):
+            middle += list((here + share * (there - here))[edges])
+            inward += list(np.column_stack([-unit[edges, 1], unit[edges, 0]]))
+            along += list(unit[edges])
+            length += list(part * size[edges])
+            neighbours += list(np.column_stack([np.roll(number, 1)[edges], np.roll(number, -1)[edges]]))
+            bottom += list(~convex[edges] & ~np.roll(convex, -1)[edges])
+            jointed += [not window and part == 1.0] * int(edges.sum())
     rows = len(middle)
     two = [np.array(values, dtype=float).reshape(rows, 2) for values in (middle, inward, along)]
     corners = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
     flags = np.array(bottom, dtype=bool), np.array(jointed, dtype=bool)
     return two[0], two[1], two[2], np.array(length, dtype=float), corners, *flags
+
+
+def _notches_for_two(
+    size: Floats, sides: NDArray[np.bool_], fits: NDArray[np.bool_], thickness: float
+) -> NDArray[np.bool_]:
+    """Which edges of a ring are sides of notches as deep as two plates are thick.
+
+    Parameters
+    ----------
+    size : (n,) float64 [mm]
+    sides : (n,) bool
+        Edges square to their neighbours, convex at one end and reflex at the other.
+    fits : (n,) bool
+        Edges as long as one plate is thick: beside these, such an edge is the bottom or the tip of a common finger.
+    thickness : float [mm]
+    """
+    found = sides & (np.abs(size - 2.0 * thickness) < FLANKS.length_tolerance * thickness)
+    found &= ~fits & ~np.roll(fits, 1) & ~np.roll(fits, -1)
+    return found if found.sum() >= FLANKS.double_flanks else np.zeros_like(found)
 
 
 def _lines(

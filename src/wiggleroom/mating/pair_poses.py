@@ -19,6 +19,8 @@ from wiggleroom.mating.panel_set import PanelSet
 Floats = NDArray[np.float64]
 LONG_ROW = 4
 """Of a row with as many flanks one may stay open: at the end a corner can swallow it."""
+SAME_LENGTH = 0.01
+"""Lengths of fingers that differ by less than this share of the thickness are not told apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +37,7 @@ class PairPoses:
     blocked : tuple of (int, int)
         Needed flanks of A and of B that the other's material leaves no partner for.
     together : (k,) float64
-        How many of the ends of the edges that are joined are together.
+        How many of the ends of the edges that are joined are together; 0 where their fingers are as long as another angle asks.
     """
 
     turns: Floats
@@ -94,9 +96,11 @@ class PairPoseTable:
     def _worked_out(self, a: int, b: int, joins: Sequence[JoinedEdges]) -> PairPoses:
         """Poses in which every join holds; these need not close whole rows."""
         panel_set = self.panel_set
-        found = list(_line_poses(panel_set.plates[a], panel_set.plates[b], panel_set.tolerance))
-        for angle in self.angles:
-            found += _askew_poses(panel_set.plates[a], panel_set.plates[b], panel_set.tolerance, float(np.cos(angle)))
+        one, other = panel_set.plates[a], panel_set.plates[b]
+        cosines = np.cos(self.angles).tolist()
+        found = list(_line_poses(one, other, panel_set.tolerance, cosines))
+        for cosine in cosines:
+            found += _askew_poses(one, other, panel_set.tolerance, cosine, cosines)
         if not found:
             return PairPoses(np.zeros((0, 3, 3)), np.zeros((0, 3)), (), (), np.zeros(0))
         turns, moves, together = (np.concatenate(values) for values in zip(*found, strict=True))
@@ -161,7 +165,18 @@ def _meets_whole_rows(plate: SheetPlate, met: NDArray[np.bool_]) -> NDArray[np.b
     return ~broken.any(axis=1)
 
 
-def _line_poses(a: SheetPlate, b: SheetPlate, tolerance: float) -> Iterator[tuple[Floats, Floats, Floats]]:
+def _made_for(line: FlankLine, length: float, thickness: float, cosines: Sequence[float]) -> bool:
+    """Whether the fingers of an edge are as long as one angle asks rather than as long as another of the sheet's angles does."""
+    if not line.outward:
+        return True
+    mean = float(line.length.mean())
+    nearest = min(abs(mean - each) for each in (thickness, *(finger_length(cosine, thickness) for cosine in cosines)))
+    return bool(abs(mean - length) <= nearest + SAME_LENGTH * thickness)
+
+
+def _line_poses(
+    a: SheetPlate, b: SheetPlate, tolerance: float, cosines: Sequence[float]
+) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Poses, many at once, that lay a line of flanks of B on one of A, their planes square to each other."""
     ends = [[edge_ends(plate, line) for line in plate.lines] for plate in (a, b)]
     for line, own in zip(a.lines, ends[0], strict=True):
@@ -169,15 +184,20 @@ def _line_poses(a: SheetPlate, b: SheetPlate, tolerance: float) -> Iterator[tupl
             for sign in (1.0, -1.0):
                 shifts = _shifts(line, other, sign, a, b, tolerance)
                 if len(shifts):
-                    laid = [] if its is None else sorted(sign * end for end in its)
+                    laid = [] if its is None else [sign * end for end in (its if sign > 0 else its[::-1])]
                     moved = [(laid[0] + shift, laid[1] + shift) if laid else None for shift in shifts.tolist()]
                     together = np.array([ends_together(own, each, a.thickness) for each in moved])
+                    if not (
+                        _made_for(line, b.thickness, b.thickness, cosines)
+                        and _made_for(other, a.thickness, a.thickness, cosines)
+                    ):
+                        together[:] = 0.0
                     for fold in (1.0, -1.0):
                         yield *_poses(line, other, sign, shifts, fold), together
 
 
 def _askew_poses(
-    a: SheetPlate, b: SheetPlate, tolerance: float, cosine: float
+    a: SheetPlate, b: SheetPlate, tolerance: float, cosine: float, cosines: Sequence[float]
 ) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Poses that join edges of two plates which turn by an angle at the joint; its cosine."""
     if abs(a.thickness - b.thickness) > 0.01 * a.thickness:
@@ -198,6 +218,7 @@ def _askew_poses(
                 )  # fmt: skip
                 if not len(shifts):
                     continue
+                made = all(_made_for(each, length, a.thickness, cosines) for each in (line, other))
                 for fold in (sine, -sine):
                     out = line.outward * line.across
                     along, into = np.append(sign * line.along, 0.0), np.append(cosine * out, fold)
@@ -209,7 +230,7 @@ def _askew_poses(
                     axis = np.append((line.offset + line.outward * back) * line.across, 0.0)
                     own = np.append((other.offset + other.outward * back) * other.across, 0.0)
                     moves = axis - turn @ own + shifts[:, None] * np.append(line.along, 0.0)
-                    yield np.repeat(turn[None], len(shifts), axis=0), moves, np.full(len(shifts), 2.0)
+                    yield np.repeat(turn[None], len(shifts), axis=0), moves, np.full(len(shifts), 2.0 * made)
 
 
 def _shifts(a: FlankLine, b: FlankLine, sign: float, one: SheetPlate, other: SheetPlate, tolerance: float) -> Floats:
