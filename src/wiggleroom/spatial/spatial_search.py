@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -234,8 +235,8 @@ class SpatialSearch:
     def _attempt(self, mode: _Mode) -> SearchEnd:
         """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again.
 
-        That begins at rest; with damped rows at the end of the round before, until one so begun comes to nothing: it may have carried
-        parts through each other.
+        That begins at rest; with damped rows, where pairs are looked for at a rough answer too, at the end of the round before, until one
+        so begun comes to nothing: it may have carried parts through each other.
         """
         limit = MAX_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
         end: tuple[SeparatingPlaneProgram, SeparatingPlaneSolution] | None = None
@@ -268,7 +269,8 @@ class SpatialSearch:
                     return done
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
             self.met = np.unique(np.vstack([self.met, missed]), axis=0)
-            end = (program, found) if carries and found.status is SolverStatus.CONVERGED else None
+            carried = carries and found.status in (SolverStatus.CONVERGED, SolverStatus.STOPPED)
+            end = (program, found) if carried else None
         return self._checked(program, found)
 
     def _solved(
@@ -307,6 +309,7 @@ class SpatialSearch:
                 most_turn=limit,
                 stop=self.stop,
                 progress=self.tell,
+                lacks=partial(self._lacks, program) if mode.damped else None,
             )
             found = solver.solve(start, carried_mu)
             if start is None or found.status is not SolverStatus.FAILED or self._asked_to_stop():
@@ -363,6 +366,10 @@ class SpatialSearch:
         some = [*found.path[:: max(1, len(found.path) // 40)], *found.path[-1:]]
         near = [pairs_that_meet(bodies, point.pose, program.pieces, reach) for point in some]
         return np.unique(np.vstack(near), axis=0), [p for p, n in zip(some, near, strict=True) if not len(n)]
+
+    def _lacks(self, program: SeparatingPlaneProgram, pose: SpatialPose) -> bool:
+        """True where pairs of pieces outside the program overlap."""
+        return len(pairs_that_meet(self.ready.grouping.bodies, pose, program.pieces, 0.0)) > 0
 
     def _passed_through(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Ints:
         """Pairs of pieces outside the program that meet between two waypoints: small pieces go through each other in one step."""
