@@ -16,13 +16,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import shapely
 from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 import wiggleroom as wr
 from benchmarks.attack.families_solid import draw_solids
 from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
-from benchmarks.spatial_overlaps import Judge, finger_box, voxel_judge, worst_on
+from benchmarks.spatial_overlaps import Judge, finger_box, prisms, voxel_judge, worst_on
+from benchmarks.spatial_overlaps import box as corners
 from wiggleroom.drawing.model import Region
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_model import (
@@ -40,6 +42,7 @@ from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.verdict import Verdict
 
+FAMILIES = ("tee", "swallowtail", "dovetail", "finger", "jigsaw", "revolute")
 PLANAR = frozenset({"z", "rx", "ry"})
 
 
@@ -93,7 +96,7 @@ def pegs() -> None:
 
 def chains() -> None:
     """Ten links of every joint family, as plates locked in their plane."""
-    for joint in ("tee", "swallowtail", "dovetail", "finger", "jigsaw", "revolute"):
+    for joint in FAMILIES:
         flat = wr.patterns.chain(10, joint=joint, gap=0.01)
         last = flat.drawing.parts[-1]
         truth = wr.flex(flat, wr.Pull(last.name, (0, 1)), search=0).objective
@@ -105,16 +108,34 @@ def chains() -> None:
 
 
 def between_plates() -> None:
-    """Ten swallowtails with all six freedoms between two plates."""
-    flat = wr.patterns.chain(10, joint="swallowtail", gap=0.01)
-    last = flat.drawing.parts[-1]
-    links = [part(p.name, Plate(p.regions, 0.4), (*p.at[:2], 0.0), p.fixed) for p in flat.drawing.parts]
-    covers = [
-        part(name, Boxes(np.array([[[-2.0, -8, z], [12, 8, z + 0.4]]])), fixed=True)
-        for name, z in (("below", -0.4), ("above", 0.4))
-    ]
-    assembly = assemble_spatial(SpatialDrawing((*links, *covers), 0.01))
-    line("chain between plates", *timed(assembly, SpatialPull(last.name, (0, 1, 0), (*last.at[:2], 0.2))))
+    """Ten links of every family with all six freedoms between two plates: the motion in the plane is the truth.
+
+    Straight fingers slide apart, so a chain of them is without end in the plane too; python-fcl judges the way out.
+    """
+    low, high, thick, gap = np.array([-2.0, -8]), np.array([12.0, 8]), 0.4, 0.01
+    for joint in FAMILIES:
+        flat = wr.patterns.chain(10, joint=joint, gap=gap)
+        last = flat.drawing.parts[-1]
+        truth = wr.flex(flat, wr.Pull(last.name, (0, 1)), search=0)
+        links = [part(p.name, Plate(p.regions, thick), (*p.at[:2], 0.0), p.fixed) for p in flat.drawing.parts]
+        covers = [
+            part(name, Boxes(np.array([[[*low, z], [*high, z + thick]]])), fixed=True)
+            for name, z in (("below", -thick), ("above", thick))
+        ]
+        assembly = assemble_spatial(SpatialDrawing((*links, *covers), gap))
+        answer, seconds = timed(assembly, SpatialPull(last.name, (0, 1, 0), (*last.at[:2], thick / 2)))
+        line(f"chain of ten between plates, {joint}", answer, seconds, truth.objective)
+        if answer.verdict is Verdict.UNBOUNDED:
+            shapes = [
+                prisms(shapely.Polygon(p.regions[0].outer), 0.0, thick, gap, np.eye(3), np.array([*p.at[:2], 0.0]))
+                for p in flat.drawing.parts
+            ]
+            shapes += [
+                [corners(np.array([*low, z + gap / 2]), np.array([*high, z + thick - gap / 2]))]
+                for z in (-thick, thick)
+            ]
+            judge = Judge(shapes, assembly.reference, [p.fixed for p in assembly.drawing.parts])
+            print(f"  {truth.verdict} in the plane too; overlaps on the way out: {worst_on(judge, answer.waypoints):g}")
 
 
 def box() -> None:

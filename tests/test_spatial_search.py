@@ -12,8 +12,12 @@ import wiggleroom as wr
 from tests.test_spatial import sound, spatial
 from wiggleroom.report.results.answer_words import sure_rows
 from wiggleroom.spatial import spatial_search
+from wiggleroom.spatial.planes.separating_plane_program import build_planes
+from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.solids.spatial_model import SpatialPull
 from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_prepare import prepare_spatial, spatial_objective
+from wiggleroom.verdict import SolverStatus
 
 WALLS = [
     [-2, -2, 22, 0],
@@ -104,3 +108,19 @@ def test_no_end_is_an_optimum_where_a_long_lid_still_tilts_over_a_pebble() -> No
     )
     answer = sound(flex_spatial(spatial(*parts), SpatialPull("lid", (0, 0, -1))))
     assert answer.verdict != "optimal" or answer.objective > 0.05
+
+
+def test_a_solve_ends_at_a_rough_answer_where_the_program_lacks_rows() -> None:
+    ready = prepare_spatial(plate_of_tetrahedra(5, 0.01))
+    objective = spatial_objective(ready, (SpatialPull("t2-2", (0, 0, 1)),))
+    program = build_planes(ready.grouping.bodies, objective, ready.pieces, length=ready.clearance)
+
+    def solved(lacks: bool) -> SeparatingPlaneSolution:
+        return SeparatingPlaneSolver(program, inside=False, damped=True, lacks=lambda pose: lacks).solve()
+
+    whole, rough = solved(False), solved(True)
+    assert whole.status is SolverStatus.CONVERGED
+    assert rough.status is SolverStatus.STOPPED  # so it is never taken for an answer
+    assert not rough.curved_down
+    assert rough.iterations < whole.iterations
+    assert rough.value == pytest.approx(whole.value, rel=0.1)

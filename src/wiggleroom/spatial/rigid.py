@@ -111,31 +111,23 @@ def boxes_of(bodies: RigidBodies, pose: SpatialPose) -> tuple[Floats, Floats]:
     return np.minimum.reduceat(placed, first), np.maximum.reduceat(placed, first)
 
 
-def near_bodies(low: Floats, high: Floats, bodies: RigidBodies, reach: float) -> list[tuple[int, int]]:
-    """Pairs a < b of bodies, not both fixed, whose boxes (n, 3) come within `reach` [mm]."""
+def near_pieces(bodies: RigidBodies, pose: SpatialPose, reach: float) -> Ints:
+    """Pairs of pieces (k, 4) as body a, piece of a, body b, piece of b, not both fixed, whose boxes come within `reach` [mm]."""
     import shapely
 
-    moves = bodies.moves
+    low, high = boxes_of(bodies, pose)
+    count = [len(pieces) for pieces in bodies.pieces]
+    body, first = np.repeat(np.arange(len(count)), count), np.cumsum([0, *count])
+    piece = np.arange(len(body)) - first[body]
     flat = shapely.box(*(low[:, :2] - reach / 2).T, *(high[:, :2] + reach / 2).T)
-    i, j = shapely.STRtree(flat).query(flat)
-    keep = (i < j) & (moves[i] | moves[j]) & (low[i, 2] <= high[j, 2] + reach) & (low[j, 2] <= high[i, 2] + reach)
-    return sorted(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
-
-
-def near_pieces(bodies: RigidBodies, pose: SpatialPose, reach: float) -> Ints:
-    """Pairs of pieces (k, 4) as body a, piece of a, body b, piece of b, whose boxes come within `reach` [mm]."""
-    lows, highs = boxes_of(bodies, pose)
-    start = np.cumsum([0, *(len(pieces) for pieces in bodies.pieces)])
-    low, high = np.minimum.reduceat(lows, start[:-1]), np.maximum.reduceat(highs, start[:-1])
-    found = [np.zeros((0, 4), dtype=np.int64)]
-    for a, b in near_bodies(low, high, bodies, reach):
-        mine, other = slice(start[a], start[a + 1]), slice(start[b], start[b + 1])
-        along = (lows[mine, None] <= highs[None, other] + reach) & (highs[mine, None] >= lows[None, other] - reach)
-        meets = np.asarray(along.all(axis=2))
-        if bodies.ignored:
-            parts = [(min(p, q), max(p, q)) for p in bodies.owner[a].tolist() for q in bodies.owner[b].tolist()]
-            ignored = np.array([pair in bodies.ignored for pair in parts])
-            meets &= ~ignored.reshape(meets.shape)
-        i, j = np.nonzero(meets)
-        found.append(np.column_stack([np.full(len(i), a), i, np.full(len(i), b), j]))
-    return np.vstack(found)
+    moving = np.flatnonzero(bodies.moves[body])
+    found, j = shapely.STRtree(flat).query(flat[moving])
+    i = moving[found]
+    keep = (body[i] < body[j]) | ((body[i] > body[j]) & ~bodies.moves[body[j]])
+    keep &= (low[i, 2] <= high[j, 2] + reach) & (low[j, 2] <= high[i, 2] + reach)
+    i, j = np.minimum(i[keep], j[keep]), np.maximum(i[keep], j[keep])
+    near = np.column_stack([body[i], piece[i], body[j], piece[j]]).astype(np.int64)
+    near = near[np.lexsort(near.T[[3, 1, 2, 0]])]
+    if bodies.ignored:
+        near = near[[not bodies.may_overlap(*who) for who in near.tolist()]]
+    return near

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +16,12 @@ from wiggleroom.spatial.planes.separating_plane_program import (
     DISTANCE_RATIO,
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
-    best_axis,
     build_planes,
 )
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
-from wiggleroom.spatial.planes.working_set import facing_pairs
+from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_that_meet
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
@@ -131,6 +131,7 @@ class SpatialSearch:
     iterations: int = 0
     rounds: int = 0
     pieces: Ints = field(init=False)
+    facing: Ints | None = None
     met: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
 
     def run(self) -> SearchEnd:
@@ -206,6 +207,7 @@ class SpatialSearch:
             if self.begin is None
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
+        self.facing = None
         large = len(self.pieces) > MAX_PAIRS_UNDAMPED and self.solver != "ipopt"
         best = self._attempt(_DAMPED if large else _Mode())
         starts = 0 if large and best.whole else INSIDE_STARTS if best.program.rows <= MAX_ROWS_OF_STARTS else 1
@@ -233,8 +235,8 @@ class SpatialSearch:
     def _attempt(self, mode: _Mode) -> SearchEnd:
         """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again.
 
-        That begins at rest; with damped rows at the end of the round before, until one so begun comes to nothing: it may have carried
-        parts through each other.
+        That begins at rest; with damped rows, where pairs are looked for at a rough answer too, at the end of the round before, until one
+        so begun comes to nothing: it may have carried parts through each other.
         """
         limit = MAX_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
         end: tuple[SeparatingPlaneProgram, SeparatingPlaneSolution] | None = None
@@ -267,7 +269,8 @@ class SpatialSearch:
                     return done
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
             self.met = np.unique(np.vstack([self.met, missed]), axis=0)
-            end = (program, found) if carries and found.status is SolverStatus.CONVERGED else None
+            carried = carries and found.status in (SolverStatus.CONVERGED, SolverStatus.STOPPED)
+            end = (program, found) if carried else None
         return self._checked(program, found)
 
     def _solved(
@@ -306,6 +309,7 @@ class SpatialSearch:
                 most_turn=limit,
                 stop=self.stop,
                 progress=self.tell,
+                lacks=partial(self._lacks, program) if mode.damped else None,
             )
             found = solver.solve(start, carried_mu)
             if start is None or found.status is not SolverStatus.FAILED or self._asked_to_stop():
@@ -315,9 +319,11 @@ class SpatialSearch:
 
     def _working_set(self) -> Ints:
         """Pairs of pieces that face each other at the begin, and those that met on the way in an earlier round."""
-        bodies, pose = self.ready.grouping.bodies, self.begin or self.ready.grouping.bodies.rest
-        near = facing_pairs(bodies, pose, self.pieces, self.ready.clearance, REACH * self.ready.clearance)
-        return np.unique(np.vstack([self.pieces[near], self.met]), axis=0)
+        if self.facing is None:  # what joins later is further apart at the begin, or did not face each other
+            bodies, pose = self.ready.grouping.bodies, self.begin or self.ready.grouping.bodies.rest
+            near = facing_pairs(bodies, pose, self.pieces, self.ready.clearance, REACH * self.ready.clearance)
+            self.facing = self.pieces[near]
+        return np.unique(np.vstack([self.facing, self.met]), axis=0)
 
     def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
         """The end with its path, as far as that is free; what is worth the solution but for rounding is as far as it goes."""
@@ -353,34 +359,20 @@ class SpatialSearch:
 
         Where they meet at the end, the path is not looked at.
         """
-        known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in program.pieces.tolist()}
-        nothing = np.zeros((0, 4), dtype=np.int64)
-        at_end = self._near(known, found.path[-1:])
+        bodies, reach = self.ready.grouping.bodies, MISSED * self.ready.clearance
+        at_end = pairs_that_meet(bodies, found.path[-1].pose, program.pieces, reach)
         if len(at_end):
             return at_end, []
         some = [*found.path[:: max(1, len(found.path) // 40)], *found.path[-1:]]
-        near = [self._near(known, [point]) for point in some]
-        return np.unique(np.vstack([nothing, *near]), axis=0), [
-            p for p, n in zip(some, near, strict=True) if not len(n)
-        ]
+        near = [pairs_that_meet(bodies, point.pose, program.pieces, reach) for point in some]
+        return np.unique(np.vstack(near), axis=0), [p for p, n in zip(some, near, strict=True) if not len(n)]
+
+    def _lacks(self, program: SeparatingPlaneProgram, pose: SpatialPose) -> bool:
+        """True where pairs of pieces outside the program overlap."""
+        return len(pairs_that_meet(self.ready.grouping.bodies, pose, program.pieces, 0.0)) > 0
 
     def _passed_through(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Ints:
         """Pairs of pieces outside the program that meet between two waypoints: small pieces go through each other in one step."""
         pairs = passing_pairs(self.ready.grouping.bodies, [point.pose for point in found.path])
         known = set(map(tuple, program.pieces.tolist()))
         return np.array([p for p in pairs.tolist() if tuple(p) not in known], dtype=np.int64).reshape(-1, 4)
-
-    def _near(self, known: set[tuple[tuple[int, int], ...]], points: Sequence[SeparatingPlanePoint]) -> Ints:
-        """Pairs of pieces that are not known and come near at some point, if any of them meet there."""
-        bodies, reach = self.ready.grouping.bodies, MISSED * self.ready.clearance
-        new: list[list[int]] = []
-        met = False
-        for point in points:
-            for who in near_pieces(bodies, point.pose, reach).tolist():
-                if tuple(sorted(((who[0], who[1]), (who[2], who[3])))) in known:
-                    continue
-                apart = best_axis(bodies, point.pose, who, np.empty(3))[0]
-                if apart < reach:
-                    new.append(who)
-                    met |= apart <= 0
-        return np.array(new if met else [], dtype=np.int64).reshape(-1, 4)

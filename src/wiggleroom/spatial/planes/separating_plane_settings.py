@@ -63,6 +63,8 @@ class SeparatingPlaneSettings:
         Number of times the method goes on where the conditions of first order hold and the objective curves upwards.
     least_iterations : int >= 0
         Before these nothing is called converged.
+    rough : float > 0
+        Error of a rough answer.
     acceptable : float > 0
         Error of an iterate that is good enough where rounding spoils the conditions again.
     lost : float > 1
@@ -142,6 +144,7 @@ class SeparatingPlaneSettings:
     loose: float = 1e-3
     saddles: int = 2
     least_iterations: int = 3
+    rough: float = 1e-2
     acceptable: float = 1e-6
     lost: float = 1e3
     diverged: float = 1e9

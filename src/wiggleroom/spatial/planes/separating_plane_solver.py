@@ -28,6 +28,7 @@ from wiggleroom.spatial.planes.separating_plane_program import (
 )
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_steps import SeparatingPlaneSteps
+from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -102,6 +103,8 @@ class SeparatingPlaneSolver:
         An objective beyond this, where twists are maximised, is taken to turn without limit [rad].
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
+    lacks : optional
+        Asked once, at a rough answer, whether the program lacks rows that are broken there: then the method ends, STOPPED.
     """
 
     program: SeparatingPlaneProgram
@@ -115,6 +118,7 @@ class SeparatingPlaneSolver:
     most_turn: float = np.inf
     stop: Stop | None = None
     progress: Callable[[int, float], None] | None = None
+    lacks: Callable[[SpatialPose], bool] | None = None
     iterations: int = 0
     path: list[SeparatingPlanePoint] = field(default_factory=list)
 
@@ -187,6 +191,7 @@ class SeparatingPlaneSolver:
         best = _BestIterate(np.inf, state, 0)
         patience = SETTINGS.patience_damped if self.damped else SETTINGS.patience
         unheld_weight, early = self._weight_of_unheld()
+        lacks = self.lacks
         for k in range(self.most + 1):
             mu = state.complementarity
             lacking = state.residuals(mu)
@@ -223,6 +228,10 @@ class SeparatingPlaneSolver:
                     best = _BestIterate(error, state, len(self.path))
             if self.stop is not None and self.stop.is_set():
                 return SolverStatus.STOPPED, error, state
+            if lacks is not None and k >= SETTINGS.least_iterations and error < SETTINGS.rough and legal is not None:
+                if lacks(legal.pose):
+                    return SolverStatus.STOPPED, error, state
+                lacks = None
             moved = np.abs(state.at.point.pose.T - self.program.bodies.at).max(initial=0.0)
             if moved > self.horizon or abs(state.at.value) > self.most_turn:
                 return (SolverStatus.ESCAPING if legal is not None else SolverStatus.FAILED), error, state

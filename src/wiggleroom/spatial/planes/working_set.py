@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.spatial.planes.separating_plane_program import best_axis
-from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
+from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,3 +44,18 @@ def _faces(bodies: RigidBodies, pose: SpatialPose, who: list[int], clearance: fl
     if sum(shapely.get_dimensions(near)) < CONTACT_DIMENSION:
         return False
     return bool(near[0].distance(near[1]) < clearance)
+
+
+def pairs_that_meet(bodies: RigidBodies, pose: SpatialPose, known: Ints, reach: float) -> Ints:
+    """Pairs of pieces (k, 4) that are not among those known (j, 4) and are within `reach` [mm], if any of them overlap."""
+    near = near_pieces(bodies, pose, reach)
+    new = near[~np.isin(_keys(bodies, near), _keys(bodies, known))]
+    apart = np.array([best_axis(bodies, pose, who, np.empty(3))[0] for who in new.tolist()])
+    return new[apart < reach] if (apart <= 0).any() else new[:0]
+
+
+def _keys(bodies: RigidBodies, pairs: Ints) -> Ints:
+    """A number (k,) for every pair of pieces (k, 4), the same in both orders."""
+    first = np.cumsum([0, *(len(pieces) for pieces in bodies.pieces)])
+    one, other = first[pairs[:, 0]] + pairs[:, 1], first[pairs[:, 2]] + pairs[:, 3]
+    return np.asarray(np.minimum(one, other) * first[-1] + np.maximum(one, other))
