@@ -43,10 +43,12 @@ class Assembly(Displayable):
         """What the file asks for."""
         return self.drawing.goals
 
-    @property
+    @cached_property
     def rest(self) -> NDArray[np.float64]:
-        """Rest poses (n, 3) [mm, mm, rad]."""
-        return np.array([p.at for p in self.parts], dtype=float).reshape(-1, 3)
+        """Rest poses (n, 3) [mm, mm, rad], not to be written to."""
+        poses = np.array([p.at for p in self.parts], dtype=float).reshape(-1, 3)
+        poses.flags.writeable = False
+        return poses
 
     @cached_property
     def size(self) -> float:

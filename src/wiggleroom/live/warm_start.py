@@ -245,9 +245,10 @@ class WarmSearch:
         return State(cells, inner, motion, max(mu, FIRST_BARRIER) if settled else mu, near, before.linked, ended)
 
 
-def free_of_overlap(ready: Prepared, motion: Floats) -> bool:
-    """True where no two bodies overlap at a motion (n, 3) of theirs, by exact geometry."""
-    return overlaps(ready.bodies, motion, ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size
+def free_of_overlap(ready: Prepared, motion: Floats, known: Floats | None = None) -> bool:
+    """True where no two bodies overlap at a motion (n, 3) of theirs, by exact geometry; `known` is another that is free."""
+    moved = None if known is None else (motion != known).any(axis=1)
+    return overlaps(ready.bodies, motion, ready.ignored, moved).deepest <= OVERLAP_TOLERANCE * ready.size
 
 
 def pushed(ready: Prepared, state: State) -> State | None:
