@@ -155,8 +155,13 @@ class WarmSearch:
         """
         before, search = self.state, self.search
         near = search.policy.fine(search) if before.near else None
-        found = search.improve(Start(before.cells, before.inner, mu=before.mu, tolerance=near))
+        start = Start(before.cells, before.inner, mu=before.mu, tolerance=near)
+        found = search.improve(start)
         motion = None if found is None else self._safe_end(found)
+        if (
+            found is not None and motion is None
+        ):  # parts meet there that no cell keeps apart: the next search begins before that
+            search.go_back(start)
         settled = search.ended and motion is not None
         value = self.objective.value
         if motion is None or (not settled and value(motion) < value(before.motion)):
