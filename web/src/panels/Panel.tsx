@@ -44,6 +44,7 @@ export function Panel() {
     else {
       tab.value = name;
       sheetOpen.value = true;
+      requestAnimationFrame(() => document.querySelector(".panel")?.scrollIntoView({ block: "nearest" })); // below a low screen's edge
     }
   };
   const keys = (event: KeyboardEvent): void => {
