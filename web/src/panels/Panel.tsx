@@ -66,7 +66,7 @@ export function Panel() {
       </div>
       <Unopened />
       {(open.name !== "sheet" || ofSheet(trouble.value)) && <Findings />}
-      <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
+      <div class="tabpanel" id="tabpanel" key={open.name} role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );
 }
