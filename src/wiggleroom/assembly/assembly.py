@@ -46,9 +46,7 @@ class Assembly(Displayable):
     @cached_property
     def rest(self) -> NDArray[np.float64]:
         """Rest poses (n, 3) [mm, mm, rad], not to be written to."""
-        poses = np.array([p.at for p in self.parts], dtype=float).reshape(-1, 3)
-        poses.flags.writeable = False
-        return poses
+        return np.array([p.at for p in self.parts], dtype=float).reshape(-1, 3)
 
     @cached_property
     def size(self) -> float:
