@@ -15,6 +15,7 @@ from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, Part, Region
+from wiggleroom.geometry.rigid_motions import of_parts
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -506,3 +507,19 @@ def test_designs_are_changed_as_often_as_one_likes():
         live.design(gap=gap)
         live.settle(wr.Pull("b2", (1, 0)))
     assert live.design(gap=0.019).gap == 0.019
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_next_drag_begins_where_nothing_overlaps_however_short_the_time(seed):
+    assembly, random = wr.patterns.grid(5, 5, joint="tee", gap=0.01), np.random.default_rng(seed)
+    live, names = wr.Live(assembly), [p.name for p in assembly.parts if not p.fixed]
+    for _ in range(6):
+        part = random.choice(names)
+        at = np.array(assembly.parts[assembly.names.index(part)].at[:2])
+        way = random.normal(size=2)
+        way *= 0.1 / np.hypot(*way)
+        for step in range(1, 8):
+            live.drag(part, tuple(at), tuple(at + step * way), seconds=0.0)
+            last = live._dragged
+            inner = of_parts(last.ready.assembly, last.ready.bodies, last.state.inner[None])[0]
+            assert overlap(assembly, inner) == 0

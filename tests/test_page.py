@@ -844,6 +844,24 @@ def test_nothing_overlaps_whatever_the_names(browser: Any, tmp_path: Path, size:
             assert canvas(page)["height"] >= 150
 
 
+@pytest.mark.parametrize("size", [(640, 360), (720, 450), (800, 450), (960, 540)])
+def test_on_a_magnified_screen_answer_gap_and_question_are_in_sight(browser: Any, size: tuple[int, int]) -> None:
+    """1280 x 720, 1440 x 900, 1600 x 900 and 1920 x 1080 at 200 %."""
+    hidden = """(what) => [...document.querySelectorAll(what)].filter((e) => {
+        const { top, bottom } = e.getBoundingClientRect();
+        return top < 0 || bottom > innerHeight + 1;
+    }).map((e) => e.outerHTML.slice(0, 80))"""
+    with serving(EXAMPLES / "02_chain_of_tees" / "chain.json") as served, visiting(browser, served) as page:
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        page.locator("#answer[data-settled=true]").wait_for()
+        page.wait_for_timeout(300)
+        assert page.evaluate(hidden, "#answer, .gapbox > *, #gap, [role=tab], .player") == []
+        page.get_by_role("tab", name="Answer").click()
+        page.wait_for_timeout(100)
+        assert page.evaluate(hidden, ".panel") == []
+        assert page.evaluate(OVERLAPPING) == []
+
+
 def test_the_clearance_of_two_edges_is_measured(browser: Any, peg: Served) -> None:
     with visiting(browser, peg) as page:
         answered(page, "peg moves 1 mm")

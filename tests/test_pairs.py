@@ -17,6 +17,7 @@ from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.neighbours import neighbours
+from wiggleroom.geometry.overlap import overlaps, within_reach
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program.nonlinear_program import build_program
@@ -272,3 +273,35 @@ def test_the_cell_of_one_pair_serves_its_whole_class(change):
         assert one.min() > 0.001
         for other in others:
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2, 0.6])
+def test_overlaps_of_some_bodies_are_those_that_polygons_of_all_have_with_one_of_them(share):
+    assembly = patterns.grid(6, 5, joint="tee", gap=0.02)
+    them, random = bodies(assembly), np.random.default_rng(3)
+    found = 0
+    for _ in range(6):
+        motion = random.normal(0, (0.1, 0.1, 0.05), (len(them.fixed), 3))
+        only = random.random(len(them.fixed)) < share
+        made = placed(them, motion)
+        pairs = [
+            (a, b)
+            for a, b in combinations(range(len(made)), 2)
+            if (only[a] or only[b])
+            and not (them.fixed[a] and them.fixed[b])
+            and shapely.area(shapely.intersection(made[a], made[b])) > 0
+        ]
+        seen = overlaps(them, motion, NONE, only)
+        assert sorted(zip(seen.a.tolist(), seen.b.tolist(), strict=True)) == pairs
+        found += len(pairs)
+    assert found > 10
+    assert not len(overlaps(them, motion, NONE, np.zeros(len(them.fixed), dtype=bool)).a)
+
+
+def test_bodies_within_reach_are_those_whose_discs_are():
+    random = np.random.default_rng(4)
+    for _ in range(20):
+        place, radius = random.uniform(-10, 10, (60, 2)), random.uniform(0.1, 2, 60)
+        some, reach = random.choice(60, 4, replace=False), float(random.uniform(0, 1))
+        far = np.linalg.norm(place[:, None] - place[some], axis=2) - radius[:, None] - radius[some]
+        assert within_reach(place, radius, some, reach).tolist() == np.flatnonzero((far <= 2 * reach).any(1)).tolist()

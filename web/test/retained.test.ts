@@ -55,6 +55,15 @@ test("what is wanted last is shown at last, though it came while something older
   assert.ok(Math.abs(shown - 1.1) < 1e-6, `${shown} after ${frames} frames`);
 });
 
+test("what was painted in shares and is wanted still is no longer behind in the frame that shows it", () => {
+  const retained = new Retained();
+  retained.show(screen, picture(0), 0, 5);
+  let [shown, frames] = [0, 0];
+  for (; shown === 0 && frames < 10 * PARTS; frames++) shown = retained.show(screen, picture(1), UNSEEN, 0).motion[0]!;
+  assert.ok(frames > 2, "several shares");
+  assert.ok(!retained.behind);
+});
+
 test("a picture given up while it was painted leaves no region behind to which the next one is cut", () => {
   const retained = new Retained();
   retained.show(screen, picture(0), 0, 5);

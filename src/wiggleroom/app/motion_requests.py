@@ -47,7 +47,7 @@ NEIGHBOURHOODS = (64, 512, None)
 """Number of parts that may give way to a dragged one: at first, then where others hold it, then all."""
 MAX_WHOLE_BODIES = 300
 """In smaller assemblies all may give way from the first: that takes no longer, and there is nothing to be found afterwards."""
-DRAG_SECONDS = {2: (0.04, 0.1), 3: (0.4, 0.4)}
+DRAG_SECONDS = {2: (0.025, 0.1), 3: (0.4, 0.4)}
 """Time that the first reply to a drag takes in the plane and in space, about [s], and each after it: a moving hand sees first ones."""
 HAND_SECONDS = 0.04
 """A hand that moves on asks anew within this time of a reply [s]: only after it more work is begun that would have to be stopped first."""

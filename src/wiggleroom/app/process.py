@@ -125,6 +125,7 @@ class Pool:
     async def close(self) -> None:
         """End all, for good."""
         self.closed = True
-        gone = [*self.taken, *([self.spare] if self.spare else [])]
-        self.taken, self.spare = set(), None
+        async with self._lock:  # one that is just begun has a folder already
+            gone = [*self.taken, *([self.spare] if self.spare else [])]
+            self.taken, self.spare = set(), None
         await asyncio.gather(self.warming.close(), *(process.end() for process in gone))

@@ -1,7 +1,8 @@
 """One page: which of its requests is answered next, which are dropped, and what happens when a process dies.
 
 The newest request of a kind counts. `open`, `drag`, `flex` and `shape` are for the hand that moves and go first;
-everything else gives way to them and begins again when the hand rests. A `bound`, which nobody waits for, gives way to all.
+everything else gives way to them and begins again when the hand rests. Studies that take long give way to short questions too, and a
+`bound`, which nobody waits for, to all.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ Send = Callable[[list[bytes], bytes], Awaitable[None]]
 
 PRIORITY = {"open": 0, "drag": 1, "flex": 2, "shape": 3}
 """Kinds that are served first, in this order; all others are interrupted for them."""
+SHORT = frozenset({"settle", "reach", "wiggle", "rank", "save", "lay"})
+"""Kinds that studies, which may take much longer, are interrupted for."""
 LAST = "bound"
 """The kind that is served last and interrupted for all others."""
 GRACE_SECONDS = 0.6
@@ -72,7 +75,12 @@ class Job:
     @property
     def rank(self) -> tuple[int, int]:
         """Who is served first."""
-        return PRIORITY.get(self.kind, len(PRIORITY) + (self.kind == LAST)), self.born
+        return PRIORITY.get(self.kind, len(PRIORITY) + self.tier), self.born
+
+    @property
+    def tier(self) -> int:
+        """What is interrupted for what: for the hand, for short questions, for studies, for nothing."""
+        return 0 if self.kind in PRIORITY else 1 if self.kind in SHORT else 3 if self.kind == LAST else 2
 
 
 class Session:
@@ -131,7 +139,7 @@ class Session:
         if running is not None and not running.stopped:
             if running.kind == job.kind:
                 self._supersede(running)
-            elif (job.kind in PRIORITY and running.kind not in PRIORITY) or running.kind == LAST:
+            elif job.tier < running.tier:
                 running.again = True
                 self._halt(running)
         self._news.set()

@@ -43,9 +43,9 @@ class Assembly(Displayable):
         """What the file asks for."""
         return self.drawing.goals
 
-    @property
+    @cached_property
     def rest(self) -> NDArray[np.float64]:
-        """Rest poses (n, 3) [mm, mm, rad]."""
+        """Rest poses (n, 3) [mm, mm, rad], not to be written to."""
         return np.array([p.at for p in self.parts], dtype=float).reshape(-1, 3)
 
     @cached_property

@@ -15,6 +15,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+MANY_SHARE = 0.25
+"""Where more than this share of all bodies is asked about, what lies round them is not looked for."""
+
+
 @dataclass(frozen=True, eq=False)
 class Overlaps:
     """Pairs of bodies that share material: `a`, `b` (k,) and how deep (k,) [mm]."""
@@ -29,23 +33,49 @@ class Overlaps:
         return float(self.depth.max(initial=0.0))
 
 
-def overlaps(bodies: Bodies, motion: Floats, ignored: Ints) -> Overlaps:
+def overlaps(bodies: Bodies, motion: Floats, ignored: Ints, only: NDArray[np.bool_] | None = None) -> Overlaps:
     """Every pair of bodies that overlaps at `motion` (n, 3) [mm, mm, rad], apart from fixed with fixed and `ignored` keys a * n + b.
+
+    With a mask `only` (n,) pairs with at least one of these bodies are looked at, and no others.
 
     Depth is how far the outline of one lies inside the other: the largest distance of a corner of the common material from either outline,
     or the width of the largest disc in it where that is more.
     """
-    geometry = placed(bodies, motion)
-    a, b = shapely.STRtree(geometry).query(geometry)
-    keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * len(geometry) + b, ignored)
+    n = len(bodies.fixed)
+    asked = np.ones(n, dtype=bool) if only is None else only
+    place = (bodies.rest + motion)[:, :2]
+    few = MANY_SHARE * n > np.count_nonzero(asked)
+    who = within_reach(place, bodies.radius, np.flatnonzero(asked), 0.0) if few else np.arange(n)
+    geometry = placed(bodies, motion, who)
+    shapely.prepare(geometry[who])
+    a, b = who[shapely.STRtree(geometry[who]).query(geometry[who])]
+    keep = (a < b) & (asked[a] | asked[b]) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * n + b, ignored)
     a, b = a[keep], b[keep]
-    shapely.prepare(geometry)
     hit = shapely.intersects(geometry[a], geometry[b])
     a, b = a[hit], b[hit]
     common = shapely.intersection(geometry[a], geometry[b])
     solid = shapely.area(common) > 0
     a, b, common = a[solid], b[solid], common[solid]
     return Overlaps(a, b, _depth(common, geometry[a], geometry[b]))
+
+
+def within_reach(place: Floats, radius: Floats, some: Ints, reach: float) -> Ints:
+    """Bodies (k,), ascending, whose discs at places (n, 2) [mm] come within twice the `reach` [mm] of those of some of them.
+
+    Examples
+    --------
+    >>> within_reach(np.array([(0.0, 0.0), (3.0, 0.0), (9.0, 0.0)]), np.ones(3), np.array([0]), 0.5).tolist()
+    [0, 1]
+    """
+    if not len(some):
+        return some
+    far = radius[some].max() + 2 * reach
+    low, high = place[some].min(axis=0) - far, place[some].max(axis=0) + far
+    boxed = np.flatnonzero(((place >= low - radius[:, None]) & (place <= high + radius[:, None])).all(axis=1))
+    near = np.zeros(len(boxed), dtype=bool)
+    for k in some:
+        near |= np.hypot(*(place[boxed] - place[k]).T) <= radius[boxed] + radius[k] + 2 * reach
+    return boxed[near]
 
 
 def _depth(common: NDArray[np.object_], a: NDArray[np.object_], b: NDArray[np.object_]) -> Floats:

@@ -49,7 +49,7 @@ def dragged_among_few(
     if near.left(search):
         return None
     after = near.whole(state, there)
-    if not free_of_overlap(ready, after.motion):
+    if not free_of_overlap(ready, after.motion, state.motion):
         return None
     short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
     if settled and short > ARRIVAL_TOLERANCE * ready.clearance:

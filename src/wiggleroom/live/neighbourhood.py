@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import breadth_first_order
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.freespace.cells.cells import Cells, concatenated, replaced, select
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.overlap import within_reach
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.warm_start import FIRST_BARRIER, State, WarmSearch
 from wiggleroom.search.prepare import Prepared
@@ -76,7 +77,7 @@ def neighbourhood(ready: Prepared, state: State, body: int, count: int) -> Neigh
     if len(movable) >= int((~bodies.fixed).sum()):
         return None
     reach = REACH_SHARE * float(np.median(bodies.radius))
-    who = _round(pose[:, :2], bodies.radius, movable, reach)
+    who = within_reach(pose[:, :2], bodies.radius, movable, reach)
     moves = np.zeros(n, dtype=bool)
     moves[movable] = True
     local = np.full(n, -1)
@@ -107,14 +108,6 @@ def _nearest(ready: Prepared, cells: Cells, body: int, count: int) -> Ints:
     both = ~fixed[a] & ~fixed[b]
     graph = sp.csr_matrix((np.ones(both.sum(), dtype=np.int8), (a[both], b[both])), shape=(n, n))
     return breadth_first_order(graph, body, directed=False, return_predecessors=False)[:count].astype(np.int64)
-
-
-def _round(place: Floats, radius: Floats, movable: Ints, reach: float) -> Ints:
-    """Bodies (k,), ascending, whose discs come within twice the reach of those that may move."""
-    near = np.zeros(len(place), dtype=bool)
-    for b in movable:
-        near |= np.hypot(*(place - place[b]).T) <= radius + radius[b] + 2 * reach
-    return np.flatnonzero(near)
 
 
 def _standing(ready: Prepared, inner: Floats, who: Ints, moves: NDArray[np.bool_]) -> tuple[Assembly, Bodies]:

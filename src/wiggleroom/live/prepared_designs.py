@@ -83,6 +83,7 @@ class PreparedDesigns:
     def __init__(self, drawing: Drawing) -> None:
         self.drawing = drawing
         self._kept: OrderedDict[tuple[object, ...], GapDesign] = OrderedDict()
+        self._last: tuple[object, tuple[object, ...]] | None = None
 
     def design(
         self,
@@ -92,6 +93,10 @@ class PreparedDesigns:
         glue: Sequence[Sequence[str]] | None,
     ) -> GapDesign:
         """Return one design; arguments and errors as for `wiggleroom.Live.design`."""
+        stand, groups = (None if some is None else list(some) for some in (fixed, glue))
+        asked = (gap, dict(extra), stand, groups)
+        if self._last is not None and self._last[0] == asked:  # as for every place of a dragged part
+            return self._kept[self._last[1]]
         drawing = self._with_roles(fixed, glue)
         gap = drawing.gap if gap is None else float(gap)
         roles = (tuple(p.fixed for p in drawing.parts), drawing.glue)
@@ -102,6 +107,7 @@ class PreparedDesigns:
             ready = self._carried(roles, inward, made)
             self._keep(key, GapDesign(roles, inward, made, ready or prepare_walls(made), ready is None))
         self._kept.move_to_end(key)
+        self._last = asked, key
         return self._kept[key]
 
     def prove(self, design: GapDesign, stop: Stop | None = None) -> GapDesign:

@@ -155,8 +155,13 @@ class WarmSearch:
         """
         before, search = self.state, self.search
         near = search.policy.fine(search) if before.near else None
-        found = search.improve(Start(before.cells, before.inner, mu=before.mu, tolerance=near))
+        start = Start(before.cells, before.inner, mu=before.mu, tolerance=near)
+        found = search.improve(start)
         motion = None if found is None else self._safe_end(found)
+        if (
+            found is not None and motion is None
+        ):  # parts meet there that no cell keeps apart: the next search begins before that
+            search.go_back(start)
         settled = search.ended and motion is not None
         value = self.objective.value
         if motion is None or (not settled and value(motion) < value(before.motion)):
@@ -245,9 +250,10 @@ class WarmSearch:
         return State(cells, inner, motion, max(mu, FIRST_BARRIER) if settled else mu, near, before.linked, ended)
 
 
-def free_of_overlap(ready: Prepared, motion: Floats) -> bool:
-    """True where no two bodies overlap at a motion (n, 3) of theirs, by exact geometry."""
-    return overlaps(ready.bodies, motion, ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size
+def free_of_overlap(ready: Prepared, motion: Floats, known: Floats | None = None) -> bool:
+    """True where no two bodies overlap at a motion (n, 3) of theirs, by exact geometry; `known` is another that is free."""
+    moved = None if known is None else (motion != known).any(axis=1)
+    return overlaps(ready.bodies, motion, ready.ignored, moved).deepest <= OVERLAP_TOLERANCE * ready.size
 
 
 def pushed(ready: Prepared, state: State) -> State | None:

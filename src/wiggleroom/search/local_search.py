@@ -314,6 +314,11 @@ class LocalSearch:
             self.best = found
         return gained
 
+    def go_back(self, start: Start) -> None:
+        """Leave the best motion, which is not safe; coming is a start with the pairs that it or its path lacks."""
+        self.coming = self._with_more_pairs(start) or start
+        self.best = self.last = None
+
     def _with_more_pairs(self, start: Start) -> Start | None:
         """Where to begin with the pairs that the best motion or its path lacks; None where it lacks none."""
         best = self.best

@@ -73,9 +73,14 @@ class Prepared(Displayable):
 
     def objective(self, goals: tuple[Goal, ...]) -> Objective:
         """What the program maximises for some goals."""
+        return objective(self.assembly, self.bodies, goals, self._near)
+
+    @cached_property
+    def _near(self) -> tuple[Ints, Ints]:
+        """Pairs of bodies that are near each other at rest."""
         n = len(self.bodies.fixed)
         near = np.union1d(self.cells.a * n + self.cells.b, self.corners)
-        return objective(self.assembly, self.bodies, goals, (near // n, near % n))
+        return near // n, near % n
 
 
 def prepare_as_drawn(assembly: Assembly, *, surveyed: Survey | None = None, stop: Stop | None = None) -> Prepared:

@@ -44,6 +44,7 @@ export function Panel() {
     else {
       tab.value = name;
       sheetOpen.value = true;
+      requestAnimationFrame(() => document.querySelector(".panel")?.scrollIntoView({ block: "nearest" })); // below a low screen's edge
     }
   };
   const keys = (event: KeyboardEvent): void => {
@@ -65,7 +66,7 @@ export function Panel() {
       </div>
       <Unopened />
       {(open.name !== "sheet" || ofSheet(trouble.value)) && <Findings />}
-      <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
+      <div class="tabpanel" id="tabpanel" key={open.name} role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );
 }

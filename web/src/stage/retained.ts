@@ -70,6 +70,10 @@ export class Retained {
       else this.#begin(g.canvas, now, change);
     } else older = true; // what is painted was wanted in an earlier frame
     if (this.#steps) this.#goOn(g, most);
+    if (older && !this.#steps && alike(this.#front.picture!, now) && !damage(this.#front, now, least)) { // and is wanted still
+      this.#front.picture = now;
+      older = false;
+    }
     this.#behind = older || this.#steps !== null;
     g.setTransform(1, 0, 0, 1, 0, 0);
     g.drawImage(this.#front.g.canvas, 0, 0);
