@@ -56,6 +56,7 @@ def in_parallel(items: Sequence[S], work: Callable[[S], T]) -> list[T]:
         late = [one for one in helpers if not one.cancel()]
         for one in late:
             one.result()
+        del work  # helpers that were cancelled wait in the queue, and would keep its arrays
     return [found[k] for k in range(len(items))]
 
 
