@@ -14,6 +14,9 @@ from wiggleroom.geometry.placed_bodies import placed
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+PREPARED_PAIRS = 5000
+"""Pairs whose outlines are prepared at once: that takes several times the memory of the outlines themselves."""
+
 
 @dataclass(frozen=True, eq=False)
 class Overlaps:
@@ -39,8 +42,13 @@ def overlaps(bodies: Bodies, motion: Floats, ignored: Ints) -> Overlaps:
     a, b = shapely.STRtree(geometry).query(geometry)
     keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * len(geometry) + b, ignored)
     a, b = a[keep], b[keep]
-    shapely.prepare(geometry)
-    hit = shapely.intersects(geometry[a], geometry[b])
+    hit = np.zeros(len(a), dtype=bool)
+    for k in range(0, len(a), PREPARED_PAIRS):
+        some = slice(k, k + PREPARED_PAIRS)
+        first = geometry[np.unique(a[some])]
+        shapely.prepare(first)
+        hit[some] = shapely.intersects(geometry[a[some]], geometry[b[some]])
+        shapely.destroy_prepared(first)
     a, b = a[hit], b[hit]
     common = shapely.intersection(geometry[a], geometry[b])
     solid = shapely.area(common) > 0
