@@ -56,9 +56,7 @@ class FrontalPlan:
         entry = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=nodes))])
         in_parent = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
         self.shares, region = _shares(tree)
-        place, self.stack = _stack_places(
-            tree.border_start, tree.child, tree.sibling, region, len(self.shares), block
-        )
+        place, self.stack = _stack_places(tree.border_start, tree.child, tree.sibling, region, len(self.shares), block)
         self.assembly = (
             tree.first, tree.border_start, tree.child, tree.sibling, in_parent, self.panel, place, entry, target[source],
             source, block,
@@ -215,7 +213,7 @@ def _places_in_parent(first, border_start, border, parent):
 
 @njit(**OPTIONS)
 def _stack_places(border_start, child, sibling, region, regions, block):
-    """Where each node's left-over, a lower triangle, lies on the stack of its share, in place of its children's; and the size of all stacks."""
+    """Where each node's left-over, a lower triangle, lies on the stack of its share, over its children's; and the size of all stacks."""
     nodes = len(region)
     place = np.empty(nodes, np.int64)
     height, most = np.zeros(regions, np.int64), np.zeros(regions, np.int64)
