@@ -15,7 +15,7 @@ from benchmarks.attack.oracle import Ground
 
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.audit.audit_outlines import INSET
+from wiggleroom.audit.audit_outlines import INSET, outlines
 from wiggleroom.audit.path_audit import audit_path
 
 
@@ -30,6 +30,22 @@ def waypoints_of(count: int, who: int, *motions: tuple[float, float, float]) -> 
     out = np.zeros((len(motions) + 1, count, 3))
     out[1:, who] = motions
     return out
+
+
+def test_equal_parts_share_their_outlines(tmp_path):
+    """Of three disks, two of which are alike, two are held, and each part is judged by its own."""
+    centres, radii = ((0, 0), (3, 0), (6, 0)), (1.0, 0.5, 1.0)
+    disks = [
+        {"name": str(k), "outline": shapely.get_coordinates(disc(r))[:-1].tolist(), "at": (*at, 0)}
+        for k, (at, r) in enumerate(zip(centres, radii, strict=True))
+    ]
+    row = made_of(tmp_path, *disks)
+    kept = outlines(row)
+    assert kept.shape.tolist() == [0, 1, 0]
+    assert len(kept.first) == 3
+    for far, free in ((1.4, True), (1.6, False)):  # of the middle one: it has 1.5 to either side
+        for side in (-1, 1):
+            assert audit_path(row, waypoints_of(3, 1, (side * far, 0, 0))).free is free
 
 
 def least_distance(ground: Ground, waypoints: np.ndarray) -> float:

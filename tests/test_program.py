@@ -90,7 +90,7 @@ def test_relative_poses_are_what_the_part_sees(name, seed):
 def test_jacobian_of_every_row_kind(name, kind):
     of = program(name)
     u, _ = anywhere(of, 2)
-    rows = of.kind == KINDS[kind]
+    rows = of.geometry.kind == KINDS[kind]
     assert rows.any()
     found = of.linearise(u).jacobian().toarray()[rows]
     close(found, slope(of.values, u, steps(of))[rows], 1e-8)
@@ -140,7 +140,7 @@ def test_condensed_matrix_with_an_objective_of_the_whole(name, term):
 def test_second_derivatives_of_every_row_kind(name, kind):
     of = program(name)
     u, random = anywhere(of, 3)
-    lam = random.uniform(0, 2, of.rows) * (of.kind == KINDS[kind])
+    lam = random.uniform(0, 2, of.rows) * (of.geometry.kind == KINDS[kind])
     nothing = np.zeros(of.rows)
     at = of.linearise(u)
     found = whole(of, at.condensed(nothing, lam)) - whole(of, at.condensed(nothing, nothing))

@@ -18,6 +18,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.loops import region_of
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Drawing
+from wiggleroom.freespace.cells.cells import select
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
 from wiggleroom.report.results.answer_words import searched
 from wiggleroom.report.results.json_results import flex_result
@@ -25,7 +26,7 @@ from wiggleroom.search.canonical_frame import canonical_frame
 from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import start_at_rest
 from wiggleroom.search.local_search import LocalSearch
-from wiggleroom.search.moves import THOROUGH
+from wiggleroom.search.moves import THOROUGH, WITHOUT_BRANCHES
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.state_tree import ClimbTree
 from wiggleroom.solve import interior_point
@@ -55,6 +56,18 @@ def test_finds_the_path_round_the_bend_and_proves_it():
     assert answer.objective <= answer.at_most <= 1.001 * answer.objective
     assert answer.path == "checked"
     assert audit_path(answer.assembly, answer.waypoints).free
+
+
+def test_a_start_with_more_pairs_brings_no_multipliers_for_other_rows():
+    """Rows of pairs that are taken in have none; a solver would read beyond the end of what it is given."""
+    ready = prepare_as_drawn(wr.patterns.grid(3, 3, gap=0.01))
+    search = LocalSearch(ready, ready.objective((wr.Pull("b3-3", (0, 1)),)), interior_point.solve, WITHOUT_BRANCHES)
+    start = start_at_rest(ready)
+    fewer = replace(start, cells=select(start.cells, np.arange(len(start.cells.a) - 1)))
+    fewer = replace(fewer, multipliers=np.ones(len(fewer.cells.kind)))
+    again = search._begun_with(fewer, search._round(start), start.cells.a[-1:], start.cells.b[-1:])
+    assert len(again.cells.a) == len(start.cells.a)
+    assert again.multipliers is None
 
 
 def test_says_how_many_starts_ended_where():

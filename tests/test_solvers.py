@@ -13,7 +13,6 @@ from scipy.optimize import nnls
 import wiggleroom as wr
 from wiggleroom.assembly import patterns
 from wiggleroom.errors import InputError, MissingExtraError
-from wiggleroom.geometry.row_kinds import HIGH_TURN, LOW_TURN
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import SOLVERS, interior_point, ipopt, solver_named
 from wiggleroom.solve.kkt_conditions import conditions
@@ -133,13 +132,9 @@ def test_multipliers_are_derivatives_of_the_optimum(solver):
     program = problem("6 by 5 tees")
     solution = solver_named(solver)(program, tolerance=TIGHT)
     e = 1e-5
-    eased = replace(
-        program,
-        off=program.off
-        + np.where(program.kind == HIGH_TURN, 1, -1)
-        * e
-        / np.where(np.isin(program.kind, (LOW_TURN, HIGH_TURN)), program.normal[:, 0], 1),
-    )
+    rows = program.geometry
+    turns = rows.ends + np.array([-e, e]) / rows.lever[:, None]
+    eased = replace(program, geometry=replace(rows, off=rows.off - e, ends=turns))
     np.testing.assert_allclose(eased.values(solution.u), program.values(solution.u) + e / program.length, atol=1e-12)
     gained = value(eased, solver_named(solver)(eased, tolerance=TIGHT)) - value(program, solution)
     assert gained == pytest.approx(solution.lam.sum() * e / program.length, rel=2e-3)

@@ -24,12 +24,14 @@ EDGES_IN_RUN = 8
 
 @dataclass(frozen=True, eq=False)
 class AuditOutlines:
-    """Outlines of parts, concatenated: the edges of part p are rows `first[p]` to `first[p + 1]`.
+    """Outlines of parts, each distinct one once: the edges of shape s are rows `first[s]` to `first[s + 1]`.
 
     Parameters
     ----------
     rest : (n, 3) float64 [mm, mm, rad]
         Where the parts lie at rest; corners are given in these frames.
+    shape : (n,) int64
+        The shape of each part.
     corner : (N, 2) float64 [mm]
         Where each edge begins.
     next_corner : (N,) int64
@@ -37,21 +39,21 @@ class AuditOutlines:
     direction : (N, 2) float64
         Unit vector along each edge.
     length : (N,) float64 [mm]
-    first : (n + 1,) int64
+    first : (S + 1,) int64
     ring : (R,) int64
         Row of the first corner of every ring.
-    first_ring : (n + 1,) int64
-        First ring of every part.
+    first_ring : (S + 1,) int64
+        First ring of every shape.
     run : (C + 1,) int64
         Rows where runs of consecutive edges begin, and the end of the last.
-    first_run : (n + 1,) int64
-        First run of every part.
+    first_run : (S + 1,) int64
+        First run of every shape.
     run_disc : (C, 3) float64 [mm]
         Centre and radius of a disc round each run.
-    disc : (n, 3) float64 [mm]
-        Centre and radius of a disc round each part.
-    reach : (n,) float64 [mm]
-        Largest distance of a corner from the part's reference point.
+    disc : (S, 3) float64 [mm]
+        Centre and radius of a disc round each shape.
+    reach : (S,) float64 [mm]
+        Largest distance of a corner from the reference point of the parts.
     body : (n,) int64
         Parts of the same number are glued together, and never collide.
     fixed : (n,) bool
@@ -62,6 +64,7 @@ class AuditOutlines:
     """
 
     rest: Floats
+    shape: Ints
     corner: Floats
     next_corner: Ints
     direction: Floats
@@ -86,13 +89,7 @@ def outlines(assembly: Assembly) -> AuditOutlines:
     Two parts that overlap by less than that, for example where they touch, are then a little apart.
     """
     rest = assembly.rest
-    rings, outer, owner = [], [], []
-    for p, part in enumerate(assembly.parts):
-        for region in part.regions:
-            for k, ring in enumerate((region.outer, *region.holes)):
-                rings.append(np.asarray(ring, dtype=float))
-                outer.append(k == 0)
-                owner.append(p)
+    shape, rings, outer, owner = _distinct(assembly)
     count = np.array([len(r) for r in rings])
     start = np.cumsum(count) - count
     corner = np.concatenate(rings)
@@ -110,18 +107,19 @@ def outlines(assembly: Assembly) -> AuditOutlines:
     edge = corner[after] - corner
     length = np.hypot(*edge.T)
 
-    n = len(rest)
+    shapes = np.arange(shape.max() + 2)
     of_ring = np.array(owner)
-    first_ring = np.searchsorted(of_ring, np.arange(n + 1))
+    first_ring = np.searchsorted(of_ring, shapes)
     first = np.append(start, len(corner))[first_ring]
     run, owner_of_run = _runs(start, count, of_ring)
     disc_of_run = _discs(corner, after, run)
     low, high = np.minimum.reduceat(corner, first[:-1]), np.maximum.reduceat(corner, first[:-1])
     middle = (low + high) / 2
-    of_corner = np.repeat(np.arange(n), np.diff(first))
+    of_corner = np.repeat(shapes[:-1], np.diff(first))
     radius = np.maximum.reduceat(np.hypot(*(corner - middle[of_corner]).T), first[:-1])
     return AuditOutlines(
         rest=rest,
+        shape=shape,
         corner=corner,
         next_corner=after,
         direction=edge / length[:, None],
@@ -130,7 +128,7 @@ def outlines(assembly: Assembly) -> AuditOutlines:
         ring=start,
         first_ring=first_ring,
         run=np.append(run, len(corner)),
-        first_run=np.searchsorted(owner_of_run, np.arange(n + 1)),
+        first_run=np.searchsorted(owner_of_run, shapes),
         run_disc=disc_of_run,
         disc=np.column_stack([middle, radius]),
         reach=np.maximum.reduceat(np.hypot(*corner.T), first[:-1]),
@@ -139,6 +137,24 @@ def outlines(assembly: Assembly) -> AuditOutlines:
         ignored=_ignored(assembly),
         rounding=rounding,
     )
+
+
+def _distinct(assembly: Assembly) -> tuple[Ints, list[Floats], list[bool], list[int]]:
+    """Shape (n,) of each part; rings of the distinct shapes, which of them are outer ones, and the shape that each belongs to."""
+    rings: list[Floats] = []
+    outer: list[bool] = []
+    owner: list[int] = []
+    known: dict[tuple[tuple[bytes, ...], ...], int] = {}
+    shape = np.empty(len(assembly.parts), dtype=np.int64)
+    for p, part in enumerate(assembly.parts):
+        regions = [[np.asarray(ring, dtype=float) for ring in (region.outer, *region.holes)] for region in part.regions]
+        new = len(known)
+        shape[p] = known.setdefault(tuple(tuple(ring.tobytes() for ring in region) for region in regions), new)
+        for region in regions if shape[p] == new else []:
+            rings += region
+            outer += [k == 0 for k in range(len(region))]
+            owner += [new] * len(region)
+    return shape, rings, outer, owner
 
 
 def _turned(corner: Floats, after: Ints, start: Ints, count: Ints, outer: NDArray[np.bool_]) -> Floats:
@@ -176,7 +192,7 @@ def _without_points(corner: Floats, after: Ints, start: Ints, count: Ints) -> tu
 
 
 def _runs(start: Ints, count: Ints, of_ring: Ints) -> tuple[Ints, Ints]:
-    """First rows of runs of edges within each ring, and the part that each belongs to."""
+    """First rows of runs of edges within each ring, and the shape that each belongs to."""
     pieces = -(-count // EDGES_IN_RUN)
     ring = np.repeat(np.arange(len(count)), pieces)
     within = np.arange(len(ring)) - np.repeat(np.cumsum(pieces) - pieces, pieces)

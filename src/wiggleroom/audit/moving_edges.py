@@ -263,10 +263,10 @@ def free_long_piece(
 
 @njit(**OPTIONS)
 def mark_doubtful_pieces(
-    pair_a, pair_b, pose, rounding, corner, after, direction, length, run, first_run, run_disc, disc, reach, room,
+    pair_a, pair_b, pose, shape, rounding, corner, after, direction, length, run, first_run, run_disc, disc, reach, room,
     doubtful, first_doubt,
 ):  # fmt: skip
-    """Look at some pairs of parts along all pieces between the poses (n, k, 3) of all parts.
+    """Look at some pairs of parts along all pieces between the poses (n, k, 3) of all parts, whose shapes are known by number.
 
     Pieces on which some pair may overlap are marked in `doubtful` (k - 1,), the first one of every pair in `first_doubt`.
     """
@@ -280,8 +280,8 @@ def mark_doubtful_pieces(
     left = np.empty(MAX_HALVINGS + 2, dtype=np.int64)
     poses = np.empty((MAX_HALVINGS + 2, 2, 6))
     for pair in range(len(pair_a)):
-        a, b = pair_a[pair], pair_b[pair]
-        pose_a, pose_b = pose[a], pose[b]
+        pose_a, pose_b = pose[pair_a[pair]], pose[pair_b[pair]]
+        a, b = shape[pair_a[pair]], shape[pair_b[pair]]
         for k in range(last + 1):
             relative(pose_a[k], pose_b[k], at[k])
         for k in range(last):
@@ -348,18 +348,19 @@ def mark_doubtful_pieces(
 
 
 @njit(**OPTIONS)
-def swept_boxes(pose, k0, k1, first, corner, reach, out):
+def swept_boxes(pose, k0, k1, shape, first, corner, reach, out):
     """Boxes (n, 4) [mm] round what every part sweeps between waypoints k0 and k1 of its poses (n, k, 3)."""
     for p in range(len(out)):
+        own = shape[p]
         low_x, low_y, high_x, high_y, aside = np.inf, np.inf, -np.inf, -np.inf, 0.0
         for k in range(k0, k1 + 1):
             if k > k0:
                 turn = pose[p, k, 2] - pose[p, k - 1, 2]
-                aside = max(aside, turn * turn / 8 * reach[p])
+                aside = max(aside, turn * turn / 8 * reach[own])
                 if pose[p, k, 0] == pose[p, k - 1, 0] and pose[p, k, 1] == pose[p, k - 1, 1] and turn == 0.0:
                     continue
             c, s = np.cos(pose[p, k, 2]), np.sin(pose[p, k, 2])
-            for v in range(first[p], first[p + 1]):
+            for v in range(first[own], first[own + 1]):
                 x = c * corner[v, 0] - s * corner[v, 1] + pose[p, k, 0]
                 y = s * corner[v, 0] + c * corner[v, 1] + pose[p, k, 1]
                 low_x, high_x = min(low_x, x), max(high_x, x)
@@ -368,10 +369,10 @@ def swept_boxes(pose, k0, k1, first, corner, reach, out):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def winding(x, y, part, first, corner, after):
-    """How often the outlines of a part go round a point of its frame."""
+def winding(x, y, own, first, corner, after):
+    """How often the outlines of a shape go round a point of its frame."""
     turns = 0
-    for e in range(first[part], first[part + 1]):
+    for e in range(first[own], first[own + 1]):
         x0, y0, x1, y1 = corner[e, 0], corner[e, 1], corner[after[e], 0], corner[after[e], 1]
         if (y0 <= y) == (y1 <= y):
             continue
@@ -384,12 +385,12 @@ def winding(x, y, part, first, corner, after):
 
 
 @njit(**OPTIONS)
-def inside_each_other(pair_a, pair_b, pose, first, corner, after, ring, first_ring, out):
+def inside_each_other(pair_a, pair_b, pose, shape, first, corner, after, ring, first_ring, out):
     """Mark the pairs of which a ring of one begins inside the other, at poses (n, 3)."""
     at = np.empty(6)
     for pair in range(len(pair_a)):
-        a, b = pair_a[pair], pair_b[pair]
-        relative(pose[a], pose[b], at)
+        relative(pose[pair_a[pair]], pose[pair_b[pair]], at)
+        a, b = shape[pair_a[pair]], shape[pair_b[pair]]
         c, s = at[COS], at[SIN]
         for r in range(first_ring[b], first_ring[b + 1]):
             v = ring[r]

@@ -96,9 +96,9 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | No
     pieces, n = len(motions) - 1, motions.shape[1]
     if pieces == 0:  # a state alone
         motions = np.concatenate([motions, motions])
-    poses = parts.rest + motions
+    poses = np.empty((n, len(motions), 3))
+    np.add(parts.rest[:, None], motions.transpose(1, 0, 2), out=poses)
     poses[:, :, :2] -= parts.rest[:, :2].mean(axis=0)
-    poses = np.ascontiguousarray(poses.transpose(1, 0, 2))
     keys = _near(parts, poses)
     a, b = keys // n, keys % n
     doubtful = np.zeros(len(motions) - 1, dtype=np.bool_)
@@ -106,8 +106,8 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | No
     whole = _sweep(parts, poses, a, b, doubtful, first, stop)
     nested = np.zeros(len(keys), dtype=np.bool_)
     inside_each_other(
-        a, b, np.ascontiguousarray(poses[:, 0]), parts.first, parts.corner, parts.next_corner, parts.ring, parts.first_ring,
-        nested,
+        a, b, np.ascontiguousarray(poses[:, 0]), parts.shape, parts.first, parts.corner, parts.next_corner, parts.ring,
+        parts.first_ring, nested,
     )  # fmt: skip
     first[nested] = -1
     doubt = first < len(motions)
@@ -124,15 +124,15 @@ def _sweep(
     stop: Stop | None,
 ) -> bool:
     """Look at some pairs along all pieces, many at a time; False where it was asked to stop before all were looked at."""
-    corners = np.diff(parts.first)
+    corners = np.diff(parts.first)[parts.shape]
 
     def look(some: slice) -> NDArray[np.bool_] | None:
         if stop is not None and stop.is_set():
             return None
         met = np.zeros_like(doubtful)
         mark_doubtful_pieces(
-            a[some], b[some], poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run,
-            parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, met, first[some],
+            a[some], b[some], poses, parts.shape, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length,
+            parts.run, parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, met, first[some],
         )  # fmt: skip
         return met
 
@@ -167,7 +167,7 @@ def _near(parts: AuditOutlines, poses: Floats) -> Ints:
 def _swept(parts: AuditOutlines, poses: Floats, k0: int, k1: int) -> Floats:
     """Boxes (n, 4) [mm] round what every part sweeps from waypoint k0 to k1."""
     out = np.empty((len(poses), 4))
-    swept_boxes(poses, k0, k1, parts.first, parts.corner, parts.reach, out)
+    swept_boxes(poses, k0, k1, parts.shape, parts.first, parts.corner, parts.reach, out)
     return out
 
 

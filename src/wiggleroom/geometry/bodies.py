@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,11 @@ class BodyShapes:
     run: Ints
     run_first: Ints
     run_disc: Floats
+
+    @cached_property
+    def level(self) -> Floats:
+        """How far (N,) [mm] the line of each edge lies from the origin, outward."""
+        return np.asarray((self.normal * self.corner).sum(1))
 
 
 @dataclass(frozen=True, eq=False)

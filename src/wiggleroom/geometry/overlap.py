@@ -14,6 +14,8 @@ from wiggleroom.geometry.placed_bodies import placed
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+PREPARED_PAIRS = 5000
+"""Pairs whose outlines are prepared at once: that takes several times the memory of the outlines themselves."""
 
 MANY_SHARE = 0.25
 """Where more than this share of all bodies is asked about, what lies round them is not looked for."""
@@ -47,11 +49,16 @@ def overlaps(bodies: Bodies, motion: Floats, ignored: Ints, only: NDArray[np.boo
     few = MANY_SHARE * n > np.count_nonzero(asked)
     who = within_reach(place, bodies.radius, np.flatnonzero(asked), 0.0) if few else np.arange(n)
     geometry = placed(bodies, motion, who)
-    shapely.prepare(geometry[who])
     a, b = who[shapely.STRtree(geometry[who]).query(geometry[who])]
     keep = (a < b) & (asked[a] | asked[b]) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * n + b, ignored)
     a, b = a[keep], b[keep]
-    hit = shapely.intersects(geometry[a], geometry[b])
+    hit = np.zeros(len(a), dtype=bool)
+    for k in range(0, len(a), PREPARED_PAIRS):
+        some = slice(k, k + PREPARED_PAIRS)
+        first = geometry[np.unique(a[some])]
+        shapely.prepare(first)
+        hit[some] = shapely.intersects(geometry[a[some]], geometry[b[some]])
+        shapely.destroy_prepared(first)
     a, b = a[hit], b[hit]
     common = shapely.intersection(geometry[a], geometry[b])
     solid = shapely.area(common) > 0

@@ -116,7 +116,7 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
     if search.best is None:
         return still, False
     checked = search.checked_path(search.best)
-    motions, safe = checked.motions[: checked.certain], OVERLAP_TOLERANCE * ready.size
+    motions, safe = checked.motions()[: checked.certain], OVERLAP_TOLERANCE * ready.size
     if search.unlimited:
         far = np.array([_furthest(ready.bodies, m).max() for m in motions]) > MAX_SHOWN_TRAVEL * ready.size
         motions = motions[: max(1, int(far.argmax()))] if far.any() else motions

@@ -43,11 +43,11 @@ def in_parallel(items: Sequence[S], work: Callable[[S], T]) -> list[T]:
     Whoever is free takes the next item, so nobody waits for a helper that has not begun: on a busy machine that is the rule.
     """
     found: dict[int, T] = {}
-    turn = numbers()
+    turn, held = numbers(), [work]
 
     def help_out() -> None:
         while (k := next(turn)) < len(items):
-            found[k] = work(items[k])
+            found[k] = held[0](items[k])
 
     helpers = [_pool(os.getpid()).submit(help_out) for _ in range(min(THREADS, len(items)) - 1)]
     try:
@@ -56,6 +56,7 @@ def in_parallel(items: Sequence[S], work: Callable[[S], T]) -> list[T]:
         late = [one for one in helpers if not one.cancel()]
         for one in late:
             one.result()
+        held.clear()  # helpers that were cancelled still wait in the queue, and would keep all arrays of the work
     return [found[k] for k in range(len(items))]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.row_kinds import FACE, HIGH_TURN, LOW_TURN
+from wiggleroom.geometry.row_kinds import FACE
 from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Shorts = NDArray[np.int32]
 Kinds = NDArray[np.int8]
 
 
@@ -42,13 +43,39 @@ class Regions(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Geometry of rows, see `wiggleroom.program.contact_functions`: kind (R,), normal (R, 2), per_turn (R,), off (R,), corner (R, 2)."""
+    """Rows by number: in a large assembly a copy of its line and its corner for each would be most of what there is.
+
+    Parameters
+    ----------
+    kind : (R,) int8
+        As in `row_kinds`.
+    line, point : (R,) int32
+        Which line and which point a row is about; those of turns are about none.
+    lever : (P,) float64 [mm]
+        What turns of a pair are multiplied with.
+    ends : (P, 2) float64 [rad]
+        Between which it may turn.
+    normal, off, per_turn : (L, 2), (L,), (L,) float64
+        Of lines, see `wiggleroom.program.contact_functions`; none turns where no row is a FACE.
+    corner : (V, 2) float64 [mm]
+        The points.
+    """
 
     kind: Kinds
+    line: Shorts
+    point: Shorts
+    lever: Floats
+    ends: Floats
     normal: Floats
-    per_turn: Floats
     off: Floats
+    per_turn: Floats
     corner: Floats
+
+    def of_pairs(self, some: slice) -> tuple[Any, ...]:
+        """What the kernels are given for some pairs, after where these are and which rows they have."""
+        return (
+            self.lever[some], self.ends[some], self.kind, self.line, self.point, self.normal, self.off, self.per_turn, self.corner,
+        )  # fmt: skip
 
 
 def rows_of(bodies: Bodies, regions: Regions) -> Rows:
@@ -59,16 +86,10 @@ def rows_of(bodies: Bodies, regions: Regions) -> Rows:
 def wall_rows(bodies: Bodies, cells: Cells) -> Rows:
     """Corners before lines of edges, and the ends of the verified angles."""
     shapes = bodies.shapes
-    level = (shapes.normal * shapes.corner).sum(1)
-    normal, corner, off = shapes.normal[cells.edge], shapes.corner[cells.corner], level[cells.edge]
-    pair = cells.pair
     lever = np.minimum(bodies.radius[cells.a], bodies.radius[cells.b])
-    for kind, end in ((LOW_TURN, 0), (HIGH_TURN, 1)):
-        rows = np.flatnonzero(cells.kind == kind)
-        normal[rows], corner[rows] = 0.0, 0.0
-        normal[rows, 0] = lever[pair[rows]]
-        off[rows] = cells.ends[pair[rows], end]
-    return Rows(cells.kind, normal, np.zeros(len(off)), off, corner)
+    return Rows(
+        cells.kind, cells.edge, cells.corner, lever, cells.ends, shapes.normal, shapes.level, np.zeros(0), shapes.corner
+    )
 
 
 def face_rows(_: Bodies, faces: Halfspaces) -> Rows:
@@ -76,17 +97,21 @@ def face_rows(_: Bodies, faces: Halfspaces) -> Rows:
     pair = faces.pair
     return Rows(
         np.full(len(pair), FACE, dtype=np.int8),
+        np.arange(len(pair), dtype=np.int32),
+        pair.astype(np.int32),
+        np.zeros(0),
+        np.zeros((0, 2)),
         -faces.normal[:, :2],
-        -faces.normal[:, 2],
         faces.offset - (faces.normal * faces.rest[pair]).sum(1),
-        faces.point[pair],
+        -faces.normal[:, 2],
+        faces.point,
     )
 
 
 def distance_rows(_: Bodies, near: VertexEdgePairs) -> Rows:
     """Distances of corners from edges: they are worked out from the shapes, at each point anew."""
-    none = np.zeros((0, 2))
-    return Rows(near.kind, none, none[:, 0], none[:, 0], none)
+    none, nothing = np.zeros(0), np.zeros((0, 2))
+    return Rows(near.kind, near.edge, near.corner, none, nothing, nothing, none, none, nothing)
 
 
 ROWS: dict[type, Callable[..., Rows]] = {Cells: wall_rows, Halfspaces: face_rows, VertexEdgePairs: distance_rows}

@@ -4,9 +4,11 @@ The one equation: B seen from A is q = R(theta_A)^T (T_B - T_A), psi = theta_B -
 
     A_EDGE     h = n . (R(psi) v + q) - off                     a wall: corner v of B in front of an edge of A
     B_EDGE     h = n . R(-psi) (v - q) - off                    a wall: corner v of A in front of an edge of B
-    LOW_TURN   h = n[0] (psi - off)                             psi within the interval over which a cell was verified
-    HIGH_TURN  h = n[0] (off - psi)
+    LOW_TURN   h = lever (psi - low)                            psi within the interval over which a cell was verified
+    HIGH_TURN  h = lever (high - psi)
     FACE       h = n . (R(psi) v + q) + per_turn psi - off      a flat face, linear in where a point v of B is seen and in psi
+
+Rows say by number which line (n, off, per_turn) and which point v they are about (`constraint_rows.Rows`).
 """
 
 from __future__ import annotations
@@ -29,47 +31,53 @@ def relative_poses(pose, a, b, g, turn):
 
 
 @njit(**NO_ALLOCATION)
-def wall_values(g, row, kind, normal, per_turn, off, corner, unit, h):
+def wall_values(g, row, lever, ends, kind, line, point, normal, off, per_turn, corner, unit, h):
     """Values h (R,) of all rows, in units of `unit`; rows of pair p are row[p] .. row[p + 1]."""
     for p in range(len(row) - 1):
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
         c, s = np.cos(psi), np.sin(psi)
         for k in range(row[p], row[p + 1]):
-            nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
+            if kind[k] == LOW_TURN:
+                h[k] = lever[p] * (psi - ends[p, 0]) / unit
+                continue
+            if kind[k] == HIGH_TURN:
+                h[k] = lever[p] * (ends[p, 1] - psi) / unit
+                continue
+            e, v = line[k], point[k]
+            nx, ny, vx, vy = normal[e, 0], normal[e, 1], corner[v, 0], corner[v, 1]
             if kind[k] == A_EDGE:
-                value = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) - off[k]
+                value = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) - off[e]
             elif kind[k] == B_EDGE:
-                value = (c * nx - s * ny) * (vx - x) + (s * nx + c * ny) * (vy - y) - off[k]
-            elif kind[k] == LOW_TURN:
-                value = nx * (psi - off[k])
-            elif kind[k] == HIGH_TURN:
-                value = nx * (off[k] - psi)
+                value = (c * nx - s * ny) * (vx - x) + (s * nx + c * ny) * (vy - y) - off[e]
             else:
-                value = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[k] * psi - off[k]
+                value = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[e] * psi - off[e]
             h[k] = value / unit
 
 
 @njit(**NO_ALLOCATION)
-def wall_gradients(g, row, kind, normal, per_turn, off, corner, unit, h, d):
+def wall_gradients(g, row, lever, ends, kind, line, point, normal, off, per_turn, corner, unit, h, d):
     """Values h (R,) of all rows and their derivatives d (R, 3) with respect to (q, psi), in units of `unit`."""
     for p in range(len(row) - 1):
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
         c, s = np.cos(psi), np.sin(psi)
         for k in range(row[p], row[p + 1]):
-            nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
-            if kind[k] == A_EDGE:
-                zx, zy = c * vx - s * vy, s * vx + c * vy
-                value, d0, d1, d2 = nx * (zx + x) + ny * (zy + y) - off[k], nx, ny, ny * zx - nx * zy
-            elif kind[k] == B_EDGE:
-                mx, my, ux, uy = c * nx - s * ny, s * nx + c * ny, vx - x, vy - y
-                value, d0, d1, d2 = mx * ux + my * uy - off[k], -mx, -my, mx * uy - my * ux
-            elif kind[k] == LOW_TURN:
-                value, d0, d1, d2 = nx * (psi - off[k]), 0.0, 0.0, nx
+            e, v = line[k], point[k]
+            if kind[k] == LOW_TURN:
+                value, d0, d1, d2 = lever[p] * (psi - ends[p, 0]), 0.0, 0.0, lever[p]
             elif kind[k] == HIGH_TURN:
-                value, d0, d1, d2 = nx * (off[k] - psi), 0.0, 0.0, -nx
+                value, d0, d1, d2 = lever[p] * (ends[p, 1] - psi), 0.0, 0.0, -lever[p]
+            elif kind[k] == A_EDGE:
+                nx, ny, vx, vy = normal[e, 0], normal[e, 1], corner[v, 0], corner[v, 1]
+                zx, zy = c * vx - s * vy, s * vx + c * vy
+                value, d0, d1, d2 = nx * (zx + x) + ny * (zy + y) - off[e], nx, ny, ny * zx - nx * zy
+            elif kind[k] == B_EDGE:
+                nx, ny, vx, vy = normal[e, 0], normal[e, 1], corner[v, 0], corner[v, 1]
+                mx, my, ux, uy = c * nx - s * ny, s * nx + c * ny, vx - x, vy - y
+                value, d0, d1, d2 = mx * ux + my * uy - off[e], -mx, -my, mx * uy - my * ux
             else:
-                zx, zy, turning = c * vx - s * vy, s * vx + c * vy, per_turn[k]
-                value = nx * (zx + x) + ny * (zy + y) + turning * psi - off[k]
+                nx, ny, vx, vy = normal[e, 0], normal[e, 1], corner[v, 0], corner[v, 1]
+                zx, zy, turning = c * vx - s * vy, s * vx + c * vy, per_turn[e]
+                value = nx * (zx + x) + ny * (zy + y) + turning * psi - off[e]
                 d0, d1, d2 = nx, ny, ny * zx - nx * zy + turning
             h[k] = value / unit
             d[k, 0], d[k, 1], d[k, 2] = d0 / unit, d1 / unit, d2 / unit
@@ -168,7 +176,7 @@ def eliminated_changes(g, turn, a, b, row, d, scale, slot, u, h, s, lam, goal, s
 
 
 @njit(**NO_ALLOCATION)
-def wall_blocks(g, row, kind, d, normal, corner, unit, weight, lam, M, force):
+def wall_blocks(g, row, kind, line, point, d, normal, corner, unit, weight, lam, M, force):
     """Add D^T diag(weight) D - sum lam h'' of every pair to M (P, 6), entries 00 01 02 11 12 22, and D^T lam to force (P, 2).
 
     `d` is in units of `unit`, and so is the second derivative.
@@ -187,9 +195,9 @@ def wall_blocks(g, row, kind, d, normal, corner, unit, weight, lam, M, force):
             M[p, 5] += w * d2 * d2
             force[p, 0] += f * d0
             force[p, 1] += f * d1
-            vx, vy = corner[k, 0], corner[k, 1]
+            vx, vy = corner[point[k], 0], corner[point[k], 1]
             if kind[k] == A_EDGE or kind[k] == FACE:
-                nx, ny = normal[k, 0] / unit, normal[k, 1] / unit
+                nx, ny = normal[line[k], 0] / unit, normal[line[k], 1] / unit
                 M[p, 5] += f * (nx * (c * vx - s * vy) + ny * (s * vx + c * vy))
             elif kind[k] == B_EDGE:
                 M[p, 2] += f * d1

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.parallel.batches import THREADS, in_batches
 from wiggleroom.program import contact_functions as kernel
-from wiggleroom.program.constraint_rows import Regions, rows_of
+from wiggleroom.program.constraint_rows import Regions, Rows, rows_of
 from wiggleroom.program.material_points import subtract_own_blocks
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.sparsity_pattern import Pattern, pattern
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Kinds = NDArray[np.int8]
 T = TypeVar("T")
 
 MIN_PARALLEL_ROWS = 20_000
@@ -44,8 +43,8 @@ class Program:
     objective : Objective
     cells : Cells or Halfspaces
         One region per pair; `cells.row` holds the first row of each pair.
-    kind, normal, per_turn, off, corner : (R,), (R, 2), (R,), (R,), (R, 2)
-        Geometry of the rows, see `wiggleroom.program.contact_functions`.
+    geometry : Rows
+        What the rows are about.
     slot : (n,) int64
         Position of each body among the free ones, -1 where fixed.
     free : (F,) int64
@@ -62,11 +61,7 @@ class Program:
     bodies: Bodies
     objective: Objective
     cells: Any
-    kind: Kinds
-    normal: Floats
-    per_turn: Floats
-    off: Floats
-    corner: Floats
+    geometry: Rows
     slot: Ints
     free: Ints
     scale: Floats
@@ -77,7 +72,7 @@ class Program:
     @property
     def rows(self) -> int:
         """Number of rows."""
-        return len(self.kind)
+        return len(self.geometry.kind)
 
     @property
     def batches(self) -> int:
@@ -113,7 +108,8 @@ class Program:
         h = np.empty(self.rows)
 
         def fill(some: slice) -> None:
-            kernel.wall_values(g[some], row_of(self.cells.row, some), *self._walls, self.length, h)
+            row, rows = row_of(self.cells.row, some), self.geometry.of_pairs(some)
+            kernel.wall_values(g[some], row, *rows, self.length, h)
 
         in_batches(len(g), self.batches, fill)
         return h
@@ -122,27 +118,24 @@ class Program:
         """Fill in rows h (R,) and their derivatives d (R, 3) with respect to (q, psi), in units of `length`."""
 
         def fill(some: slice) -> None:
-            kernel.wall_gradients(g[some], row_of(self.cells.row, some), *self._walls, self.length, h, d)
+            row, rows = row_of(self.cells.row, some), self.geometry.of_pairs(some)
+            kernel.wall_gradients(g[some], row, *rows, self.length, h, d)
 
         in_batches(len(g), self.batches, fill)
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), and D^T lam (P, 2) by q."""
         M, force = np.zeros((len(self.cells.a), 6)), np.zeros((len(self.cells.a), 2))
+        rows = self.geometry
 
         def fill(some: slice) -> None:
             kernel.wall_blocks(
-                g[some], row_of(self.cells.row, some), self.kind, d, self.normal, self.corner, self.length, weight, lam, M[some],
-                force[some],
+                g[some], row_of(self.cells.row, some), rows.kind, rows.line, rows.point, d, rows.normal, rows.corner, self.length,
+                weight, lam, M[some], force[some],
             )  # fmt: skip
 
         in_batches(len(g), self.batches, fill)
         return M, force
-
-    @property
-    def _walls(self) -> tuple[Any, ...]:
-        """Geometry of the rows, as kernels take it."""
-        return self.kind, self.normal, self.per_turn, self.off, self.corner
 
     def linearise(self, u: Floats, over: Linearised | None = None) -> Linearised:
         """Rows, their derivatives, and products with them, at u; in the arrays of `over` where that is no longer of use."""
@@ -297,9 +290,8 @@ def build_program(
     rows = rows_of(bodies, cells)
     if like is not None and _alike(like, bodies, cells, objective, length):
         return Program(
-            bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, like.slot, like.free,
-            like.scale, length, like.pattern, like.coupled_at,
-        )  # fmt: skip
+            bodies, objective, cells, rows, like.slot, like.free, like.scale, length, like.pattern, like.coupled_at
+        )
     free = np.flatnonzero(~bodies.fixed)
     slot = np.full(len(bodies.fixed), -1, dtype=np.int64)
     slot[free] = np.arange(len(free))
@@ -315,8 +307,8 @@ def build_program(
     order = np.argsort(key)
     at = order[np.searchsorted(key, other, sorter=order)] if len(other) else other
     return Program(
-        bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, slot, free, scale.ravel(),
-        length, replace(whole, block_at=whole.block_at[: len(own)]), whole.block_at[at],
+        bodies, objective, cells, rows, slot, free, scale.ravel(), length,
+        replace(whole, block_at=whole.block_at[: len(own)]), whole.block_at[at],
     )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from wiggleroom.search.contact_forces import ContactForces, contact_forces, cont
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.local_search import ESCAPE_DISTANCE, FULL_TURN, LocalSearch
 from wiggleroom.search.moves import branches_left_open
+from wiggleroom.search.path_check import CheckedPath
 from wiggleroom.search.periodic_motion import PeriodicMotion
 from wiggleroom.search.progress import Progress
 from wiggleroom.search.recession import recession_direction, turns_for_ever
@@ -44,28 +45,28 @@ def answer_of(
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
     checked, safe = search.checked_path(found), OVERLAP_TOLERANCE * ready.size
-    value, motions = found.value, checked.motions
+    value, count = found.value, len(checked.points)
     if not checked.sure:  # back to the last waypoint up to which the path is certain
-        motions = motions[: max(checked.certain, 1)]
-        value = search.objective.value(motions[-1])
+        count = max(checked.certain, 1)
+        value = search.objective.value(_motion(checked, count - 1))
     arrived = value >= found.value - END_TOLERANCE * max(abs(found.value), ready.clearance)
     forces = contact_forces(found.program, found.solution.u, found.active)
     verdict = _verdict(search, found, forces, checked.sure or arrived)
-    deepest = overlaps(ready.bodies, motions[-1], ready.ignored).deepest
+    deepest = overlaps(ready.bodies, _motion(checked, count - 1), ready.ignored).deepest
     if deepest > safe:  # never report an overlap: back to the last waypoint without one
-        motions, deepest = _safe_part(search, motions, safe)
-        verdict, value = Verdict.STOPPED, search.objective.value(motions[-1])
-    first = search.objective.value(motions[0])
+        count, deepest = _safe_part(search, checked, count, safe)
+        verdict, value = Verdict.STOPPED, search.objective.value(_motion(checked, count - 1))
+    first = search.objective.value(_motion(checked, 0))
     at_rest = (verdict is Verdict.STOPPED and value < first) or (verdict.ends and value <= first)
     if at_rest:  # where it began is better than what was reached, or as good
-        motions, value, deepest = motions[:1], first, 0.0
+        count, value, deepest = 1, first, 0.0
         if verdict.ends and not _best_at_rest(search):
             verdict = Verdict.STOPPED
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
-    waypoints, period = checked.waypoints[: len(motions)], None
+    waypoints, period = repeats.waypoints if repeats else checked.waypoints(ready, count), None
     if repeats is not None:
-        verdict, waypoints, deepest = Verdict.UNBOUNDED, repeats.waypoints, 0.0
+        verdict, deepest = Verdict.UNBOUNDED, 0.0
         turns = _names(ready.assembly, ready.bodies, repeats.turn != 0)
         period = Period(repeats.gain, repeats.turn[ready.bodies.body_of], repeats.first)
     elif verdict is Verdict.UNBOUNDED:
@@ -107,14 +108,19 @@ def _best_at_rest(search: LocalSearch) -> bool:
     return conditions(program, rest, np.zeros(program.rows)).hold(ready.size)
 
 
-def _safe_part(search: LocalSearch, motions: Floats, safe: float) -> tuple[Floats, float]:
-    """The path up to its last point without overlap, and the overlap there [mm]; rest has none."""
+def _motion(path: CheckedPath, k: int) -> Floats:
+    """Motion (n, 3) at a waypoint."""
+    return np.asarray(path.motions(slice(k, k + 1))[0])
+
+
+def _safe_part(search: LocalSearch, path: CheckedPath, count: int, safe: float) -> tuple[int, float]:
+    """Number of waypoints, of the first so many, up to the last without overlap, and the overlap there [mm]; rest has none."""
     ready = search.ready
-    for k in range(len(motions) - 1, 0, -1):
-        deepest = overlaps(ready.bodies, motions[k], ready.ignored).deepest
+    for k in range(count - 1, 0, -1):
+        deepest = overlaps(ready.bodies, _motion(path, k), ready.ignored).deepest
         if deepest <= safe:
-            return motions[: k + 1], deepest
-    return motions[:1], 0.0
+            return k + 1, deepest
+    return 1, 0.0
 
 
 def _verdict(search: LocalSearch, found: Incumbent, forces: ContactForces, sure: bool) -> Verdict:

@@ -225,5 +225,5 @@ def _cells_of_rest(search: LocalSearch, a: Ints, b: Ints) -> tuple[Cells, NDArra
 def _row_values(bodies: Bodies, cells: Cells, pose: Floats) -> Floats:
     """Values (R,) [mm] of all rows of some cells at relative poses (P, 3)."""
     rows, h = rows_of(bodies, cells), np.empty(cells.row[-1])
-    wall_values(pose, cells.row, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, 1.0, h)
+    wall_values(pose, cells.row, *rows.of_pairs(slice(None)), 1.0, h)
     return h

@@ -250,7 +250,8 @@ class LocalSearch:
         checked = self.checked_path(self.best)
         if checked.sure:
             return self.best.value, self.unlimited
-        return self.objective.value(checked.motions[max(checked.certain, 1) - 1]), False
+        last = max(checked.certain, 1)
+        return self.objective.value(checked.motions(slice(last - 1, last))[0]), False
 
     def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
@@ -368,7 +369,7 @@ class LocalSearch:
         known = np.concatenate([cells.a * n + cells.b, a * n + b])
         extra = np.setdiff1d(known, start.cells.a * n + start.cells.b)
         grown, good = self._grown(extra // n, extra % n, start.inner, found.motion)
-        return replace(start, cells=concatenated(start.cells, grown)) if good.all() else None
+        return replace(start, cells=concatenated(start.cells, grown), multipliers=None) if good.all() else None
 
     def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start | None:
         """Where the path to the best motion is certain for the last time, with the pairs that it meets then; None without cells there."""

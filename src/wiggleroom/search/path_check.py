@@ -27,41 +27,13 @@ MAX_SPLITS = 12
 """A piece of the path is halved at most this often."""
 SPLIT_BATCH = 32
 """Number of pieces that are halved before the next audit, first pieces first: where one of them fails, the rest is of no use."""
-MAX_PIECES, LATE_PIECES, MIN_PIECES = 2_000_000, 40_000, 4
+MAX_PIECES, LATE_PIECES, MIN_PIECES = 500_000, 40_000, 4
 """Pieces, times bodies, that are audited at once, as memory allows; the same after a request to stop, which takes some tenths of a
 second; and the fewest pieces."""
+MOVED_AT_ONCE = 100_000
+"""Bodies, times waypoints, whose parts' motions are worked out at once."""
 MAX_UNKNOWN_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
-
-
-@dataclass(frozen=True, eq=False)
-class CheckedPath:
-    """A path from rest.
-
-    Parameters
-    ----------
-    motions : (k, n, 3) float64 [mm, mm, rad]
-        Waypoints of the bodies.
-    waypoints : (k, parts, 3) float64 [mm, mm, rad]
-        The same of their parts, about the reference points, which move straight in between.
-    certain : int
-        Number of waypoints up to which certainly no two parts overlap anywhere.
-    kept : tuple of PathSegment
-        The legs up to the last point of the search that is certain.
-    missed : (p,) and (p,) int64
-        Pairs of bodies that may overlap and are not in the program of the last of these legs.
-    """
-
-    motions: Floats
-    waypoints: Floats
-    certain: int
-    kept: tuple[PathSegment, ...]
-    missed: tuple[Ints, Ints]
-
-    @property
-    def sure(self) -> bool:
-        """True where nothing overlaps anywhere along the path."""
-        return self.certain == len(self.motions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +44,44 @@ class _Point:
     index: int
     u: Floats
     depth: int
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedPath:
+    """A path from rest.
+
+    Parameters
+    ----------
+    segments : tuple of PathSegment
+        Its legs.
+    points : tuple
+        Its waypoints, those between points of the search included.
+    certain : int
+        Number of waypoints up to which certainly no two parts overlap anywhere.
+    kept : tuple of PathSegment
+        The legs up to the last point of the search that is certain.
+    missed : (p,) and (p,) int64
+        Pairs of bodies that may overlap and are not in the program of the last of these legs.
+    """
+
+    segments: tuple[PathSegment, ...]
+    points: tuple[_Point, ...]
+    certain: int
+    kept: tuple[PathSegment, ...]
+    missed: tuple[Ints, Ints]
+
+    @property
+    def sure(self) -> bool:
+        """True where nothing overlaps anywhere along the path."""
+        return self.certain == len(self.points)
+
+    def motions(self, some: slice = slice(None)) -> Floats:
+        """Waypoints (k, n, 3) [mm, mm, rad] of the bodies, or some of them: all at once are much in a large assembly."""
+        return np.array([self.segments[p.segment].program.motion(p.u) for p in self.points[some]])
+
+    def waypoints(self, ready: Prepared, count: int) -> Floats:
+        """The first waypoints (count, parts, 3) [mm, mm, rad] of the parts, about the reference points, which move straight in between."""
+        return _waypoints(ready, self.segments, self.points[:count])
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,17 +129,16 @@ def check_path(
     """
     begun = (known or CertainPrefix()).along(segments)
     points, certain, audit = _audited(ready, segments, begun, stop)
-    waypoints = _waypoints(ready, segments, points)
-    motions = np.array([segments[p.segment].program.motion(p.u) for p in points])
     if certain == len(points):
         none = np.zeros(0, dtype=np.int64)
-        return CheckedPath(motions, waypoints, len(points), tuple(segments), (none, none))
+        return CheckedPath(tuple(segments), tuple(points), len(points), tuple(segments), (none, none))
     last = points[max(certain - 1, 0)]
     kept = (
         *segments[: last.segment],
         PathSegment(segments[last.segment].program, segments[last.segment].points[: last.index + 1]),
     )
-    return CheckedPath(motions, waypoints, certain, kept, missed(ready.bodies, audit, kept[-1].program))
+    strangers = missed(ready.bodies, audit, kept[-1].program)
+    return CheckedPath(tuple(segments), tuple(points), certain, kept, strangers)
 
 
 def certain_prefix(
@@ -183,7 +192,12 @@ def missed(bodies: Bodies, audit: PathAudit, program: Program) -> tuple[Ints, In
 
 
 def _waypoints(ready: Prepared, segments: Sequence[PathSegment], points: Sequence[_Point]) -> Floats:
-    return of_parts(ready.assembly, ready.bodies, np.array([segments[p.segment].program.motion(p.u) for p in points]))
+    out = np.empty((len(points), len(ready.assembly.parts), 3))
+    few = max(1, MOVED_AT_ONCE // len(ready.bodies.fixed))
+    for k in range(0, len(points), few):
+        motions = np.array([segments[p.segment].program.motion(p.u) for p in points[k : k + few]])
+        out[k : k + few] = of_parts(ready.assembly, ready.bodies, motions)
+    return out
 
 
 def _refined(
@@ -271,14 +285,16 @@ def _middle(program: Program, retraction: Retraction, matrix: Factor, u: Floats,
     at_u, at_v = program.values(u), program.values(v)
     target = (np.minimum(at_u, at_v) > 0) * (at_u + at_v) / 2
     between = middle = retraction.between(u, v)
-    weight = np.where(target > 0, 1.0 / np.maximum(target, 1e-12) ** 2, 0.0)
+    weight, none = np.where(target > 0, 1.0 / np.maximum(target, 1e-12) ** 2, 0.0), np.zeros_like(target)
+    del at_u, at_v  # in assemblies of a million parts these arrays count
+    at = None
     for _ in range(10):
-        at = program.linearise(middle)
+        at = program.linearise(middle, at)
         short = np.where(target > 0, np.maximum(target - at.h, 0.0), 0.0)
         if (short <= target / 2).all():
             break
         shift = 1e-6
-        while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
+        while not matrix.update(at.condensed(weight, none, share=0.0), shift):
             shift *= 100
         middle = retraction.step(middle, matrix.solve(at.transposed_jacobian_product(weight * short)), at)
     halves = np.abs(middle - between).max() <= np.abs(v - u).max() / 2  # else pieces would not get shorter

@@ -163,8 +163,9 @@ def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMoti
                 return None
             path = _steered(search, target)
             if path is not None:
-                begin = int(np.abs(path.motions - target.base).max(axis=(1, 2)).argmin())
-                return PeriodicMotion(path.motions, path.waypoints, begin, target.turn, float(weights @ target.turn))
+                begin = int(np.abs(path - target.base).max(axis=(1, 2)).argmin())
+                waypoints = of_parts(search.ready.assembly, search.ready.bodies, path)
+                return PeriodicMotion(path, waypoints, begin, target.turn, float(weights @ target.turn))
     return None
 
 
@@ -200,11 +201,11 @@ def _in_place(search: LocalSearch, path: CheckedPath, weights: Floats, step: Flo
     ready = search.ready
     asked = np.flatnonzero((weights != 0) & ~ready.bodies.fixed)
     for first in dict.fromkeys((0, path.certain - 1)):
-        state = path.motions[first]
+        state = path.motions()[first]
         for body in asked.tolist():
             for angle, turning in _turns_alone(ready, state, body, float(np.sign(weights[body]) * step[body])):
                 begin = first + int((turning[0] != state).any())
-                motions = np.concatenate([path.motions[:begin], turning])
+                motions = np.concatenate([path.motions()[:begin], turning])
                 waypoints = of_parts(ready.assembly, ready.bodies, motions)
                 if audit_path(ready.assembly, waypoints[first:]).free:
                     turn = np.zeros(len(weights))
@@ -265,8 +266,8 @@ def _congruent_states(
         yield from order[:MAX_STATES]
 
 
-def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None:
-    """The path to a congruent state; None where it is not reached."""
+def _steered(search: LocalSearch, target: _CongruentState) -> Floats | None:
+    """Waypoints (k, n, 3) of the way to a congruent state; None where it is not reached."""
     ready, bodies = search.ready, search.ready.bodies
     goal = _approach(search, target.motion)
     segment = target.segments[-1]
@@ -287,9 +288,7 @@ def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None
     path = check_path(ready, (*found.path, arrival), search.stop)
     if not path.sure:
         return None
-    end = of_parts(ready.assembly, bodies, target.motion[None])  # without the rounding of the program's units
-    waypoints = np.concatenate([path.waypoints[:-1], end])
-    return replace(path, motions=np.concatenate([path.motions[:-1], target.motion[None]]), waypoints=waypoints)
+    return np.concatenate([path.motions()[:-1], target.motion[None]])  # without the rounding of the program's units
 
 
 def _approach(search: LocalSearch, target: Floats) -> Approach:

@@ -38,6 +38,7 @@ def restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, 
             shift *= 10
         step = NewtonStep.to_boundary(newton(state, matrix, dual_residual, mu - state.s * state.lam), shift)
         if large and step.primal_step < SETTINGS.min_restoring_step:
+            del step, data  # in assemblies of a million parts these arrays count
             return _lifted(state, matrix, retraction)
         take_step(state, step, retraction, violation(state.lam, state.s, state.at.h))
     return state
@@ -55,7 +56,7 @@ def _lifted(state: Iterate, matrix: Factor, retraction: Retraction) -> Iterate:
         while not matrix.update(at.condensed(weight, none, share=0.0), shift):
             shift *= 100
         u = retraction.step(u, matrix.solve(at.transposed_jacobian_product(weight * short)), at)
-        at = at.program.linearise(u)
+        at = at.program.linearise(u, None if at is state.at else at)
     return replace(state, u=u, at=at, s=np.maximum(at.h, SETTINGS.min_slack)) if at.h.min() >= 0.0 else state
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, FACE, HIGH_TURN, LOW_TURN
+from wiggleroom.program.constraint_rows import Rows
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
 from wiggleroom.solve.casadi_ipopt import IterationMonitor, import_casadi, ipopt_options, iteration_listener
@@ -159,9 +160,9 @@ def _rows(casadi: Any, program: Program, pose: list) -> Any:
     pair, sees = program.cells.pair, (c * x + s * y, c * y - s * x, psi, casadi.cos(psi), casadi.sin(psi))
     parts, places = [], []
     for kind in (A_EDGE, B_EDGE, LOW_TURN, HIGH_TURN, FACE):
-        k = np.flatnonzero(program.kind == kind)
+        k = np.flatnonzero(program.geometry.kind == kind)
         if len(k):
-            parts.append(_of_kind(kind, [e[pair[k].tolist(), 0] for e in sees], program, k))
+            parts.append(_of_kind(kind, [e[pair[k].tolist(), 0] for e in sees], program.geometry, pair, k))
             places.append(k)
     if not parts:
         return casadi.MX(0, 1)
@@ -169,15 +170,19 @@ def _rows(casadi: Any, program: Program, pose: list) -> Any:
     return casadi.vertcat(*parts)[back.tolist(), 0]
 
 
-def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
+def _of_kind(kind: int, sees: list, rows: Rows, pair: Ints, k: Ints) -> Any:
     """Rows k, all of one kind, where B is seen at `sees`: x, y, angle, its cosine and sine."""
     x, y, psi, c, s = sees
-    (nx, ny), (vx, vy), off = program.normal[k].T, program.corner[k].T, program.off[k]
-    if kind in (A_EDGE, FACE):
-        return nx * (x + c * vx - s * vy) + ny * (y + s * vx + c * vy) + program.per_turn[k] * psi - off
+    if kind == LOW_TURN:
+        return rows.lever[pair[k]] * (psi - rows.ends[pair[k], 0])
+    if kind == HIGH_TURN:
+        return rows.lever[pair[k]] * (rows.ends[pair[k], 1] - psi)
+    line = rows.line[k]
+    (nx, ny), (vx, vy), off = rows.normal[line].T, rows.corner[rows.point[k]].T, rows.off[line]
     if kind == B_EDGE:
         return nx * (c * (vx - x) + s * (vy - y)) + ny * (c * (vy - y) - s * (vx - x)) - off
-    return nx * (psi - off) if kind == LOW_TURN else nx * (off - psi)
+    turning = rows.per_turn[line] * psi if kind == FACE else 0.0
+    return nx * (x + c * vx - s * vy) + ny * (y + s * vx + c * vy) + turning - off
 
 
 @dataclass(eq=False, kw_only=True)

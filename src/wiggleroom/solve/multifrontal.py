@@ -56,13 +56,13 @@ class FrontalPlan:
         entry = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=nodes))])
         in_parent = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
         self.shares, region = _shares(tree)
-        place, workplace, self.stack = _stack_places(
-            tree.border_start, tree.child, tree.sibling, region, len(self.shares), block
-        )
+        place, self.stack = _stack_places(tree.border_start, tree.child, tree.sibling, region, len(self.shares), block)
         self.assembly = (
-            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, self.panel, place, workplace, entry,
-            target[source], source, block,
+            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, self.panel, place, entry, target[source],
+            source, block,
         )  # fmt: skip
+        high = block * np.diff(tree.border_start)
+        self.leftovers = [int(high[nodes].max(initial=0)) ** 2 for nodes in self.shares]
         self.order = (block * tree.order[:, None] + np.arange(block)).ravel()
         self.widest = block * int((np.diff(tree.first) + np.diff(tree.border_start)).max())
 
@@ -90,10 +90,11 @@ class Multifrontal:
 
     def update(self, data: Floats, shift: float) -> bool:
         """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
-        *subtrees, top = self._plan.shares
+        *subtrees, top = zip(self._plan.shares, self._plan.leftovers, strict=True)
 
-        def done(nodes: Ints) -> bool:
-            return _factorise(nodes, *self._work, data, shift, np.empty(8, np.int32))
+        def done(share: tuple[Ints, int]) -> bool:
+            nodes, most = share
+            return _factorise(nodes, *self._work, data, shift, np.empty(most), np.empty(8, np.int32))
 
         with self._libraries.limit(limits=1):  # fronts are small: threads of a library would cost more than they save
             fine = all(in_parallel(subtrees, done))
@@ -212,29 +213,28 @@ def _places_in_parent(first, border_start, border, parent):
 
 @njit(**OPTIONS)
 def _stack_places(border_start, child, sibling, region, regions, block):
-    """Where each node's left-over lies on the stack of its share, where it is worked out above its children, and the size of all stacks."""
+    """Where each node's left-over, a lower triangle, lies on the stack of its share, over its children's; and the size of all stacks."""
     nodes = len(region)
-    place, workplace = np.empty(nodes, np.int64), np.empty(nodes, np.int64)
+    place = np.empty(nodes, np.int64)
     height, most = np.zeros(regions, np.int64), np.zeros(regions, np.int64)
     for t in range(nodes):
         r = region[t]
-        workplace[t], place[t] = height[r], height[r]
+        place[t] = height[r]
         c = child[t]
         while c >= 0:
             if region[c] == r:
                 place[t] = min(place[t], place[c])
             c = sibling[c]
-        size = (block * (border_start[t + 1] - border_start[t])) ** 2
-        most[r] = max(most[r], workplace[t] + size)
-        height[r] = place[t] + size
+        high = block * (border_start[t + 1] - border_start[t])
+        height[r] = place[t] + high * (high + 1) // 2
+        most[r] = max(most[r], height[r])
     base = 0
     for r in range(regions):
         for t in range(nodes):
             if region[t] == r:
                 place[t] += base
-                workplace[t] += base
         base += most[r]
-    return place, workplace, base
+    return place, base
 
 
 def _called(count: int) -> Any:
@@ -263,10 +263,10 @@ _ADDRESSES = (
 
 @njit(**OPTIONS)
 def _factorise(
-    nodes, first, border_start, child, sibling, in_parent, panel, place, workplace, entry, target, source, block, factor, stack,
-    dpotrf, dtrsm, dsyrk, data, shift, number,
+    nodes, first, border_start, child, sibling, in_parent, panel, place, entry, target, source, block, factor, stack, dpotrf, dtrsm,
+    dsyrk, data, shift, room, number,
 ):  # fmt: skip
-    """Factorise some nodes, in order; False where a pivot is not positive."""
+    """Factorise some nodes, in order, with `room` for the largest left-over of one; False where a pivot is not positive."""
     real = np.array([1.0, -1.0])
     letter = np.array([76, 78, 82, 84], np.int8)  # L N R T
     L, N, R, T = letter.ctypes.data, letter.ctypes.data + 1, letter.ctypes.data + 2, letter.ctypes.data + 3
@@ -280,7 +280,7 @@ def _factorise(
             A[target[k]] += data[source[k]]
         for c in range(width):
             A[c * tall + c] += shift
-        C = stack[workplace[t] : workplace[t] + high * high]
+        C = room[: high * high]
         C[:] = 0.0
         c = child[t]
         while c >= 0:
@@ -295,29 +295,32 @@ def _factorise(
             if high > 0:
                 _call11(dtrsm, (R, L, T, N, at + 4, at, one, a, at + 8, a + 8 * width, at + 8))
                 _call10(dsyrk, (L, N, at + 4, at, minus, a + 8 * width, at + 8, one, C.ctypes.data, at + 12))
-        if workplace[t] != place[t]:
-            for k in range(high * high):
-                stack[place[t] + k] = C[k]
+        at_stack = place[t]
+        for c in range(high):  # its lower triangle, column by column
+            for k in range(c * high + c, (c + 1) * high):
+                stack[at_stack] = C[k]
+                at_stack += 1
     return True
 
 
 @njit(**NO_ALLOCATION)
 def _gather(A, C, stack, begin, places, block, width, high, tall):
     """Add what a child leaves over to the front of its parent, lower triangles only."""
-    size = block * len(places)
+    size, column = block * len(places), begin
     for J in range(len(places)):
         for j in range(block):
-            column, right = begin + (block * J + j) * size, block * places[J] + j
+            right = block * places[J] + j
             if right < width:
                 for K in range(J, len(places)):
                     down = right * tall + block * places[K]
-                    for i in range(block):
-                        A[down + i] += stack[column + block * K + i]
+                    for i in range(j if K == J else 0, block):
+                        A[down + i] += stack[column + block * (K - J) + i - j]
             else:
                 for K in range(J, len(places)):
                     down = (right - width) * high + block * places[K] - width
-                    for i in range(block):
-                        C[down + i] += stack[column + block * K + i]
+                    for i in range(j if K == J else 0, block):
+                        C[down + i] += stack[column + block * (K - J) + i - j]
+            column += size - block * J - j
 
 
 @njit(fastmath=True, **NO_ALLOCATION)

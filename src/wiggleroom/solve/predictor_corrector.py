@@ -79,6 +79,7 @@ def predictor_corrector_step(
         if not matrix.update(data, shift + state.proximal_weight):
             shift = max(SETTINGS.shift_growth * shift, SETTINGS.definite_shift)
             continue
+        found = direction = None  # of the attempt before: in assemblies of a million parts these arrays count
         np.negative(np.multiply(s, lam, out=goal), out=goal)
         predictor = newton(state, matrix, dual_residual, goal)
         gap = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal_step, predictor.dual_step)
@@ -89,7 +90,7 @@ def predictor_corrector_step(
             centring = max(centring, settings.moving_centring)
         next_mu = max(centring * mu, least)
         corrector_goal(s, predictor.s, lam, predictor.lam, next_mu, SETTINGS.max_correction * mu, goal)
-        del predictor  # in assemblies of a million parts these arrays count
+        del predictor
         direction = newton(state, matrix, dual_residual, goal)
         if mu * len(s) < settings.corrected_gap * max(abs(at.value) / state.unit, 1.0):
             direction = corrected(state, matrix, direction, next_mu, goal)
