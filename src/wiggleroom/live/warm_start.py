@@ -122,6 +122,11 @@ class WarmSearch:
     stop : optional
     enough : float, optional
         For a drag: the search ends once the objective is worth so much.
+
+    Attributes
+    ----------
+    interrupt : optional
+        Somebody who does not wait even for the end of its time.
     """
 
     ready: Prepared
@@ -130,14 +135,16 @@ class WarmSearch:
     stop: Stop | None = None
     enough: float | None = None
     search: LocalSearch = field(init=False)
+    interrupt: Stop | None = field(init=False)
     _seen: tuple[Incumbent, tuple[Ints, Ints]] | None = None
 
     def __post_init__(self) -> None:
         """Choose moves and tolerances."""
+        self.interrupt = self.stop.stop if isinstance(self.stop, TimeBudget) else self.stop
         policy = Policy(
             moves=(regrow_stale, tighten), stale=self._stale, fine=self._tolerance, unchecked=self._unchecked,
             rough=SKETCH_TOLERANCE, mu_may_grow=False, most_rounds=MAX_LIVE_ROUNDS,
-            prepares_next=True,
+            prepares_next=True, interrupt=self.interrupt,
         )  # fmt: skip
         solver = partial(solve, enough=np.inf if self.enough is None else self.enough, exact=PICTURE_TOLERANCE)
         self.search = LocalSearch(self.ready, self.objective, solver, policy, self.stop)
@@ -151,17 +158,19 @@ class WarmSearch:
         """Search, and return the state that was reached, and whether the search came to its end.
 
         The motion of the new state is free of overlap and no pair outside the program can have met on the path to it; where none was
-        found that is better, it is that of the old state.
+        found that is better, it is that of the old state. Somebody who does not wait for the end of its time gets the old state.
         """
         before, search = self.state, self.search
         near = search.policy.fine(search) if before.near else None
         start = Start(before.cells, before.inner, mu=before.mu, tolerance=near)
         found = search.improve(start)
-        motion = None if found is None else self._safe_end(found)
         if (
-            found is not None and motion is None
-        ):  # parts meet there that no cell keeps apart: the next search begins before that
-            search.go_back(start)
+            self.interrupt is not None and self.interrupt.is_set()
+        ):  # to look whether parts overlap would take as long as the search did
+            return before, False
+        motion = None if found is None else self._safe_end(found)
+        if found is not None and motion is None:
+            search.go_back(start)  # parts meet there that no cell keeps apart: the next search begins before that
         settled = search.ended and motion is not None
         value = self.objective.value
         if motion is None or (not settled and value(motion) < value(before.motion)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any, Protocol
@@ -82,6 +83,8 @@ class Policy:
     most_rounds : int
     prepares_next : bool
         Whether the next round is prepared even after a request to stop: a drag goes on from there.
+    interrupt : optional
+        What stops that, too.
     """
 
     moves: tuple[Move, ...]
@@ -92,6 +95,7 @@ class Policy:
     mu_may_grow: bool = True
     most_rounds: int = MAX_ROUNDS
     prepares_next: bool = False
+    interrupt: Stop | None = None
 
 
 @dataclass(eq=False)
@@ -152,7 +156,7 @@ class LocalSearch:
         most = self.rounds + self.policy.most_rounds
         proposals: Iterator[Start] = iter((start,))
         while self.rounds < most:
-            if self.preparation_stop is not None and self.stopped and self.best is not None:
+            if self.preparation_stop is not None and self.preparation_stop.is_set() and self.best is not None:
                 break
             try:
                 begin = next(proposals, None)
@@ -209,7 +213,7 @@ class LocalSearch:
     @property
     def preparation_stop(self) -> Stop | None:
         """What stops the preparation of a round; None where nothing does."""
-        return None if self.policy.prepares_next else self.stop
+        return self.policy.interrupt if self.policy.prepares_next else self.stop
 
     @property
     def fine(self) -> float:
@@ -317,7 +321,9 @@ class LocalSearch:
 
     def go_back(self, start: Start) -> None:
         """Leave the best motion, which is not safe; coming is a start with the pairs that it or its path lacks."""
-        self.coming = self._with_more_pairs(start) or start
+        self.coming = start
+        with suppress(StoppedError):
+            self.coming = self._with_more_pairs(start) or start
         self.best = self.last = None
 
     def _with_more_pairs(self, start: Start) -> Start | None:
