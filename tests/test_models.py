@@ -192,7 +192,7 @@ def test_faces_in_a_program_have_exact_derivatives() -> None:
     made = chain("hook", 0.02, 4, 0.5)
     ready = approximate(made, wr.Hull("joint"))
     of = build_program(ready.bodies, ready.faces, objective(made, ready.bodies, made.goals), length=ready.clearance)
-    assert (of.kind == FACE).all()
+    assert (of.geometry.kind == FACE).all()
     random = np.random.default_rng(3)
     motion = np.zeros((4, 3))
     motion[of.free] = random.uniform(-0.3, 0.3, (3, 3))
