@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.sensitivity.dual_face import DualFace
-from wiggleroom.solve.dual_linear_program import need_highs, quiet_solver
+from wiggleroom.solve.dual_linear_program import need_highs, quiet_solver, standard_form
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -67,16 +67,10 @@ def independent_rows(matrix: sp.csr_matrix) -> Ints:
 def _from_the_last_basis(balance: sp.csr_matrix, stop: Stop | None) -> Minimum:
     """Minimum of a cost (k,) over x >= 0 with the same balance as x = 1: each begins at the vertex where the last one ended."""
     highspy = need_highs()
-    matrix, count = balance.tocsc(), balance.shape[1]
-    lp = highspy.HighsLp()
-    lp.num_row_, lp.num_col_ = matrix.shape
-    lp.col_cost_, lp.col_lower_, lp.col_upper_ = np.zeros(count), np.zeros(count), np.full(count, highspy.kHighsInf)
-    lp.row_lower_ = lp.row_upper_ = matrix @ np.ones(count)
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
-    solver = quiet_solver(highspy, lambda: stop is not None and stop.is_set(), matrix.shape[0])
+    rows, count = balance.shape
+    solver = quiet_solver(highspy, lambda: stop is not None and stop.is_set(), rows)
     solver.setOptionValue("simplex_strategy", highspy.simplex_constants.kSimplexStrategyPrimal.value)
-    solver.passModel(lp)
+    solver.passModel(standard_form(highspy, np.zeros(count), balance.tocsc(), balance @ np.ones(count)))
     every = np.arange(count, dtype=np.int32)
 
     def minimum(cost: Floats) -> float:

@@ -82,17 +82,10 @@ class DualLinearProgram:
         rows = rows.tocsr()
         one = sp.identity(n, format="csr")
         matrix = sp.hstack([rows[self.up].T, -rows[self.down].T, one, -one]).tocsc()
-        lp = highspy.HighsLp()
-        lp.num_row_, lp.num_col_ = matrix.shape
-        lp.col_cost_ = np.concatenate([high[self.up], -low[self.down], most, -least])
-        lp.col_lower_ = np.zeros(matrix.shape[1])
-        lp.col_upper_ = np.full(matrix.shape[1], highspy.kHighsInf)
-        lp.row_lower_ = lp.row_upper_ = np.zeros(n)
-        lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-        lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
+        cost = np.concatenate([high[self.up], -low[self.down], most, -least])
         self.over = over
         self.highs = quiet_solver(highspy, over, n)
-        self.highs.passModel(lp)
+        self.highs.passModel(standard_form(highspy, cost, matrix, np.zeros(n)))
         self.every = np.arange(n, dtype=np.int32)
         self.x: Floats = np.zeros(n)
 
@@ -138,6 +131,17 @@ class DualLinearProgram:
     def iterations(self) -> int:
         """Of the simplex method, in the last question."""
         return int(self.highs.getInfo().simplex_iteration_count)
+
+
+def standard_form(highspy: Any, cost: Floats, matrix: sp.csc_matrix, total: Floats) -> Any:
+    """Program of HiGHS: min cost . x with matrix x = total and x >= 0; `matrix` (m, k) by columns."""
+    lp = highspy.HighsLp()
+    lp.num_row_, lp.num_col_ = matrix.shape
+    lp.col_cost_, lp.col_lower_, lp.col_upper_ = cost, np.zeros(len(cost)), np.full(len(cost), highspy.kHighsInf)
+    lp.row_lower_ = lp.row_upper_ = total
+    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
+    return lp
 
 
 def quiet_solver(highspy: Any, over: Callable[[], bool], rows: int) -> Any:
