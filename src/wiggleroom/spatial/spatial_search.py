@@ -21,7 +21,7 @@ from wiggleroom.spatial.planes.separating_plane_program import (
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
-from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_that_meet
+from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_not_among, pairs_that_meet
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
@@ -373,6 +373,5 @@ class SpatialSearch:
 
     def _passed_through(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Ints:
         """Pairs of pieces outside the program that meet between two waypoints: small pieces go through each other in one step."""
-        pairs = passing_pairs(self.ready.grouping.bodies, [point.pose for point in found.path])
-        known = set(map(tuple, program.pieces.tolist()))
-        return np.array([p for p in pairs.tolist() if tuple(p) not in known], dtype=np.int64).reshape(-1, 4)
+        bodies = self.ready.grouping.bodies
+        return pairs_not_among(bodies, passing_pairs(bodies, [point.pose for point in found.path]), program.pieces)
