@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
-from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
-from wiggleroom.live.warm_start import WarmSearch, state_at_rest
+from wiggleroom.live.warm_start import TimeBudget, WarmSearch, state_at_rest
 from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import ZERO_MOTION, PointMotion, Points
 from wiggleroom.search.prepare import Prepared
@@ -38,7 +37,7 @@ MIN_SPARSE_VARIABLES = 12
 """With fewer variables all eigenvectors are worked out."""
 
 
-def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> tuple[Mode, ...]:
+def modes(ready: Prepared, body: int | None, count: int, until: TimeBudget) -> tuple[Mode, ...]:
     """Return at most `count` freedoms, loosest first; those that move one body where one is given.
 
     The walls at rest hold every body as springs would: the stiffness is that of the barrier - sum log h of the rows h.
@@ -50,13 +49,13 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
     found: list[tuple[Mode, Floats]] = []
     gone: list[Floats] = []  # directions of the freedoms found: what leads along them is no new one
     for towards in _directions(program, body, count):
-        if len(found) == count or (stop is not None and stop.is_set()):
+        if len(found) == count or until.is_set():
             break
         direction = towards - sum((towards @ g) * g for g in gone)
         if np.linalg.norm(direction) < MIN_INDEPENDENCE * np.linalg.norm(towards):
             continue
-        one, far = _end(ready, program, direction, stop)
-        other, further = _end(ready, program, -direction, stop)
+        one, far = _end(ready, program, direction, until)
+        other, further = _end(ready, program, -direction, until)
         ends = np.concatenate([one[-1].ravel(), other[-1].ravel()])
         long = np.linalg.norm(ends)
         there = _furthest(ready.bodies, one[-1]), _furthest(ready.bodies, other[-1])
@@ -104,12 +103,12 @@ def _directions(program: Program, body: int | None, count: int) -> list[Floats]:
     return list(vectors.T[::-1]) if values[0] > values[-1] else list(vectors.T)
 
 
-def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None) -> tuple[Floats, bool]:
+def _end(ready: Prepared, program: Program, direction: Floats, until: TimeBudget) -> tuple[Floats, bool]:
     """Motions (k, n, 3) of the bodies from rest to the end of a freedom, and whether that was cut off."""
     weights = (direction / program.scale).reshape(-1, 3)
     weights = weights / np.abs(weights[:, :2]).max(initial=1e-300)
     goal = PointMotion(program.free, weights[:, :2].copy(), np.zeros((len(program.free), 2)), weights[:, 2].copy())
-    warm = WarmSearch(ready, goal, state_at_rest(ready), stop)
+    warm = WarmSearch(ready, goal, state_at_rest(ready), until)
     warm.reach()
     search = warm.search
     still = np.zeros((1, len(ready.bodies.fixed), 3))

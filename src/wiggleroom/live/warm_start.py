@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field, replace
 from functools import partial
+from threading import Event
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +95,7 @@ def state_at_rest(ready: Prepared) -> State:
 
 @dataclass(eq=False)
 class TimeBudget:
-    """Stops at a time, or on another request to stop; asked every iteration."""
+    """Stops at a time, or on another request to stop, `interrupt`, that is never made where nobody can; asked every iteration."""
 
     seconds: float
     stop: Stop | None = None
@@ -102,12 +103,12 @@ class TimeBudget:
     def __post_init__(self) -> None:
         """Start the clock."""
         self._end, self._asked = time.perf_counter() + self.seconds, 0
+        self.interrupt: Stop = Event() if self.stop is None else self.stop
 
     def is_set(self) -> bool:
         """True to stop."""
         self._asked += 1
-        told = self.stop is not None and self.stop.is_set()
-        return told or (self._asked > MIN_LIVE_ITERATIONS and time.perf_counter() > self._end)
+        return self.interrupt.is_set() or (self._asked > MIN_LIVE_ITERATIONS and time.perf_counter() > self._end)
 
 
 @dataclass(eq=False)
@@ -119,35 +120,28 @@ class WarmSearch:
     ready : Prepared
     objective : Objective
     state : State
-    stop : optional
+    until : TimeBudget
     enough : float, optional
         For a drag: the search ends once the objective is worth so much.
-
-    Attributes
-    ----------
-    interrupt : optional
-        Somebody who does not wait even for the end of its time.
     """
 
     ready: Prepared
     objective: Objective
     state: State
-    stop: Stop | None = None
+    until: TimeBudget
     enough: float | None = None
     search: LocalSearch = field(init=False)
-    interrupt: Stop | None = field(init=False)
     _seen: tuple[Incumbent, tuple[Ints, Ints]] | None = None
 
     def __post_init__(self) -> None:
         """Choose moves and tolerances."""
-        self.interrupt = self.stop.stop if isinstance(self.stop, TimeBudget) else self.stop
         policy = Policy(
             moves=(regrow_stale, tighten), stale=self._stale, fine=self._tolerance, unchecked=self._unchecked,
             rough=SKETCH_TOLERANCE, mu_may_grow=False, most_rounds=MAX_LIVE_ROUNDS,
-            prepares_next=True, interrupt=self.interrupt,
+            interrupt=self.until.interrupt,
         )  # fmt: skip
         solver = partial(solve, enough=np.inf if self.enough is None else self.enough, exact=PICTURE_TOLERANCE)
-        self.search = LocalSearch(self.ready, self.objective, solver, policy, self.stop)
+        self.search = LocalSearch(self.ready, self.objective, solver, policy, self.until)
 
     @property
     def best(self) -> Incumbent | None:
@@ -164,9 +158,7 @@ class WarmSearch:
         near = search.policy.fine(search) if before.near else None
         start = Start(before.cells, before.inner, mu=before.mu, tolerance=near)
         found = search.improve(start)
-        if (
-            self.interrupt is not None and self.interrupt.is_set()
-        ):  # to look whether parts overlap would take as long as the search did
+        if self.until.interrupt.is_set():  # to look whether parts overlap would take as long as the search did
             return before, False
         motion = None if found is None else self._safe_end(found)
         if found is not None and motion is None:

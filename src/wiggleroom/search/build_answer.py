@@ -48,15 +48,15 @@ def answer_of(
     value, count = found.value, len(checked.points)
     if not checked.sure:  # back to the last waypoint up to which the path is certain
         count = max(checked.certain, 1)
-        value = search.objective.value(_motion(checked, count - 1))
+        value = search.objective.value(checked.motion(count - 1))
     arrived = value >= found.value - END_TOLERANCE * max(abs(found.value), ready.clearance)
     forces = contact_forces(found.program, found.solution.u, found.active)
     verdict = _verdict(search, found, forces, checked.sure or arrived)
-    deepest = overlaps(ready.bodies, _motion(checked, count - 1), ready.ignored).deepest
+    deepest = overlaps(ready.bodies, checked.motion(count - 1), ready.ignored).deepest
     if deepest > safe:  # never report an overlap: back to the last waypoint without one
         count, deepest = _safe_part(search, checked, count, safe)
-        verdict, value = Verdict.STOPPED, search.objective.value(_motion(checked, count - 1))
-    first = search.objective.value(_motion(checked, 0))
+        verdict, value = Verdict.STOPPED, search.objective.value(checked.motion(count - 1))
+    first = search.objective.value(checked.motion(0))
     at_rest = (verdict is Verdict.STOPPED and value < first) or (verdict.ends and value <= first)
     if at_rest:  # where it began is better than what was reached, or as good
         count, value, deepest = 1, first, 0.0
@@ -108,16 +108,11 @@ def _best_at_rest(search: LocalSearch) -> bool:
     return conditions(program, rest, np.zeros(program.rows)).hold(ready.size)
 
 
-def _motion(path: CheckedPath, k: int) -> Floats:
-    """Motion (n, 3) at a waypoint."""
-    return np.asarray(path.motions(slice(k, k + 1))[0])
-
-
 def _safe_part(search: LocalSearch, path: CheckedPath, count: int, safe: float) -> tuple[int, float]:
     """Number of waypoints, of the first so many, up to the last without overlap, and the overlap there [mm]; rest has none."""
     ready = search.ready
     for k in range(count - 1, 0, -1):
-        deepest = overlaps(ready.bodies, _motion(path, k), ready.ignored).deepest
+        deepest = overlaps(ready.bodies, path.motion(k), ready.ignored).deepest
         if deepest <= safe:
             return k + 1, deepest
     return 1, 0.0

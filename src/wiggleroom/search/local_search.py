@@ -81,10 +81,8 @@ class Policy:
     mu_may_grow : bool
         Whether a round may begin with more complementarity than the one before.
     most_rounds : int
-    prepares_next : bool
-        Whether the next round is prepared even after a request to stop: a drag goes on from there.
     interrupt : optional
-        What stops that, too.
+        What stops the preparation of a round, in place of what stops the search: a drag goes on from what its time allowed to begin.
     """
 
     moves: tuple[Move, ...]
@@ -94,7 +92,6 @@ class Policy:
     rough: float = ROUGH_TOLERANCE
     mu_may_grow: bool = True
     most_rounds: int = MAX_ROUNDS
-    prepares_next: bool = False
     interrupt: Stop | None = None
 
 
@@ -213,7 +210,7 @@ class LocalSearch:
     @property
     def preparation_stop(self) -> Stop | None:
         """What stops the preparation of a round; None where nothing does."""
-        return self.policy.interrupt if self.policy.prepares_next else self.stop
+        return self.stop if self.policy.interrupt is None else self.policy.interrupt
 
     @property
     def fine(self) -> float:
@@ -254,8 +251,7 @@ class LocalSearch:
         checked = self.checked_path(self.best)
         if checked.sure:
             return self.best.value, self.unlimited
-        last = max(checked.certain, 1)
-        return self.objective.value(checked.motions(slice(last - 1, last))[0]), False
+        return self.objective.value(checked.motion(max(checked.certain, 1) - 1)), False
 
     def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""

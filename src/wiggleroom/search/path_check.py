@@ -75,9 +75,13 @@ class CheckedPath:
         """True where nothing overlaps anywhere along the path."""
         return self.certain == len(self.points)
 
-    def motions(self, some: slice = slice(None)) -> Floats:
-        """Waypoints (k, n, 3) [mm, mm, rad] of the bodies, or some of them: all at once are much in a large assembly."""
-        return np.array([self.segments[p.segment].program.motion(p.u) for p in self.points[some]])
+    def motion(self, k: int) -> Floats:
+        """A waypoint (n, 3) [mm, mm, rad] of the bodies: all at once are much in a large assembly."""
+        return np.asarray(_motions(self.segments, (self.points[k],))[0])
+
+    def motions(self) -> Floats:
+        """All waypoints (k, n, 3) [mm, mm, rad] of the bodies."""
+        return _motions(self.segments, self.points)
 
     def waypoints(self, ready: Prepared, count: int) -> Floats:
         """The first waypoints (count, parts, 3) [mm, mm, rad] of the parts, about the reference points, which move straight in between."""
@@ -191,12 +195,15 @@ def missed(bodies: Bodies, audit: PathAudit, program: Program) -> tuple[Ints, In
     return keys // n, keys % n
 
 
+def _motions(segments: Sequence[PathSegment], points: Sequence[_Point]) -> Floats:
+    return np.array([segments[p.segment].program.motion(p.u) for p in points])
+
+
 def _waypoints(ready: Prepared, segments: Sequence[PathSegment], points: Sequence[_Point]) -> Floats:
     out = np.empty((len(points), len(ready.assembly.parts), 3))
     few = max(1, MOVED_AT_ONCE // len(ready.bodies.fixed))
     for k in range(0, len(points), few):
-        motions = np.array([segments[p.segment].program.motion(p.u) for p in points[k : k + few]])
-        out[k : k + few] = of_parts(ready.assembly, ready.bodies, motions)
+        out[k : k + few] = of_parts(ready.assembly, ready.bodies, _motions(segments, points[k : k + few]))
     return out
 
 

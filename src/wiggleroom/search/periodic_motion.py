@@ -200,12 +200,13 @@ def _in_place(search: LocalSearch, path: CheckedPath, weights: Floats, step: Flo
     """Bodies that turn alone, at rest or at the end."""
     ready = search.ready
     asked = np.flatnonzero((weights != 0) & ~ready.bodies.fixed)
+    way = path.motions()
     for first in dict.fromkeys((0, path.certain - 1)):
-        state = path.motions()[first]
+        state = way[first]
         for body in asked.tolist():
             for angle, turning in _turns_alone(ready, state, body, float(np.sign(weights[body]) * step[body])):
                 begin = first + int((turning[0] != state).any())
-                motions = np.concatenate([path.motions()[:begin], turning])
+                motions = np.concatenate([way[:begin], turning])
                 waypoints = of_parts(ready.assembly, ready.bodies, motions)
                 if audit_path(ready.assembly, waypoints[first:]).free:
                     turn = np.zeros(len(weights))
