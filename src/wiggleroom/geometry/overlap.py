@@ -76,13 +76,14 @@ def within_reach(place: Floats, radius: Floats, some: Ints, reach: float) -> Int
     """
     if not len(some):
         return some
-    far = radius[some].max() + 2 * reach
-    low, high = place[some].min(axis=0) - far, place[some].max(axis=0) + far
-    boxed = np.flatnonzero(((place >= low - radius[:, None]) & (place <= high + radius[:, None])).all(axis=1))
-    near = np.zeros(len(boxed), dtype=bool)
-    for k in some:
-        near |= np.hypot(*(place[boxed] - place[k]).T) <= radius[boxed] + radius[k] + 2 * reach
-    return boxed[near]
+    half = (radius + reach)[:, None]
+    low, high = place - half, place + half
+    near = np.flatnonzero(((high >= low[some].min(axis=0)) & (low <= high[some].max(axis=0))).all(axis=1))
+    boxes = [shapely.box(*low[who].T, *high[who].T) for who in (some, near)]
+    other, one = shapely.STRtree(boxes[1]).query(boxes[0])
+    a, b = near[one], some[other]
+    apart = np.hypot(*(place[a] - place[b]).T) - half[a, 0] - half[b, 0]
+    return np.unique(a[apart <= 0])
 
 
 def _depth(common: NDArray[np.object_], a: NDArray[np.object_], b: NDArray[np.object_]) -> Floats:
