@@ -201,7 +201,9 @@ function Held() {
   ), [contacts, pale]);
 }
 
-const NOTHING = 1e-6;
+/** What is left of rounding, a share of the drawing's size and a turn [degrees], of motions in the plane and in space. */
+const NOTHING = { 2: 1e-9, 3: 1e-6 };
+const NO_TURN = { 2: 1e-6, 3: 1e-4 };
 
 /** How far every part goes in the answer, the farthest first. */
 function Moved() {
@@ -210,12 +212,13 @@ function Moved() {
   const motion = end(path);
   const width = columns(path);
   const axes = width === 7 ? 3 : 2;
+  const nothing = NOTHING[axes] * extent.value.radius;
   const rows = names.value.map((name, i): { far: number; cells: Cell[] } => {
     const turn = width === 7 ? turnOf(motion, i, width) : motion[3 * i + 2]!;
     const far = farOf(motion, i, width);
-    const plain = (value: number, least: number): number => (width === 7 && Math.abs(value) < least ? 0 : value); // what is left of rounding
-    const moves = [...motion.subarray(width * i, width * i + axes)].map((value) => plain(value, NOTHING * extent.value.radius));
-    return { far, cells: [name, ...moves, plain((turn * 180) / Math.PI, 1e-4), plain(far, NOTHING * extent.value.radius)] };
+    const plain = (value: number, least: number): number => (Math.abs(value) < least ? 0 : value);
+    const moves = [...motion.subarray(width * i, width * i + axes)].map((value) => plain(value, nothing));
+    return { far, cells: [name, ...moves, plain((turn * 180) / Math.PI, NO_TURN[axes]), plain(far, nothing)] };
   });
   rows.sort((a, b) => b.far - a.far);
   return (
