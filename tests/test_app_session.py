@@ -83,20 +83,6 @@ def test_long_work_gives_way_to_the_hand_and_begins_again(page: Visit) -> None:
     assert reply["verdict"] == wr.check(GRID).verdict
 
 
-def test_letting_go_of_a_part_holds_no_long_work_up(page: Visit) -> None:
-    page.open("grid.json", text(GRID))
-    page.ask("flex")
-    long = page.send("check")
-    while page.next().get("kind_of") != "check":
-        pass
-    letting_go = page.send("release")
-    ended: list[int] = []
-    while len(ended) < 2:
-        reply = page.next()
-        ended += [reply["id"]] if reply["kind"] in ("check", "release") else []
-    assert ended == [long, letting_go]
-
-
 def test_a_short_question_is_answered_while_a_study_is_under_way(page: Visit) -> None:
     page.open("grid.json", text(GRID))
     page.ask("flex")

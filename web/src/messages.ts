@@ -77,13 +77,6 @@ export interface ReachRequest {
   grip: [number, number];
 }
 
-/** The end of a drag. */
-export interface ReleaseRequest {
-  kind: "release";
-  id: number;
-  design: Design;
-}
-
 /** The freedoms that are left, of all parts or of one. */
 export interface WiggleRequest {
   kind: "wiggle";
@@ -359,12 +352,6 @@ export interface ReachReply {
   exact: boolean; // true: from the free space; false where its corners alone were reached
   open: boolean; // true where the part leaves: the region is cut off
   words: string;
-}
-
-/** The end of a drag. */
-export interface Released {
-  kind: "release";
-  id: number;
 }
 
 /** One freedom that is left. */
@@ -736,9 +723,9 @@ export interface StandalonePage {
 
 export type Reply =
   | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
-  | Released | Modes | RankReply | CheckReply | LimitReply | PlanReply
-  | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply
-  | Saved | ProgressReply | WorkerState | Assembled | LayReply | Failed;
+  | Modes | RankReply | CheckReply | LimitReply | PlanReply | StepReply
+  | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved
+  | ProgressReply | WorkerState | Assembled | LayReply | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -747,7 +734,6 @@ export interface Requests {
   flex: Omit<FlexRequest, "kind" | "id">;
   drag: Omit<DragRequest, "kind" | "id">;
   reach: Omit<ReachRequest, "kind" | "id">;
-  release: Omit<ReleaseRequest, "kind" | "id">;
   wiggle: Omit<WiggleRequest, "kind" | "id">;
   rank: Omit<RankRequest, "kind" | "id">;
   check: Omit<CheckRequest, "kind" | "id">;

@@ -76,8 +76,6 @@ function preview(gap: number): void {
 }
 
 const NO_SERVER = "The server does not answer. If it has ended, start wiggleroom serve again and open the address that it prints; what you set is kept.";
-/** What the page asks of itself. */
-const UNASKED: ReadonlySet<Kind> = new Set<Kind>(["bound", "release"]);
 
 /** Says that nothing can be asked now. */
 function away(): void {
@@ -90,7 +88,7 @@ function away(): void {
 export function ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false): number {
   const id = socket?.ask(kind, body, goesOn) ?? 0;
   if (!id) {
-    if (socket && !UNASKED.has(kind)) away();
+    if (socket && kind !== "bound") away(); // a bound is asked by the page itself
     return 0;
   }
   if ("design" in body) asked.set(id, { kind, design: body.design as Design });
@@ -164,11 +162,6 @@ export function askReach(part: string): void {
   const i = state.indexOf.peek().get(part)!;
   const grip = state.pressed.peek() ?? (state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point);
   ask("reach", { design: design.peek(), part, grip });
-}
-
-export function release(): void {
-  ask("release", { design: design.peek() });
-  setRunning("release", false);
 }
 
 function endDrag(): void {

@@ -19,7 +19,6 @@ ANSWERS = {
     "shape": "motion_requests",
     "drag": "motion_requests",
     "reach": "motion_requests",
-    "release": "motion_requests",
     "wiggle": "motion_requests",
     "rank": "study_requests",
     "check": "study_requests",

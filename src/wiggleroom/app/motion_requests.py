@@ -21,13 +21,12 @@ from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.live.live_session import Live
 from wiggleroom.report.free_space.stacked_slices import rings
-from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
+from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, ShapeReply
 from wiggleroom.schema.requests import (
     Design,
     DragRequest,
     FlexRequest,
     ReachRequest,
-    ReleaseRequest,
     ShapeRequest,
     WiggleRequest,
 )
@@ -194,11 +193,6 @@ def reach(document: Document, request: ReachRequest, out: Reporter) -> None:
         exact=found.exact, open=found.open, words=words,
     )  # fmt: skip
     out.reply(content)
-
-
-def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
-    """End a drag; the parts stay where they are shown."""
-    out.reply(Released())
 
 
 def shape(document: Document, request: ShapeRequest, out: Reporter) -> None:

@@ -35,6 +35,8 @@ GRACE_SECONDS = 0.6
 """A drag or flex that a newer one replaces may still end within this time [s]: else a hand that never rests would see nothing."""
 IDLE_SECONDS = 0.25
 """So long after the last drag or flex [s] long work is taken up again."""
+RESTING_SECONDS = 2.0
+"""So long after the last drag [s] a `bound` is: a hand that drags one part after the other need not wait until it has stopped."""
 READ_SECONDS = 60.0
 """A drawing must be read within this time [s]."""
 STOP_SECONDS = 8.0
@@ -102,7 +104,7 @@ class Session:
         self._process: Process | None = None
         self._drawing: bytes | None = None
         self._loaded = False
-        self._last_move = 0.0
+        self._last_move = self._last_drag = 0.0
         self._news = asyncio.Event()
         self._tickets, self._births = count(1), count()
         if first is not None:
@@ -197,7 +199,10 @@ class Session:
         self._news.clear()
         rest = None
         if job is not None and job.kind not in PRIORITY:
-            rest = self._last_move + IDLE_SECONDS - asyncio.get_running_loop().time()
+            until = self._last_move + IDLE_SECONDS
+            if job.kind == LAST:
+                until = max(until, self._last_drag + RESTING_SECONDS)
+            rest = until - asyncio.get_running_loop().time()
         if job is not None and (rest is None or rest <= 0):
             return self._pending.pop(job.kind)
         with suppress(TimeoutError):
@@ -222,6 +227,8 @@ class Session:
             self._running = None
             if job.kind in ("drag", "flex"):
                 self._last_move = asyncio.get_running_loop().time()
+            if job.kind == "drag":
+                self._last_drag = self._last_move
 
     async def _load(self) -> None:
         """Give a new process the drawing that is open."""

@@ -161,10 +161,6 @@ class ReachReply(Reply, tag="reach", kw_only=True):
     words: str
 
 
-class Released(Reply, tag="release", kw_only=True):
-    """The end of a drag."""
-
-
 class ModeEntry(Struct):
     """One freedom that is left."""
 
@@ -278,7 +274,7 @@ class Failed(Reply, kw_only=True):
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | LimitReply
+    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Modes | RankReply | CheckReply | LimitReply
     | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState
     | Assembled | LayReply | Failed
 )  # fmt: skip

@@ -129,10 +129,6 @@ class ReachRequest(DesignRequest, tag="reach", kw_only=True):
     grip: tuple[Length, Length]
 
 
-class ReleaseRequest(DesignRequest, tag="release", kw_only=True):
-    """The end of a drag."""
-
-
 class WiggleRequest(DesignRequest, tag="wiggle", kw_only=True):
     """The freedoms that are left, of all parts or of one."""
 
@@ -260,7 +256,7 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | WiggleRequest | RankRequest
     | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest
     | SaveRequest | AssembleRequest | LayRequest | CancelRequest
 )  # fmt: skip

@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
-import { askDrag, askReach, release } from "../session.ts";
+import { askDrag, askReach } from "../session.ts";
 import * as state from "../state.ts";
 import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, pointIn, size, view, zoomBy, zoomByWheel } from "./camera.ts";
 import { colours } from "./colours.ts";
@@ -223,10 +223,8 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     const held = down.get(event.pointerId);
     down.delete(event.pointerId);
     if (!held) return;
-    if (pointerTarget.peek()) {
-      pointerTarget.value = null;
-      release();
-    } else if (!held.moved && event.type === "pointerup") {
+    if (pointerTarget.peek()) pointerTarget.value = null;
+    else if (!held.moved && event.type === "pointerup") {
       if (measuring.peek()) pick(here(event));
       else if (event.shiftKey && held.part) chooseToo(held.part);
       else {
