@@ -67,13 +67,13 @@ def test_simplified_outlines_hold_all_the_material_and_hardly_more(tolerance, tm
 
 @pytest.fixture
 def disc_in_a_hole(tmp_path):
-    return in_a_hole(ring(700), drawing.disc(1.02, 700), tmp_path)
+    return in_a_hole(ring(500), drawing.disc(1.02, 500), tmp_path)
 
 
 def test_studies_take_them(disc_in_a_hole):
     steps = wr.sweep(disc_in_a_hole, [0.0, 0.01]).steps
     assert [s.objective for s in steps] == pytest.approx([0.02, 0.03], rel=2e-3)
-    some = wr.sample(disc_in_a_hole, 0.001, draws=3, workers=1)
+    some = wr.sample(disc_in_a_hole, 0.001, draws=2, workers=1)
     assert some.value == pytest.approx(0.02 + some.extra.sum(axis=1) / 2, rel=5e-3)
     tighter = wr.tighten(disc_in_a_hole, parts=1, draws=1, workers=1)
     assert tighter.after.objective == pytest.approx(0.011, rel=2e-2)
