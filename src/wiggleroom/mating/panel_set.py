@@ -123,6 +123,15 @@ class PanelSet:
         self.shape = _weights(plates)
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
 
+    def interchangeable(self, free: Iterable[int]) -> dict[int, int]:
+        """By kind, the first of the panels that may stand for each other: one of congruent ones, turned or mirrored as they may lie on the sheet."""
+        found: dict[int, int] = {}
+        for row in sorted(free):
+            kind = self.plates[row].kind
+            if not any(self.told_isometries.between(kind, other) for other in found):
+                found[kind] = row
+        return found
+
     def fits(self, a: int, b: int) -> tuple[Floats, Floats]:
         """Poses of a panel of kind `b` against one of kind `a`."""
         if (a, b) not in self._fits:
