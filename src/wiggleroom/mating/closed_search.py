@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
+from wiggleroom.mating.beam_search import extent
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.contact import MAX_ASKEW_COSINE, MET_TOLERANCE
 from wiggleroom.mating.flanks import bits, flank_rows
@@ -274,10 +275,10 @@ class _ExhaustiveSearch:
     def _answers(
         self, node: _Partial, spare: int, place: int, flank: int, waiting: dict[int, int], tried: _Tried
     ) -> list[_Partial]:
-        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank."""
+        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank; the likeliest first."""
         state, panel_set = node.state, self.panel_set
         row = state.rows[place]
-        found: list[tuple[int, float, _Partial]] = []
+        found: list[tuple[int, float, float, _Partial]] = []
         for kind, other in waiting.items():
             poses = self.table.between(row, other)
             hopeless = self._hopeless[other]
@@ -298,8 +299,9 @@ class _ExhaustiveSearch:
                     tried[mark] = self._joined(node, spare, place, other, turn, move, met, mine)
                 joined = tried[mark]
                 if joined is not None:
-                    found.append((joined[0], float(poses.together[k]), joined[1]))
-        return [child for *_, child in sorted(found, key=lambda item: (-item[0], -item[1]))]
+                    size = round(extent(panel_set, joined[1].state))
+                    found.append((-joined[0], -float(poses.together[k]), size, joined[1]))
+        return [child for *_, child in sorted(found, key=lambda item: item[:3])]
 
     def _joined(
         self, node: _Partial, spare: int, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
