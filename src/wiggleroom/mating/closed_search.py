@@ -2,7 +2,9 @@
 
 A flank that is still open must be met by a flank of a panel not yet placed, which leaves a few poses for each of them. The
 search branches on the open flank with the fewest poses left (the most constrained variable of constraint satisfaction),
-and looks first at lines that had none before (weighted constraints, Boussemart et al. 2004).
+and looks first at lines that had none before (weighted constraints, Boussemart et al. 2004). Of congruent panels only the
+first is tried (value symmetry), and every open line of a placed panel must be left a panel of its own: a placement is given
+up where no matching of its lines to the waiting panels exists (all-different constraint, Regin 1994).
 Where no assembly closes all flanks, lines of flanks may be left open, first one, then two and so on (limited
 discrepancy search, Harvey and Ginsberg 1995). Work is counted in poses that are tried, not in seconds, so that the answer
 is the same on every machine.
@@ -173,7 +175,10 @@ class _ExhaustiveSearch:
                 sum(1 << number for number, line in enumerate(self._lines[row]) if line & flanks)
                 for flanks, _ in self.table.between(row, other).met
             ]
-            self._reaches[key] = max((lines.bit_count() for lines in met), default=0), functools.reduce(operator.or_, met, 0)
+            self._reaches[key] = (
+                max((lines.bit_count() for lines in met), default=0),
+                functools.reduce(operator.or_, met, 0),
+            )
         return self._reaches[key]
 
     def closed(self, starts: Sequence[Placement], spare: int, max_poses: int) -> Closed:
@@ -275,7 +280,7 @@ class _ExhaustiveSearch:
     def _answers(
         self, node: _Partial, spare: int, place: int, flank: int, waiting: dict[int, int], tried: _Tried
     ) -> list[_Partial]:
-        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank; the likeliest first."""
+        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another; the likeliest first."""
         state, panel_set = node.state, self.panel_set
         row = state.rows[place]
         found: list[tuple[int, float, float, _Partial]] = []
@@ -358,21 +363,24 @@ class _ExhaustiveSearch:
         """
         waiting = sorted(self.free - set(node.state.rows))
         lines: dict[int, list[int]] = {}
-        for place, number, rest in self._open(node):
+        for place, number, _ in self._open(node):
             lines.setdefault(place, []).append(number)
         for place, numbers in lines.items():
             if len(numbers) <= spare + 1:
                 continue
             row = node.state.rows[place]
             seats = [(other, k) for other in waiting for k in range(self._reach(row, other)[0])]
-            partners = [[k for k, (other, _) in enumerate(seats) if self._reach(row, other)[1] >> number & 1] for number in numbers]
-            if len(numbers) - _matching(partners) > spare:
+            partners = [
+                [k for k, (other, _) in enumerate(seats) if self._reach(row, other)[1] >> number & 1]
+                for number in numbers
+            ]
+            if len(numbers) - matching_size(partners) > spare:
                 return False
         return True
 
 
-def _matching(partners: Sequence[Sequence[int]]) -> int:
-    """How many rows can be given a partner each, of those that each may have, no two the same (augmenting paths, Kuhn 1955)."""
+def matching_size(partners: Sequence[Sequence[int]]) -> int:
+    """How many rows can be given a partner each, of those that each may have, no two the same (augmenting paths)."""
     given: dict[int, int] = {}
 
     def placed(row: int, asked: set[int]) -> bool:

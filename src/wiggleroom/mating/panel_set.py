@@ -109,9 +109,12 @@ class PanelSet:
             for k, corners in enumerate(self.corners)
         ]
         outlines = {p.kind: p.polygon for p in plates}
-        self.isometries = PanelIsometries(outlines)
+        thickness = {p.kind: p.thickness for p in plates}
+        self.isometries = PanelIsometries(outlines, thickness=thickness)
         # While placements grow, panels of which something was said must not stand for others.
-        self.told_isometries = PanelIsometries(outlines, {plates[k].kind for k in named}) if named else self.isometries
+        self.told_isometries = (
+            PanelIsometries(outlines, {plates[k].kind for k in named}, thickness) if named else self.isometries
+        )
         self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
         self.tolerance = VOTING.midpoint_tolerance * min(p.thickness for p in plates)
         self.most = SETTINGS.max_shared_volume * min(p.thickness for p in plates) ** 3
@@ -124,7 +127,7 @@ class PanelSet:
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
 
     def interchangeable(self, free: Iterable[int]) -> dict[int, int]:
-        """By kind, the first of the panels that may stand for each other: one of congruent ones, turned or mirrored as they may lie on the sheet."""
+        """By kind, one of every congruent panels of these, however they lie on the sheet: they may stand for each other."""
         found: dict[int, int] = {}
         for row in sorted(free):
             kind = self.plates[row].kind
