@@ -20,6 +20,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.beam_search import extent
@@ -280,7 +282,10 @@ class _ExhaustiveSearch:
     def _answers(
         self, node: _Partial, spare: int, place: int, flank: int, waiting: dict[int, int], tried: _Tried
     ) -> list[_Partial]:
-        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another; the likeliest first."""
+        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another; the likeliest first.
+
+        Of those that close as much the smallest body goes first, unless lines may stay open: then panels folded inward are small.
+        """
         state, panel_set = node.state, self.panel_set
         row = state.rows[place]
         found: list[tuple[int, float, float, _Partial]] = []
@@ -304,7 +309,7 @@ class _ExhaustiveSearch:
                     tried[mark] = self._joined(node, spare, place, other, turn, move, met, mine)
                 joined = tried[mark]
                 if joined is not None:
-                    size = round(extent(panel_set, joined[1].state))
+                    size = 0 if spare else round(extent(panel_set, joined[1].state))
                     found.append((-joined[0], -float(poses.together[k]), size, joined[1]))
         return [child for *_, child in sorted(found, key=lambda item: item[:3])]
 
@@ -369,27 +374,11 @@ class _ExhaustiveSearch:
             if len(numbers) <= spare + 1:
                 continue
             row = node.state.rows[place]
-            seats = [(other, k) for other in waiting for k in range(self._reach(row, other)[0])]
-            partners = [
-                [k for k, (other, _) in enumerate(seats) if self._reach(row, other)[1] >> number & 1]
-                for number in numbers
-            ]
-            if len(numbers) - matching_size(partners) > spare:
+            seats = [other for other in waiting for _ in range(self._reach(row, other)[0])]
+            partners = np.array([[self._reach(row, other)[1] >> k & 1 for other in seats] for k in numbers], dtype=bool)
+            matched = maximum_bipartite_matching(
+                csr_array(partners.reshape(len(numbers), len(seats))), perm_type="column"
+            )
+            if np.count_nonzero(matched < 0) > spare:
                 return False
         return True
-
-
-def matching_size(partners: Sequence[Sequence[int]]) -> int:
-    """How many rows can be given a partner each, of those that each may have, no two the same (augmenting paths)."""
-    given: dict[int, int] = {}
-
-    def placed(row: int, asked: set[int]) -> bool:
-        for partner in partners[row]:
-            if partner not in asked:
-                asked.add(partner)
-                if partner not in given or placed(given[partner], asked):
-                    given[partner] = row
-                    return True
-        return False
-
-    return sum(placed(row, set()) for row in range(len(partners)))
