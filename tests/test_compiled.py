@@ -104,7 +104,10 @@ print(grown(6).sum(), *said, "numba.np.arrayobj" in sys.modules)
 def test_extensions_of_scipy_are_those_that_its_packages_have() -> None:
     code = """
 import sys, numpy as np
+from concurrent.futures import ThreadPoolExecutor
 from wiggleroom.compiled.scipy_extensions import qhull
+with ThreadPoolExecutor(4) as threads:
+    assert len(set(threads.map(lambda _: qhull().ConvexHull, range(4)))) == 1
 from wiggleroom.solve import multifrontal
 cube = np.stack(np.meshgrid(*[[0.0, 2.0]] * 3), -1).reshape(-1, 3)
 print(qhull().ConvexHull(cube).volume, sorted({"scipy.linalg", "scipy.spatial", "scipy.sparse"} & set(sys.modules)))

@@ -9,12 +9,14 @@ from functools import cache
 from importlib.machinery import PathFinder
 from importlib.util import module_from_spec
 from pathlib import Path
+from threading import RLock
 from typing import Any
 
 import scipy
 
 BLAS, LAPACK = "scipy.linalg.cython_blas", "scipy.linalg.cython_lapack"
 _QHULL = "scipy.spatial._qhull"
+_ONE_AT_A_TIME = RLock()
 
 
 @contextmanager
@@ -24,15 +26,16 @@ def without_packages(*names: str) -> Iterator[list[Any]]:
     Afterwards their packages import them as ever, and get the same ones.
     """
     added: list[str] = []
-    try:
-        for name in names:
-            if name not in sys.modules:
-                added.append(name)
-                _load(name)
-        yield [sys.modules[name] for name in names]
-    finally:
-        for name in added:
-            sys.modules.pop(name, None)
+    with _ONE_AT_A_TIME:
+        try:
+            for name in names:
+                if name not in sys.modules:
+                    added.append(name)
+                    _load(name)
+            yield [sys.modules[name] for name in names]
+        finally:
+            for name in added:
+                sys.modules.pop(name, None)
 
 
 def _load(name: str) -> None:
@@ -40,8 +43,9 @@ def _load(name: str) -> None:
     spec = PathFinder.find_spec(name, [str(folder)])
     if spec is None or spec.loader is None:
         raise ModuleNotFoundError(name)
-    sys.modules[name] = module = module_from_spec(spec)
+    module = module_from_spec(spec)
     spec.loader.exec_module(module)
+    sys.modules[name] = module
 
 
 @cache
