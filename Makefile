@@ -1,11 +1,13 @@
 # What developers type: make demo, make test, make doctest, make slow, make lint, make types, make browser, make web,
 # make pictures, make docs, make dist.
 # The environment .venv is made when it is needed and again only when pyproject.toml changes.
+# Work is stolen, not dealt: neighbouring tests run in one process and share what the fixtures of their module work out.
 
 BIN := .venv/bin
 BROWSER := tests/test_answer_page.py tests/test_free_space_report.py tests/test_study_report.py tests/test_page.py tests/test_page_in_space.py \
 	tests/test_page_of_sheets.py
 FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
+PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
@@ -17,17 +19,16 @@ demo: .venv/ready-demo
 	@echo "The picture is in $(CURDIR)/out/demo.svg"
 
 test: .venv/ready-test
-	$(BIN)/python -m pytest -n auto -m "not slow"
+	$(PYTEST) -m "not slow"
 
 doctest: .venv/ready-test # the examples of all docstrings
-	$(BIN)/python -m pytest -n auto --doctest-modules src/wiggleroom
+	$(PYTEST) --doctest-modules src/wiggleroom
 
 slow: .venv/ready-test # but for those that need a browser
-	$(BIN)/python -m pytest -n auto -m slow $(BROWSER:%=--ignore=%)
+	$(PYTEST) -m slow $(BROWSER:%=--ignore=%)
 
-browser: .venv/ready-test # needs a Chromium on the path
-	$(BIN)/python -m pip install --quiet --editable '.[browser]'
-	$(BIN)/python -m pytest -m slow $(BROWSER)
+browser: .venv/ready-browser # needs a Chromium on the path
+	$(PYTEST) -m slow $(BROWSER)
 
 web: # the live page from its source; needs Node 20 or later and npm
 	cd web && npm ci --silent --ignore-scripts && npm run --silent check && npm run --silent test && npm run --silent build
@@ -68,6 +69,10 @@ clean:
 .venv/ready-test: pyproject.toml | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable '.[bench,cluster,dxf,fast,film,halfplane,image,ipopt,page,prove,solid,test,verify]'
 	$(BIN)/python -m wiggleroom.cli.compile
+	@touch $@
+
+.venv/ready-browser: pyproject.toml | .venv/ready-test
+	$(BIN)/python -m pip install --quiet --editable '.[browser]'
 	@touch $@
 
 .venv/ready-docs: pyproject.toml | .venv/ready-test

@@ -12,6 +12,7 @@ from threading import Event
 import numpy as np
 import pytest
 import shapely
+from scipy.optimize import brentq
 from shapely import affinity
 
 import wiggleroom as wr
@@ -87,16 +88,15 @@ def test_a_bound_of_a_smaller_gap_is_none_of_a_larger_one() -> None:
 
 
 def test_a_chain_by_a_search_of_its_own() -> None:
-    low, high = 0.02, 0.04
-    while high - low > 1e-5:
-        middle = (low + high) / 2
-        made = blocks.block("tee", middle)
-        value = chain.reach(Slices(made, made, (1.0, 0.0)), 3, cells=40).value
-        low, high = (middle, high) if value <= 0.27 else (low, middle)
+    def beyond(gap: float) -> float:
+        made = blocks.block("tee", gap)
+        return chain.reach(Slices(made, made, (1.0, 0.0)), 3, cells=40).value - 0.27
+
+    truth = brentq(beyond, 0.02, 0.04, xtol=1e-5)
     found = wr.allowable_gap(row("tee", 3, 0.01), at_most=0.27)
-    assert found.searched_gap == pytest.approx(low, rel=2e-3)
+    assert found.searched_gap == pytest.approx(truth, rel=2e-3)
     assert found.certainty is Certainty.PROVEN
-    assert found.gap == pytest.approx(low, rel=1.1e-2)
+    assert found.gap == pytest.approx(truth, rel=1.1e-2)
 
 
 def test_the_state_beyond_is_a_motion_past_the_limit_that_is_free_of_collisions() -> None:

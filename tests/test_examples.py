@@ -15,16 +15,16 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.cli import main
 
-pytestmark = pytest.mark.searches
-
 TOP = Path(__file__).parents[1]
 EXAMPLES = sorted(path.parent for path in (TOP / "examples").glob("*/command.txt"))
 PAGES = [TOP / "README.md", TOP / "CHANGELOG.md", *sorted((TOP / "docs").glob("*.md"))]
-BLOCKS = [
-    pytest.param(block, id=f"{page.name}-{k + 1}")
+BLOCKS = {
+    f"{page.name}-{k + 1}": block
     for page in PAGES
     for k, block in enumerate(re.findall(r"<!-- runs -->\n```python\n(.*?)```", page.read_text(), re.DOTALL))
-]
+}
+ADDING = [name for name in BLOCKS if name.startswith("architecture.md")]
+"""Blocks that add to the registries: each in a process of its own, so that other tests do not see what they add."""
 PATTERNS = {
     "02_chain_of_tees/chain.json": "chain 10 --joint tee --gap 0.01",
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
@@ -64,6 +64,7 @@ def inside(record: object, path: str) -> object:
     return record
 
 
+@pytest.mark.searches
 @pytest.mark.parametrize(
     "folder", [pytest.param(f, id=f.name, marks=[pytest.mark.slow] if f.name in SLOW else []) for f in EXAMPLES]
 )
@@ -129,14 +130,27 @@ def test_drawings_are_what_their_scripts_write(name, monkeypatch, tmp_path):
         assert file.read_text() == (folder / file.name).read_text()
 
 
-@pytest.mark.parametrize("block", BLOCKS)
-def test_python_in_the_documentation_runs(block, tmp_path):
+@pytest.fixture
+def beside_examples(tmp_path, monkeypatch):
+    """A folder to work in that has what the documentation reads."""
     for folder in ("examples", "docs"):
         (tmp_path / folder).symlink_to(TOP / folder)
-    done = subprocess.run([sys.executable, "-c", block], cwd=tmp_path, capture_output=True, text=True, check=False)
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("name", [name for name in BLOCKS if name not in ADDING])
+def test_python_in_the_documentation_runs(name, beside_examples):
+    assert set(re.findall(r"\bwr\.(\w+)", BLOCKS[name])) <= {*wr.__all__}
+    exec(compile(BLOCKS[name], name, "exec"), {"__name__": "__main__"})
+
+
+@pytest.mark.parametrize("name", ADDING)
+def test_what_the_documentation_adds_is_taken(name, beside_examples):
+    done = subprocess.run([sys.executable, "-c", BLOCKS[name]], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.searches
 def test_assembly_file_in_the_documentation_is_answered(tmp_path):
     page = (TOP / "docs" / "assembly-file.md").read_text()
     (text,) = re.findall(r"<!-- assembly -->\n```json\n(.*?)```", page, re.DOTALL)

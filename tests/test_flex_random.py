@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -14,13 +15,14 @@ from wiggleroom.assembly.build import assemble
 VERDICTS = ("proven", "optimal", "stationary", "unbounded", "stopped")
 FEW, MANY = (
     [*range(40), 73, 205, 212],
-    range(40, 190),
+    range(40, 115),
 )  # 73: edges flat on each other; 205: virtual walls near the end; 212: turns and pulls far off weigh against each other
 SMALL = [k for k in range(50) if k % 5 in (0, 4)]  # chains of one random joint, pegs in random holes
 SAME = {"mirror": (mirrored, 1.0), "hundredth": (lambda d: scaled(d, 1e-2), 1e-2), "shuffled": (shuffled, 1.0)}
 SAME["thousandfold"] = (lambda d: scaled(d, 1e3), 1e3)
 
 
+@cache
 def ask(seed, most=3):
     assembly = random_assembly(seed)
     return wr.flex(assembly, random_goals(assembly, seed, most))
@@ -43,7 +45,11 @@ def look(answer):
 
 @pytest.mark.parametrize("seed", FEW)
 def test_random_question(seed):
-    look(ask(seed))
+    """Nobody stopped the search, so it came to an end, and knows a path."""
+    answer = ask(seed)
+    look(answer)
+    assert answer.verdict != "stopped"
+    assert answer.path == "checked"
 
 
 @pytest.mark.slow
@@ -57,14 +63,6 @@ def test_many_random_questions(seed):
 def test_thirty_parts(seed):
     assembly = random_puzzle(seed)
     look(wr.flex(assembly, random_goals(assembly, seed, 2)))
-
-
-@pytest.mark.parametrize("seed", FEW)
-def test_search_comes_to_an_end(seed):
-    """Nobody stopped it, so it has a verdict, and knows a path."""
-    answer = ask(seed)
-    assert answer.verdict != "stopped"
-    assert answer.path == "checked"
 
 
 @pytest.mark.parametrize("seed", SMALL)

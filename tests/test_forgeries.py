@@ -1024,9 +1024,9 @@ def test_time_grows_with_the_file_and_no_faster(honest: Content) -> None:
     for times in (1, 4):
         made = copy.deepcopy(honest)
         ring = made["bodies"][1]["polygons"][0][0]
-        edge = np.linspace(ring[0], ring[1], 3000 * times, endpoint=False)
+        edge = np.linspace(ring[0], ring[1], 1500 * times, endpoint=False)
         made["bodies"][1]["polygons"][0][0] = [*edge.tolist(), *ring[1:]]
-        more = 1000 * times
+        more = 500 * times
         made["pairs"] += [made["pairs"][1]] * more
         for step in (s for s in steps(made) if "turns" in s):
             step["turns"] += [step["turns"][1]] * more

@@ -47,6 +47,8 @@ BOUNDED = {f"{k} {case.name}": case for k, case in enumerate(closed_forms.bounde
 LOOSE = ("row of", "24-gon in a square")  # held by joints that do not close: nothing tight is promised
 CHAINS = [(joint, gap, n) for joint in blocks.JOINTS for gap in (0.01, 0.03) for n in (2, 10)]
 ROUNDING = 1e-12
+WHILE = 0.8
+"""So long a proof is tried that cannot succeed [s]: all of it is spent."""
 
 
 def bound_of(assembly, goals, cut, seconds):
@@ -72,10 +74,10 @@ def look(seed, most=3):
     goals = random_goals(assembly, seed, most)
     answer = wr.flex(assembly, goals)
     if answer.objective is None:
-        assert bound_of(assembly, goals, 1.0, 2.0) == math.inf
+        assert bound_of(assembly, goals, 1.0, WHILE) == math.inf
         return
     for share in (0.3, 0.97):
-        assert bound_of(assembly, goals, share * answer.objective, 2.0) >= answer.objective * (1 - ROUNDING)
+        assert bound_of(assembly, goals, share * answer.objective, WHILE) >= answer.objective * (1 - ROUNDING)
 
 
 @pytest.mark.parametrize("seed", range(0, 30, 2))
@@ -117,7 +119,7 @@ def test_chains_within_half_a_per_cent(joint, gap, n):
     value, accuracy = chain.stored(joint, gap, n)
     assembly = assemble(row_of([blocks.block(joint, gap)] * n), gap=0.0)
     for cut in (0.5, 0.999):
-        assert bound_of(assembly, assembly.goals, cut * value, 1.5) >= value - accuracy
+        assert bound_of(assembly, assembly.goals, cut * value, WHILE) >= value - accuracy
     # the witness of some of these chains lies below the truth
     assert bound_of(assembly, assembly.goals, 1.003 * value, 60.0) <= 1.005 * value
 
@@ -134,15 +136,15 @@ def one_joint(seed, gap=0.01):
 @pytest.mark.parametrize("seed", range(3))
 def test_random_joints_against_exact_slices(seed):
     assembly, value = one_joint(seed)
-    assert bound_of(assembly, assembly.goals, 0.6 * value, 2.0) >= value - 1e-10
+    assert bound_of(assembly, assembly.goals, 0.6 * value, WHILE) >= value - 1e-10
     assert bound_of(assembly, assembly.goals, 1.005 * value, 20.0) <= 1.006 * value
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3, 60))
+@pytest.mark.parametrize("seed", range(3, 40))
 def test_many_random_joints_against_exact_slices(seed):
     assembly, value = one_joint(seed)
-    assert bound_of(assembly, assembly.goals, 0.6 * value, 2.0) >= value - 1e-10
+    assert bound_of(assembly, assembly.goals, 0.6 * value, WHILE) >= value - 1e-10
 
 
 # -- the pieces of the argument --------------------------------------------------------------------------------------

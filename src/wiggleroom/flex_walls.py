@@ -94,6 +94,8 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
     answer = _climbed(ready, query)
     places, from_rest = contact_places(answer), replace(query, start=None)
     for _ in range(MAX_REFINEMENTS if query.start is None else 0):
+        if answer.verdict is Verdict.PROVEN:
+            return answer
         finer = prepare_simplified(ready.assembly, places, query.stop) if answer.verdict.ends and len(places) else None
         if finer is None or query.stopped:
             break
@@ -107,7 +109,8 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
     why = f"outlines of many corners were searched with fewer, up to {ready.simplified:.2g} mm further out"
     # The conditions hold for parts that are a little larger; of the parts as drawn that is no more than a good motion.
     verdict = Verdict.STATIONARY if answer.verdict.ends else answer.verdict
-    return replace(answer, verdict=verdict, bound=Bound(None, None, 0.0, why))
+    bound = replace(answer.bound or Bound(None, None, 0.0), why=why)
+    return replace(answer, verdict=verdict, bound=bound)
 
 
 def _better(one: Answer, other: Answer) -> Answer:
@@ -188,9 +191,9 @@ def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...])
     search = query.search
     ends: tuple[float, ...] = (*before, climb.certain_value()[0])
     at_most = None
-    exact = not climb.ready.simplified  # a bound of larger parts is none of these
-    alone = exact and int((~climb.ready.bodies.fixed).sum()) == 1
-    if alone and search is None:
+    exact = not climb.ready.simplified
+    alone = int((~climb.ready.bodies.fixed).sum()) == 1
+    if alone and exact and search is None:  # a bound of larger parts is none of these
         answer = with_quick_bound(_answer(climb, query), climb.stop)
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, ends[-1]))

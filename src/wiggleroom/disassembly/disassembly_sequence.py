@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.closed_pairs import enclosed_links
+from wiggleroom.disassembly.disassembly_stage import NO_BODIES, Stage
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
-from wiggleroom.disassembly.escape import NO_BODIES, EscapeEffort, Stage, next_stage
+from wiggleroom.disassembly.escape import EscapeEffort, next_stage
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.errors import FreeSpaceError, Stop, StoppedError, TouchingError

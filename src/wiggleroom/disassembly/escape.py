@@ -7,14 +7,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
+from wiggleroom.disassembly.disassembly_stage import NO_BODIES, Stage, leave, leave_after_motion, leave_moving
 from wiggleroom.disassembly.enclosure import enclosed_by_held
 from wiggleroom.disassembly.escape_search import (
     EXIT_TESTS,
@@ -44,8 +43,6 @@ from wiggleroom.verdict import Certainty, PathState, Separability
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NO_BODIES = np.zeros(0, dtype=np.int64)
-"""None of them."""
 BOXES_FOR_ONE_BODY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
 BOXES_FOR_NEAR_EXIT = 40_000
@@ -58,47 +55,6 @@ MAX_NEAR_EXITS = 8
 """So many sets that nearly leave are kept; each is looked at with boxes of motions."""
 FRAME_SECONDS = 2.0
 """Time [s] for the bound on how far the parts of a frame can move."""
-EXIT_DISTANCE = 0.1
-"""Parts that left end this share of the drawing's size beyond all others."""
-
-
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """What becomes of the bodies that are left: a path of some of them, or the end.
-
-    Parameters
-    ----------
-    ended : Separability
-    certainty : Certainty
-    who : (k,) int64
-        Bodies that leave.
-    path : (k, n, 3) float64 [mm, mm, rad] or None
-        Motions of all bodies on which they leave, from where all are to where those who leave are beyond all others.
-    held : (n,) int64
-        Bodies of the same number certainly never turn half round against each other; empty where something leaves.
-    questions, unanswered : int
-        Largest motions that were searched, and how many of them found no end whose path is certain.
-    states : int
-        States that slides, and turns of single bodies, led to.
-    whole : bool
-        True where these are all states to which slides lead.
-    turned : int
-        Of these states those in which every body was turned both ways.
-    moves : (k - 1,) int64
-        Number of the move that each piece of the path belongs to.
-    """
-
-    ended: Separability
-    certainty: Certainty
-    who: Ints
-    path: Floats | None
-    held: Ints
-    questions: int = 0
-    unanswered: int = 0
-    states: int = 0
-    whole: bool = True
-    turned: int = 0
-    moves: Ints = field(default_factory=lambda: NO_BODIES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,17 +118,17 @@ def next_stage(
     found = translation_escapes(bodies, rest[0], ground, surveyed.ignored, surveyed.size, begin.group, stop=stop)
     first = _with_largest_clearance(surveyed, found, targets, holding_cost)
     if first is not None and _wanted(first.who, targets):
-        return _leave(assembly, surveyed, still, first)
+        return leave(assembly, surveyed, still, first)
     tell(Progress("slides"))
     slid = _slide(surveyed, targets, effort.work, stop, tell)
     if slid.path is not None:
         out = TranslationEscape(slid.path.last.who, slid.path.last.direction)
         if first is None or _wanted(out.who, targets):
-            stage = _leave(assembly, surveyed, slid.path.before, out)
+            stage = leave(assembly, surveyed, slid.path.before, out)
             if stage.path is not None:
                 return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
     if first is not None:
-        return _leave(assembly, surveyed, still, first)
+        return leave(assembly, surveyed, still, first)
     stage = _beyond_slides(assembly, surveyed, begin, effort, slid, stop, tell)
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
@@ -246,7 +202,7 @@ def _beyond_slides(
     for goals in () if refused else effort.exits[::-1]:
         known_exit = escape_by_goals(simpler, ground, begin.group, goals, stop)
         if known_exit is not None:
-            stage = _after_motion(assembly, surveyed, simpler, still, *known_exit)
+            stage = leave_after_motion(assembly, surveyed, simpler, still, *known_exit)
             if stage.path is not None:
                 return replace(stage, questions=len(goals))
     known, tries = _rigid(ready, begin, effort, stop)
@@ -257,7 +213,7 @@ def _beyond_slides(
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     together = group_turn(assembly, surveyed, known.group, stop)
     if together is not None:
-        stage = _leave_moving(assembly, surveyed, still, together.path, together.exit)
+        stage = leave_moving(assembly, surveyed, still, together.path, together.exit)
         if stage.path is not None:
             return stage
     nearly = _nearly(ready, ground, known.group, stop)
@@ -267,7 +223,7 @@ def _beyond_slides(
         if stop is not None and stop.is_set():
             break
         out = None if rigid.path is None else escape_path(ready, ground, known.group, rigid.path, stop=stop)
-        if out is not None and (stage := _leave_moving(assembly, surveyed, still, *out)).path is not None:
+        if out is not None and (stage := leave_moving(assembly, surveyed, still, *out)).path is not None:
             return stage
     known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
@@ -277,7 +233,7 @@ def _beyond_slides(
     loose = slid.states > 1 and slid.whole and slid.on_lattice
     searched = search_for_escape(simpler, ground, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
     if searched.path is not None and searched.exit is not None:
-        stage = _after_motion(assembly, surveyed, simpler, still, searched.path, searched.exit)
+        stage = leave_after_motion(assembly, surveyed, simpler, still, searched.path, searched.exit)
         if stage.path is not None:
             effort.exits.append(searched.asked)
         return replace(stage, questions=searched.questions)
@@ -320,7 +276,7 @@ def _from_tilt(
         out = escape_path(ready, ground, group, path, EXIT_TESTS, stop)
         if out is None:
             continue
-        stage = _leave_moving(assembly, surveyed, before, *out)
+        stage = leave_moving(assembly, surveyed, before, *out)
         if stage.path is not None:
             return asked, stage
     return asked, None
@@ -375,50 +331,3 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
         if len(found) >= MAX_NEAR_EXITS or (stop is not None and stop.is_set()):
             break
     return list(found.values())[:MAX_NEAR_EXITS]
-
-
-def _after_motion(
-    assembly: Assembly,
-    surveyed: Survey,
-    simpler: Prepared,
-    still: MoveSequence,
-    path: Floats,
-    found: TranslationEscape,
-) -> Stage:
-    """A largest motion of the simpler bodies that was searched, continued straight."""
-    motions = of_bodies(assembly, surveyed.bodies, of_parts(assembly, simpler.bodies, path))
-    return _leave_moving(assembly, surveyed, still, motions, found)
-
-
-def _leave_moving(
-    assembly: Assembly, surveyed: Survey, before: MoveSequence, path: Floats, found: TranslationEscape
-) -> Stage:
-    """One motion, after some moves, continued straight: still one move where those who leave are all that moved."""
-    number = before.moves.max(initial=-1) + 1
-    states = np.concatenate([before.states, before.states[-1] + path[1:]])
-    moves = np.append(before.moves, np.full(len(path) - 1, number))
-    stage = _leave(assembly, surveyed, MoveSequence(states, moves), found)
-    moved = np.flatnonzero((np.abs(path) > 0).any(axis=(0, 2)))
-    if stage.path is not None and np.array_equal(moved, found.who):
-        stage.moves[-1] = number
-    return stage
-
-
-def _leave(assembly: Assembly, surveyed: Survey, before: MoveSequence, found: TranslationEscape) -> Stage:
-    """Moves continued straight until those who leave are beyond all others."""
-    bodies, who, path = surveyed.bodies, found.who, before.states
-    others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
-
-    def along(some: Ints, motion: Floats) -> Floats:
-        return np.asarray(shapely.get_coordinates(placed(bodies, motion, some)[some]) @ found.direction)
-
-    # beyond where the others are now, and wherever they pass on their way back
-    length = max(along(others, m).max() for m in path) - along(who, path[-1]).min()
-    length += EXIT_DISTANCE * surveyed.size
-    out = path[-1].copy()
-    out[who, :2] += max(length, EXIT_DISTANCE * surveyed.size) * found.direction
-    whole = np.concatenate([path, out[None]])
-    if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
-        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES)
-    moves = np.append(before.moves, before.moves.max(initial=-1) + 1)
-    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, NO_BODIES, moves=moves)

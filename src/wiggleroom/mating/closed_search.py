@@ -2,7 +2,9 @@
 
 A flank that is still open must be met by a flank of a panel not yet placed, which leaves a few poses for each of them. The
 search branches on the open flank with the fewest poses left (the most constrained variable of constraint satisfaction),
-and looks first at lines that had none before (weighted constraints, Boussemart et al. 2004).
+and looks first at lines that had none before (weighted constraints, Boussemart et al. 2004). Of congruent panels only the
+first is tried (value symmetry), and every open line of a placed panel must be left a panel of its own: a placement is given
+up where no matching of its lines to the waiting panels exists (all-different constraint, Regin 1994).
 Where no assembly closes all flanks, lines of flanks may be left open, first one, then two and so on (limited
 discrepancy search, Harvey and Ginsberg 1995). Work is counted in poses that are tried, not in seconds, so that the answer
 is the same on every machine.
@@ -10,6 +12,8 @@ is the same on every machine.
 
 from __future__ import annotations
 
+import functools
+import operator
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -18,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
+from wiggleroom.mating.beam_search import extent
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.contact import MAX_ASKEW_COSINE, MET_TOLERANCE
 from wiggleroom.mating.flanks import bits, flank_rows
@@ -149,6 +154,7 @@ class _ExhaustiveSearch:
             [sum(1 << k for k in line.rows.tolist()) & self._needed[row] for line in plate.lines]
             for row, plate in enumerate(plates)
         ]
+        self._reaches: dict[tuple[int, int], tuple[int, int]] = {}
         self._failures: Counter[tuple[int, int]] = Counter()
         self._hopeless = {row: self._needed[row] & ~self._matchable(row) for row in free}
 
@@ -159,6 +165,21 @@ class _ExhaustiveSearch:
             for met, _ in self.table.between(row, other).met:
                 matchable |= met
         return matchable
+
+    def _reach(self, row: int, other: int) -> tuple[int, int]:
+        """How many lines of a panel another one can meet at once, and bits of the lines it can meet at all."""
+        plates = self.panel_set.plates
+        key = plates[row].kind, plates[other].kind
+        if key not in self._reaches:
+            met = [
+                sum(1 << number for number, line in enumerate(self._lines[row]) if line & flanks)
+                for flanks, _ in self.table.between(row, other).met
+            ]
+            self._reaches[key] = (
+                max((lines.bit_count() for lines in met), default=0),
+                functools.reduce(operator.or_, met, 0),
+            )
+        return self._reaches[key]
 
     def closed(self, starts: Sequence[Placement], spare: int, max_poses: int) -> Closed:
         """Assemblies that leave as many lines open; what failed before is looked at first."""
@@ -192,7 +213,7 @@ class _ExhaustiveSearch:
             if len(node.state.rows) > 1:
                 self._keep(node.state)
             return
-        place, line, children = self._fewest(node, lines)
+        place, line, children = self._fewest(node, spare, lines)
         for child in children:
             self.descend(child, spare)
         if spare:
@@ -240,14 +261,14 @@ class _ExhaustiveSearch:
         ]
         return congruent(isometries, panels[0], panels[1], MET_TOLERANCE * self.panel_set.tolerance)
 
-    def _fewest(self, node: _Partial, left: list[tuple[int, int, int]]) -> tuple[int, int, list[_Partial]]:
+    def _fewest(self, node: _Partial, spare: int, left: list[tuple[int, int, int]]) -> tuple[int, int, list[_Partial]]:
         """Place and line of the open flank that leaves the fewest choices, and those choices: one panel more each."""
-        waiting = {self.panel_set.plates[i].kind: i for i in sorted(self.free - set(node.state.rows), reverse=True)}
+        waiting = self.panel_set.interchangeable(self.free - set(node.state.rows))
         best: tuple[int, int, list[_Partial]] | None = None
         tried: _Tried = {}
         for place, number, line in left[: SETTINGS.branching_lines]:
             flanks = list(flank_rows(line))
-            found = self._answers(node, place, flanks[len(flanks) // 2], waiting, tried)
+            found = self._answers(node, spare, place, flanks[len(flanks) // 2], waiting, tried)
             if best is None or len(found) < len(best[2]):
                 best = place, line, found
             if not found:
@@ -257,12 +278,12 @@ class _ExhaustiveSearch:
         return (left[0][0], left[0][2], []) if best is None else best
 
     def _answers(
-        self, node: _Partial, place: int, flank: int, waiting: dict[int, int], tried: _Tried
+        self, node: _Partial, spare: int, place: int, flank: int, waiting: dict[int, int], tried: _Tried
     ) -> list[_Partial]:
-        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank."""
+        """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another; the likeliest first."""
         state, panel_set = node.state, self.panel_set
         row = state.rows[place]
-        found: list[tuple[int, float, _Partial]] = []
+        found: list[tuple[int, float, float, _Partial]] = []
         for kind, other in waiting.items():
             poses = self.table.between(row, other)
             hopeless = self._hopeless[other]
@@ -280,14 +301,15 @@ class _ExhaustiveSearch:
                     continue
                 marks.add(mark)
                 if mark not in tried:
-                    tried[mark] = self._joined(node, place, other, turn, move, met, mine)
+                    tried[mark] = self._joined(node, spare, place, other, turn, move, met, mine)
                 joined = tried[mark]
                 if joined is not None:
-                    found.append((joined[0], float(poses.together[k]), joined[1]))
-        return [child for *_, child in sorted(found, key=lambda item: (-item[0], -item[1]))]
+                    size = round(extent(panel_set, joined[1].state))
+                    found.append((-joined[0], -float(poses.together[k]), size, joined[1]))
+        return [child for *_, child in sorted(found, key=lambda item: item[:3])]
 
     def _joined(
-        self, node: _Partial, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
+        self, node: _Partial, spare: int, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
     ) -> tuple[int, _Partial] | None:
         """The placement with one panel more, and how many flanks it closes; None where it overlaps or blocks others."""
         state, panel_set = node.state, self.panel_set
@@ -330,4 +352,44 @@ class _ExhaustiveSearch:
         move = panel_set.centred(state, other, turn, move)
         turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])
         grown = Placement((*state.rows, other), turns, moves, state.met + closed, {})
-        return closed, _Partial(grown, (*everyone, mine), (*node.excused, self._hopeless[other]))
+        child = _Partial(grown, (*everyone, mine), (*node.excused, self._hopeless[other]))
+        return (closed, child) if self._enough(child, spare) else None
+
+    def _enough(self, node: _Partial, spare: int) -> bool:
+        """Whether the waiting panels are enough for the open lines of every placed panel, but for `spare` of them.
+
+        Every line needs a panel of its own, or every few lines where a panel can meet several at once: a matching of the
+        lines to the panels that can meet them.
+        """
+        waiting = sorted(self.free - set(node.state.rows))
+        lines: dict[int, list[int]] = {}
+        for place, number, _ in self._open(node):
+            lines.setdefault(place, []).append(number)
+        for place, numbers in lines.items():
+            if len(numbers) <= spare + 1:
+                continue
+            row = node.state.rows[place]
+            seats = [(other, k) for other in waiting for k in range(self._reach(row, other)[0])]
+            partners = [
+                [k for k, (other, _) in enumerate(seats) if self._reach(row, other)[1] >> number & 1]
+                for number in numbers
+            ]
+            if len(numbers) - matching_size(partners) > spare:
+                return False
+        return True
+
+
+def matching_size(partners: Sequence[Sequence[int]]) -> int:
+    """How many rows can be given a partner each, of those that each may have, no two the same (augmenting paths)."""
+    given: dict[int, int] = {}
+
+    def placed(row: int, asked: set[int]) -> bool:
+        for partner in partners[row]:
+            if partner not in asked:
+                asked.add(partner)
+                if partner not in given or placed(given[partner], asked):
+                    given[partner] = row
+                    return True
+        return False
+
+    return sum(placed(row, set()) for row in range(len(partners)))

@@ -26,10 +26,17 @@ class PanelIsometries:
         By kind: a panel in its own frame, the middle of its thickness at z = 0.
     marked : set of int
         Kinds that are told apart from all others, and each of their edges from the others, though they may be congruent.
+    thickness : mapping of int to float [mm], optional
+        By kind; by default all are as thick as each other.
     """
 
-    def __init__(self, outlines: Mapping[int, shapely.Polygon], marked: Set[int] = frozenset()) -> None:
-        self._outlines, self._marked = outlines, marked
+    def __init__(
+        self,
+        outlines: Mapping[int, shapely.Polygon],
+        marked: Set[int] = frozenset(),
+        thickness: Mapping[int, float] | None = None,
+    ) -> None:
+        self._outlines, self._marked, self._thickness = outlines, marked, thickness or {}
         self._known: dict[tuple[int, int], list[Isometry]] = {}
 
     def between(self, a: int, b: int) -> list[Isometry]:
@@ -37,7 +44,7 @@ class PanelIsometries:
         if (a, b) not in self._known:
             if a == b and a in self._marked:
                 self._known[a, b] = [(np.diag([1.0, 1.0, up]), np.zeros(3)) for up in (1.0, -1.0)]
-            elif a in self._marked or b in self._marked:
+            elif a in self._marked or b in self._marked or self._thickness.get(a) != self._thickness.get(b):
                 self._known[a, b] = []
             else:
                 self._known[a, b] = _isometries(self._outlines[a], self._outlines[b])

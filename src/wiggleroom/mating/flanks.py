@@ -65,7 +65,7 @@ class FlankSettings:
     angle_flanks: int = 4
     least_angle: float = 20.0
     square_angle: float = 4.0
-    max_angles: int = 3
+    max_angles: int = 6
 
 
 FLANKS = FlankSettings()
@@ -172,18 +172,29 @@ def plates_of(
 def joint_angles(plates: Sequence[SheetPlate]) -> Floats:
     """Angles [rad] other than right ones by which plates may turn at a joint: between rows of fingers of one panel.
 
-    Walls that stand on two edges of a panel meet at the angle between these edges.
+    Walls that stand on two edges of a panel meet at the angle between these edges, if these follow each other round it.
     """
     found: Counter[float] = Counter()
     for plate in plates:
-        directions = [line.along for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
-        for a, b in combinations(directions, 2):
+        for a, b in _rows_side_by_side(plate):
             sine, cosine = abs(a[0] * b[1] - a[1] * b[0]), abs(a @ b)
             angle = round(float(np.degrees(np.arctan2(sine, cosine))), 1)
             if FLANKS.least_angle < angle < 90.0 - FLANKS.square_angle:
                 found[angle] += 1
     usual = [angle for angle, _ in found.most_common(FLANKS.max_angles)]
     return np.radians(sorted({*usual, *(180.0 - angle for angle in usual)}))
+
+
+def _rows_side_by_side(plate: SheetPlate) -> list[tuple[Floats, Floats]]:
+    """Directions of every two rows of fingers on edges that follow each other round a panel, and of every two of which one is within it."""
+    lines = [line for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
+    edges = [k for k, line in enumerate(lines) if line.outward]
+    ring, middle = plate.polygon.exterior, plate.middle
+    order = sorted((ring.project(shapely.Point(middle[row])), k) for k in edges for row in lines[k].rows.tolist())
+    round_it = [k for _, k in order]
+    beside = {frozenset(pair) for pair in zip(round_it, round_it[1:] + round_it[:1], strict=True)}
+    pairs = [(i, j) for i, j in combinations(range(len(lines)), 2) if {i, j} in beside or not {i, j} <= set(edges)]
+    return [(lines[i].along, lines[j].along) for i, j in pairs]
 
 
 def _plates(

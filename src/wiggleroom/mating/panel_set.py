@@ -109,9 +109,12 @@ class PanelSet:
             for k, corners in enumerate(self.corners)
         ]
         outlines = {p.kind: p.polygon for p in plates}
-        self.isometries = PanelIsometries(outlines)
+        thickness = {p.kind: p.thickness for p in plates}
+        self.isometries = PanelIsometries(outlines, thickness=thickness)
         # While placements grow, panels of which something was said must not stand for others.
-        self.told_isometries = PanelIsometries(outlines, {plates[k].kind for k in named}) if named else self.isometries
+        self.told_isometries = (
+            PanelIsometries(outlines, {plates[k].kind for k in named}, thickness) if named else self.isometries
+        )
         self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
         self.tolerance = VOTING.midpoint_tolerance * min(p.thickness for p in plates)
         self.most = SETTINGS.max_shared_volume * min(p.thickness for p in plates) ** 3
@@ -122,6 +125,15 @@ class PanelSet:
         self.size = max(self.radius) * 2.0
         self.shape = _weights(plates)
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
+
+    def interchangeable(self, free: Iterable[int]) -> dict[int, int]:
+        """By kind, one of every congruent panels of these, however they lie on the sheet: they may stand for each other."""
+        found: dict[int, int] = {}
+        for row in sorted(free):
+            kind = self.plates[row].kind
+            if not any(self.told_isometries.between(kind, other) for other in found):
+                found[kind] = row
+        return found
 
     def fits(self, a: int, b: int) -> tuple[Floats, Floats]:
         """Poses of a panel of kind `b` against one of kind `a`."""

@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
+from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import about
 from wiggleroom.program.objectives import PointMotion
@@ -66,6 +67,7 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
 
     First it is asked whether anything is better at all. If so, a value between the best and the bound is asked about, again and again:
     either one is found and climbed from, or the bound falls. So the many local optima of a motion that ripples are not climbed one by one.
+    Boxes are of the parts as drawn, also where climbs are of outlines with fewer corners.
 
     Parameters
     ----------
@@ -131,7 +133,9 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
     others = np.delete(np.arange(n), body)
     low, high = np.minimum(others, body), np.maximum(others, body)
     others = others[~np.isin(low * n + high, ready.ignored)]
-    geometry = placed(ready.bodies)
+    geometry = placed(
+        bodies(ready.assembly) if ready.simplified else ready.bodies
+    )  # as drawn: what is proven is about that
     mine = goal.body == body
     direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
     lever = np.array([(direction * spot).sum(), (spot[:, 0] * direction[:, 1] - spot[:, 1] * direction[:, 0]).sum()])

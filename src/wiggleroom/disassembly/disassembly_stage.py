@@ -1,0 +1,112 @@
+"""One stage of a disassembly: motions continued straight until those who leave are beyond all others, or what shows that none do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.disassembly.slide_search import MoveSequence
+from wiggleroom.disassembly.translation import TranslationEscape
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
+from wiggleroom.search.prepare import Prepared, Survey
+from wiggleroom.verdict import Certainty, Separability
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NO_BODIES = np.zeros(0, dtype=np.int64)
+"""None of them."""
+EXIT_DISTANCE = 0.1
+"""Parts that left end this share of the drawing's size beyond all others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What becomes of the bodies that are left: a path of some of them, or the end.
+
+    Parameters
+    ----------
+    ended : Separability
+    certainty : Certainty
+    who : (k,) int64
+        Bodies that leave.
+    path : (k, n, 3) float64 [mm, mm, rad] or None
+        Motions of all bodies on which they leave, from where all are to where those who leave are beyond all others.
+    held : (n,) int64
+        Bodies of the same number certainly never turn half round against each other; empty where something leaves.
+    questions, unanswered : int
+        Largest motions that were searched, and how many of them found no end whose path is certain.
+    states : int
+        States that slides, and turns of single bodies, led to.
+    whole : bool
+        True where these are all states to which slides lead.
+    turned : int
+        Of these states those in which every body was turned both ways.
+    moves : (k - 1,) int64
+        Number of the move that each piece of the path belongs to.
+    """
+
+    ended: Separability
+    certainty: Certainty
+    who: Ints
+    path: Floats | None
+    held: Ints
+    questions: int = 0
+    unanswered: int = 0
+    states: int = 0
+    whole: bool = True
+    turned: int = 0
+    moves: Ints = field(default_factory=lambda: NO_BODIES)
+
+
+def leave_after_motion(
+    assembly: Assembly,
+    surveyed: Survey,
+    simpler: Prepared,
+    still: MoveSequence,
+    path: Floats,
+    found: TranslationEscape,
+) -> Stage:
+    """A largest motion of the simpler bodies that was searched, continued straight."""
+    motions = of_bodies(assembly, surveyed.bodies, of_parts(assembly, simpler.bodies, path))
+    return leave_moving(assembly, surveyed, still, motions, found)
+
+
+def leave_moving(
+    assembly: Assembly, surveyed: Survey, before: MoveSequence, path: Floats, found: TranslationEscape
+) -> Stage:
+    """One motion, after some moves, continued straight: still one move where those who leave are all that moved."""
+    number = before.moves.max(initial=-1) + 1
+    states = np.concatenate([before.states, before.states[-1] + path[1:]])
+    moves = np.append(before.moves, np.full(len(path) - 1, number))
+    stage = leave(assembly, surveyed, MoveSequence(states, moves), found)
+    moved = np.flatnonzero((np.abs(path) > 0).any(axis=(0, 2)))
+    if stage.path is not None and np.array_equal(moved, found.who):
+        stage.moves[-1] = number
+    return stage
+
+
+def leave(assembly: Assembly, surveyed: Survey, before: MoveSequence, found: TranslationEscape) -> Stage:
+    """Moves continued straight until those who leave are beyond all others."""
+    bodies, who, path = surveyed.bodies, found.who, before.states
+    others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
+
+    def along(some: Ints, motion: Floats) -> Floats:
+        return np.asarray(shapely.get_coordinates(placed(bodies, motion, some)[some]) @ found.direction)
+
+    # beyond where the others are now, and wherever they pass on their way back
+    length = max(along(others, m).max() for m in path) - along(who, path[-1]).min()
+    length += EXIT_DISTANCE * surveyed.size
+    out = path[-1].copy()
+    out[who, :2] += max(length, EXIT_DISTANCE * surveyed.size) * found.direction
+    whole = np.concatenate([path, out[None]])
+    if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
+        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES)
+    moves = np.append(before.moves, before.moves.max(initial=-1) + 1)
+    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, NO_BODIES, moves=moves)

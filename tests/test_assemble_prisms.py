@@ -1,0 +1,192 @@
+"""Boxes with five and more walls: put together, judged by solids built from the file alone, and sure only where nothing else fits."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import maximum_bipartite_matching
+
+pytest.importorskip("manifold3d")
+
+from benchmarks.sheet_drawings import Design, box, burnt, egg_crate
+from benchmarks.sheet_judge import judge
+
+from wiggleroom.mating import closed_search
+from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
+from wiggleroom.mating.closed_search import matching_size
+from wiggleroom.mating.congruence import PanelIsometries
+from wiggleroom.mating.cutting_sheet import read_sheet
+from wiggleroom.mating.flanks import joint_angles, plates_of
+from wiggleroom.mating.plates_writer import write_plates
+
+Floats = np.ndarray
+OVERLAP = 1e-5
+
+
+def regular(sides: int, apothem: float) -> Floats:
+    turns = 0.3 + 2 * np.pi * np.arange(sides) / sides
+    return apothem / np.cos(np.pi / sides) * np.column_stack([np.cos(turns), np.sin(turns)])
+
+
+def irregular(seed: int, radius: float) -> Floats:
+    turns = (np.arange(6) + np.random.default_rng(seed).uniform(-0.25, 0.25, 6)) * np.pi / 3
+    return radius * np.column_stack([np.cos(turns), np.sin(turns)])
+
+
+def turning(corners: Floats) -> list[float]:
+    """By how much the edges of a convex polygon turn at every corner [rad]."""
+    along = np.roll(corners, -1, axis=0) - corners
+    along = along / np.hypot(*along.T)[:, None]
+    return [float(np.arccos(along[k - 1] @ along[k])) for k in range(len(corners))]
+
+
+def prism(
+    corners: Floats, high: float, t: float, *, lid: bool = False, rows: tuple[int, ...] = (9,), shift: float = 0.0
+) -> Design:
+    """Upright walls on the edges of a convex polygon, outer faces on it; where edges turn by a, fingers are t sin a long.
+
+    Parameters
+    ----------
+    corners : (n, 2) float64 [mm]
+        Anticlockwise.
+    rows : tuple of int
+        Stretches of the finger rows at the corners, one after the other and again.
+    shift : float [mm]
+        Of the tabs from the middle of every wall.
+    """
+    turn, along = turning(corners), np.roll(corners, -1, axis=0) - corners
+    top = high - t if lid else high
+    walls, floor, joined = {}, shapely.Polygon(corners), set()
+    for k, (corner, edge) in enumerate(zip(corners, along, strict=True)):
+        long = float(np.hypot(*edge))
+        wall, x = shapely.box(0, t, long, top), edge / long
+        inward = np.array([-x[1], x[0]])
+        for middle in (long / 3 + shift, 2 * long / 3 + shift):
+            for low in (0.0, top)[: 1 + lid]:
+                wall = wall.union(shapely.box(middle - 3, low, middle + 3, low + t))
+            a, b = corner + x * (middle - 3), corner + x * (middle + 3)
+            floor = floor.difference(shapely.Polygon([a - inward, b - inward, b + inward * t, a + inward * t]))
+        for end, odd in ((k, 0), ((k + 1) % len(corners), 1)):
+            deep, edges = t * np.sin(turn[end]), np.linspace(t, top, rows[end % len(rows)] + 1)
+            left, right = (-1.0, deep) if end == k else (long - deep, long + 1)
+            gone = [shapely.box(left, edges[i], right, edges[i + 1]) for i in range(odd, len(edges) - 1, 2)]
+            wall = wall.difference(shapely.union_all(gone))
+        walls[f"wall {k}"] = wall
+        joined |= {frozenset({f"wall {k}", f"wall {(k + 1) % len(corners)}"}), frozenset({f"wall {k}", "floor"})}
+        joined |= {frozenset({f"wall {k}", "lid"})} if lid else set()
+    return Design("prism", t, {"floor": floor} | walls | ({"lid": floor} if lid else {}), joined, (0.0, 0.0, high))
+
+
+def assembled(folder: Path, design: Design, seed: int = 3, extra: str = "") -> AssembledSheet:
+    sheet = folder / "sheet.svg"
+    sheet.write_text(design.svg(seed).replace("</svg>", extra + "</svg>"))
+    return assemble_sheet(read_sheet(sheet), design.thickness, burn=design.burn or None)
+
+
+def assert_is_prism(found: AssembledSheet, folder: Path, design: Design, corners: Floats) -> None:
+    """No overlap, all joints, all walls upright on one side of the floor and turned as its edges."""
+    (folder / "out.json").write_text(write_plates(found))
+    judged = judge(folder / "out.json")
+    assert set(judged.names) == set(design.panels)
+    assert judged.overlap < OVERLAP
+    assert len(found.joints) == len(design.joined)
+    (body,) = found.bodies
+    normal = {found.plates[row].name: turn[:, 2] for row, turn in zip(body.rows, body.turns, strict=True)}
+    move = {found.plates[row].name: move for row, move in zip(body.rows, body.moves, strict=True)}
+    walls = [name for name in normal if name.startswith("wall")]
+    across = [float((move[name] - move["floor"]) @ normal["floor"]) for name in walls]
+    assert abs(np.sign(across).sum()) == len(walls)
+    assert max(abs(float(normal[name] @ normal["floor"])) for name in walls) < 1e-6
+    turned = np.cumsum(turning(corners))
+    got, asked = (
+        sorted(np.abs(np.array(each) @ np.array(each).T).ravel())
+        for each in ([normal[name] for name in walls], np.column_stack([np.cos(turned), np.sin(turned)]))
+    )
+    assert np.abs(np.array(got) - asked).max() < 0.01
+
+
+@pytest.mark.parametrize(
+    ("corners", "more"),
+    [
+        (regular(5, 43), {}),
+        (regular(6, 40), {"lid": True}),
+        (regular(6, 45), {"lid": True, "shift": 2.0}),
+        (regular(6, 45), {"rows": (7, 9, 11)}),
+        (regular(8, 50), {"lid": True}),
+        (irregular(0, 55), {}),
+        (np.array([[-60.0, 0], [-30, -40], [30, -40], [60, 0], [30, 40], [-30, 40]]), {}),
+    ],
+    ids=["pentagon", "hexagon with lid", "tabs off the middle", "rows of three kinds", "octagon", "irregular", "flat"],
+)
+def test_a_prism_comes_together_and_nothing_else_fits(tmp_path: Path, corners: Floats, more: dict) -> None:
+    design = prism(corners, 70, 3.0, **more)
+    found = assembled(tmp_path, design)
+    assert_is_prism(found, tmp_path, design, corners)
+    assert found.sure
+
+
+def test_burn_engraving_and_labels_change_nothing(tmp_path: Path) -> None:
+    design, corners = burnt(prism(regular(6, 40), 70, 3.0, lid=True), 0.08), regular(6, 40)
+    marks = '<text x="20" y="20" font-size="5">lid</text><path d="M60,20 l8,0 l0,8" fill="none" stroke="red"/>'
+    found = assembled(tmp_path, design, extra=marks)
+    assert_is_prism(found, tmp_path, design, corners)
+    assert found.sure
+
+
+def test_a_prism_without_one_wall_is_not_sure(tmp_path: Path) -> None:
+    design = prism(regular(6, 40), 70, 3.0)
+    del design.panels["wall 4"]
+    found = assembled(tmp_path, design)
+    assert not found.sure
+
+
+def test_equal_outlines_of_two_thicknesses_do_not_stand_for_each_other() -> None:
+    plate = shapely.box(-9, -6, 9, 6)
+    assert PanelIsometries({0: plate, 1: plate}, thickness={0: 3.0, 1: 3.0}).between(0, 1)
+    assert not PanelIsometries({0: plate, 1: plate}, thickness={0: 3.0, 1: 6.0}).between(0, 1)
+
+
+def test_of_ways_that_close_as_much_the_smaller_body_is_found(tmp_path: Path) -> None:
+    """Turned about, one strip reaches further out on one side than the other."""
+    design = egg_crate("crate", [30, 75, 110], [25, 60], 40, 3, 150, 90)
+    found = assembled(tmp_path, design, seed=len("egg crate 2 x 3"))
+    (tmp_path / "out.json").write_text(write_plates(found))
+    assert judge(tmp_path / "out.json").size == pytest.approx((40, 90, 150), abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "design",
+    [box("box", 75, 52, 38, 3, 8), egg_crate("crate", [30, 60], [25, 60], 40, 3, 90, 90)],
+    ids=["box", "crate"],
+)
+def test_counting_panels_leaves_out_no_assembly(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, design: Design
+) -> None:
+    """Searches with and without the count find the same number of panels, joints and doubts."""
+    found = assembled(tmp_path, design)
+    monkeypatch.setattr(closed_search, "matching_size", len)
+    plain = assembled(tmp_path, design)
+    assert found.sure == plain.sure
+    assert len(found.joints) == len(plain.joints) == len(design.joined)
+    assert found.doubts == plain.doubts
+
+
+def test_matching_gives_a_partner_to_as_many_as_can_have_one() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        may = rng.random((rng.integers(1, 8), rng.integers(1, 8))) < rng.uniform(0.1, 0.6)
+        most = int((maximum_bipartite_matching(csr_array(may), perm_type="column") >= 0).sum())
+        assert matching_size([np.flatnonzero(row).tolist() for row in may]) == most
+
+
+def test_plates_turn_as_the_edges_that_follow_each_other() -> None:
+    corners = irregular(2, 55)
+    design = prism(corners, 70, 3.0)
+    plates = plates_of(list(design.panels), list(design.panels.values()), [3.0] * len(design.panels), 0.0)
+    asked = Counter(round(float(np.degrees(angle)), 1) for angle in turning(corners))
+    assert {round(float(np.degrees(angle)), 1) for angle in joint_angles(plates)} == {*asked, *(180 - a for a in asked)}
