@@ -71,3 +71,59 @@ def test_what_was_kept_of_other_sources_is_not_even_opened(package: Path) -> Non
     inner = package / "wiggleroom" / "geometry" / "inner.py"
     inner.write_text(inner.read_text().replace("2.0", "4.0"))
     assert run(package, ASK).split() == ["41.0", "0"]
+
+
+def test_what_is_compiled_later_links_with_what_was_kept(package: Path) -> None:
+    inner = "from wiggleroom.geometry.inner import scaled\nprint(scaled(10.0), sum(scaled.stats.cache_hits.values()))\n"
+    assert run(package, inner).split() == ["20.0", "0"]
+    assert run(package, inner + ASK).split() == ["20.0", "1", "21.0", "0"]
+    assert run(package, ASK).split() == ["21.0", "1"]
+
+
+def test_what_was_kept_is_loaded_without_the_tables_of_the_compiler(package: Path) -> None:
+    made = package / "wiggleroom" / "geometry" / "made.py"
+    made.write_text(
+        "import numpy as np\nfrom wiggleroom.compiled.jit_options import OPTIONS, njit\n"
+        "@njit(**OPTIONS)\ndef grown(n):\n    a = np.arange(n).reshape(2, -1)\n    if n > 9:\n        raise ValueError('too many')\n"
+        "    return np.hstack((a, a.copy()))\n"
+    )
+    code = """
+import sys
+from wiggleroom.geometry.made import grown
+said = []
+try:
+    grown(12)
+except ValueError as error:
+    said.append(str(error))
+print(grown(6).sum(), *said, "numba.np.arrayobj" in sys.modules)
+"""
+    assert run(package, code).split() == ["30", "too", "many", "True"]
+    assert run(package, code).split() == ["30", "too", "many", "False"]
+
+
+def test_extensions_of_scipy_are_those_that_its_packages_have() -> None:
+    code = """
+import sys, numpy as np
+from concurrent.futures import ThreadPoolExecutor
+from wiggleroom.compiled.scipy_extensions import qhull
+with ThreadPoolExecutor(4) as threads:
+    assert len(set(threads.map(lambda _: qhull().ConvexHull, range(4)))) == 1
+from wiggleroom.solve import multifrontal
+cube = np.stack(np.meshgrid(*[[0.0, 2.0]] * 3), -1).reshape(-1, 3)
+print(qhull().ConvexHull(cube).volume, sorted({"scipy.linalg", "scipy.spatial", "scipy.sparse"} & set(sys.modules)))
+import scipy.linalg, scipy.spatial
+print(qhull().ConvexHull is scipy.spatial.ConvexHull, scipy.linalg.cholesky(4 * np.eye(1))[0, 0])
+print(scipy.linalg.cython_blas.__name__, scipy.spatial._qhull.__name__)
+"""
+    said = run(ROOT.parent, code).splitlines()
+    assert said == ["8.0 []", "True 2.0", "scipy.linalg.cython_blas scipy.spatial._qhull"]
+
+
+def test_a_question_with_a_quick_bound_does_without_the_slow_packages_of_scipy() -> None:
+    code = """
+import sys, wiggleroom as wr
+answer = wr.flex(wr.patterns.chain(5))
+packages = {"scipy.linalg", "scipy.spatial", "scipy.special", "scipy.optimize"}
+print(answer.at_most is not None, sorted(packages & set(sys.modules)))
+"""
+    assert run(ROOT.parent, code) == "True []"

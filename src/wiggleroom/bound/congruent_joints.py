@@ -11,7 +11,6 @@ import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -19,9 +18,6 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.geometry.relative_pose import rotated
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -64,11 +60,9 @@ class Corners:
     back: Floats
 
     @cached_property
-    def tree(self) -> cKDTree:
+    def tree(self) -> shapely.STRtree:
         """To look for corners in a place."""
-        from scipy.spatial import cKDTree  # slow to load
-
-        return cKDTree(self.at)
+        return shapely.STRtree(shapely.points(self.at))
 
     def alike(self, rows: Ints, other: Corners, close: float) -> Bools:
         """Which corners of another body (m,) may be these of our own (k,): they turn alike, and a side is as long; (k, m)."""
@@ -124,8 +118,8 @@ class CongruentJoint:
             angle = float(corners.heading[k] - mine.heading[first[j]])
             shift = corners.at[k] - rotated(mine.at[first[j]], angle)
             there = rotated(mine.at, angle) + shift
-            away, _ = corners.tree.query(there, distance_upper_bound=close)
-            if np.count_nonzero(away < close) < MIN_COMMON_CORNERS * len(there):
+            common, _ = corners.tree.query(shapely.points(there), "dwithin", close)
+            if len(np.unique(common)) < MIN_COMMON_CORNERS * len(there):
                 continue
             moved = [shapely.transform(g, lambda p, a=angle, s=shift: rotated(p, a) + s) for g in self._inner]
             if shapely.covers(other.a, moved[0]) and shapely.covers(other.b, moved[1]):

@@ -11,6 +11,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import JointConstraints, TurnDifferences
@@ -107,11 +108,9 @@ class _Places:
     """Joints by place: windows are congruent where their joints are, whatever the outlines of their bodies."""
 
     def __init__(self, place: Floats, joints: JointConstraints, tolerance: float) -> None:
-        from scipy.spatial import KDTree  # slow to load
-
         self.joints, self.tolerance = joints, tolerance
         self.pivot = place[joints.a] + joints.arm_a
-        self.tree = KDTree(self.pivot)
+        self.tree = shapely.STRtree(shapely.points(self.pivot))
 
     def window(self, bodies: Ints, own: Ints) -> Window:
         """A window of some bodies and their joints, with all its placements."""
@@ -129,7 +128,7 @@ class _Places:
         axes, kind = self.joints.axes, self.joints.kind
         angle = float(axes[first] - axes[own[0]])
         at = rotated(self.pivot[own] - self.pivot[own[0]], angle) + self.pivot[first]
-        away, which = self.tree.query(at)
+        (_, which), away = self.tree.query_nearest(shapely.points(at), return_distance=True, all_matches=False)
         turned = np.remainder(axes[which] - axes[own] - angle + np.pi, 2 * np.pi) - np.pi
         same = (away <= self.tolerance) & (kind[which] == kind[own]) & (np.abs(turned) <= ANGLE_TOLERANCE)
         return np.asarray(which, dtype=np.int64) if same.all() else None

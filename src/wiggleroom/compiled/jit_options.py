@@ -14,12 +14,14 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding as llvm
 import numba
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.environment import Environment, lookup_environment
 from numba.core.runtime import rtsys
 
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -72,6 +74,52 @@ class KernelCacheFile(IndexDataCacheFile):
         return folder / f"{self._index_name.removesuffix('.nbi')}.{hashlib.sha256(said.encode()).hexdigest()[:16]}.nbc"
 
 
+class KernelForm(CompileResultCacheImpl):
+    """What is kept of a compiled function, in a form that is quick to load.
+
+    numba parses the intermediate code, which only a function that is compiled later links with, to learn which symbols the machine
+    code defines, and imports the modules of all functions that were compiled into it. Here the names of the symbols are kept too,
+    intermediate code is parsed where it is linked with, and environments know their module by name: only interpreted code would
+    look into it.
+    """
+
+    def reduce(self, compiled: Any) -> tuple:
+        """Compiled function as it is kept."""
+        module = compiled.library._get_module_for_linking()
+        symbols = sorted(
+            one.name for kind in (module.functions, module.global_variables) for one in kind if not one.is_declaration
+        )
+        *kept, environments = super().reduce(compiled)
+        return *kept, [(one.globals["__name__"], one.consts, one.env_name) for one in environments], symbols
+
+    def rebuild(self, target_context: Any, kept: tuple) -> Any:
+        """Compiled function, from what is kept of it."""
+        (name, kind, (machine_code, bitcode)), *rest, environments, symbols = kept
+        target_context.codegen()._engine._defined_symbols.update(symbols)
+        found = super().rebuild(
+            target_context,
+            ((name, kind, (machine_code, _no_bitcode())), *rest, tuple(_environment(*one) for one in environments)),
+        )
+        found.library._get_module_for_linking = cache(partial(llvm.parse_bitcode, bitcode))
+        return found
+
+
+@cache
+def _no_bitcode() -> bytes:
+    return llvm.parse_assembly("").as_bitcode()
+
+
+def _environment(module: str, consts: list, name: str) -> Environment:
+    """Constants of a function that was compiled into another one."""
+    found = lookup_environment(name)
+    if found is None:
+        found = Environment({"__name__": module})
+        found.consts[:] = consts
+        found.env_name = name
+        Environment._memo[name] = found
+    return found
+
+
 class KernelCache(FunctionCache):
     """What is kept of a function; the tables of the compiler are filled only where something must be compiled.
 
@@ -79,6 +127,8 @@ class KernelCache(FunctionCache):
     ----------
     function : callable
     """
+
+    _impl_class = KernelForm
 
     def __init__(self, function: Callable) -> None:
         super().__init__(function)

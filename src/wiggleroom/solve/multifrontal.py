@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
 from wiggleroom.compiled.jit_options import NO_ALLOCATION, OPTIONS, njit
+from wiggleroom.compiled.scipy_extensions import BLAS, LAPACK, without_packages
 from wiggleroom.parallel.batches import THREADS, in_parallel
 from wiggleroom.solve.nested_dissection import EliminationTree, dissect
 
@@ -254,11 +255,12 @@ def _called(count: int) -> Any:
 
 
 _call5, _call10, _call11 = _called(5), _called(10), _called(11)
-_ADDRESSES = (
-    get_cython_function_address("scipy.linalg.cython_lapack", "dpotrf"),
-    get_cython_function_address("scipy.linalg.cython_blas", "dtrsm"),
-    get_cython_function_address("scipy.linalg.cython_blas", "dsyrk"),
-)
+with without_packages(BLAS, LAPACK):
+    _ADDRESSES = (
+        get_cython_function_address(LAPACK, "dpotrf"),
+        get_cython_function_address(BLAS, "dtrsm"),
+        get_cython_function_address(BLAS, "dsyrk"),
+    )
 
 
 @njit(**OPTIONS)

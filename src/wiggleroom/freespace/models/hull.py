@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.scipy_extensions import qhull
 from wiggleroom.freespace.models.bounded_slices import bounded
 from wiggleroom.freespace.models.pair_models import Hull
 from wiggleroom.freespace.slices import PairOutlines, Slice, slice_near, slice_sequence
@@ -131,11 +132,11 @@ def _slice(pair: PairOutlines, phi: float, centre: Floats, limit: float) -> Slic
 
 def _polyhedron(slices: list[Slice], clearance: float) -> tuple[Floats, Floats]:
     """Faces N (m, 3) and D (m,) of the convex hull of slices."""
-    from scipy.spatial import ConvexHull
-
     points = np.vstack(
         [np.insert(shapely.get_coordinates(shapely.convex_hull(s.region)), 2, s.angle, axis=1) for s in slices]
     )
     unit = np.array([clearance, clearance, np.abs(points[:, 2]).max()])
-    faces = np.unique(np.round(ConvexHull(points / unit).equations, 10), axis=0)  # triangles of one face are one row
+    faces = np.unique(
+        np.round(qhull().ConvexHull(points / unit).equations, 10), axis=0
+    )  # triangles of one face are one row
     return faces[:, :3] * clearance / unit, faces[:, 3] * clearance

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.compiled.scipy_extensions import qhull
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_region import OuterRegion
@@ -54,20 +55,18 @@ def facets(
     Normals are those of the convex hull, those that differ by less than `unlike` [rad] merged. Offsets are the largest values at all
     corners, so whatever the normals, nothing is cut off.
     """
-    from scipy.spatial import ConvexHull, QhullError  # slow to load
-
     points, _ = outer.points(low, high)
     if not len(points):
         return None
     box = np.maximum(np.ptp(points, axis=0), 1e-12 * (1 + np.abs(points).max()))
     normal = np.vstack([np.eye(3), -np.eye(3)])
     try:
-        hull = ConvexHull(points / box)
+        hull = qhull().ConvexHull(points / box)
         corners = hull.points[hull.simplices]
         size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
         normal = np.vstack([normal, _unlike(hull.equations[np.argsort(-size), :3], unlike)])
         points = points[hull.vertices]
-    except (QhullError, ValueError):
+    except (qhull().QhullError, ValueError):
         pass  # flat or too few corners: the box alone
     normal = normal / box
     normal = normal / np.abs(normal[:, :2]).max(1, initial=0.0, keepdims=True).clip(1.0 / outer.material.radius)
