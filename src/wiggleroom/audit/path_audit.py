@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
-from wiggleroom.audit.moving_edges import inside_each_other, mark_doubtful_pieces, swept_boxes
+from wiggleroom.audit.containment import inside_each_other
+from wiggleroom.audit.moving_edges import mark_doubtful_pieces, swept_boxes
 from wiggleroom.errors import Stop
 from wiggleroom.parallel.batches import in_batches
 
