@@ -156,6 +156,10 @@ class _ExhaustiveSearch:
             [sum(1 << k for k in line.rows.tolist()) & self._needed[row] for line in plate.lines]
             for row, plate in enumerate(plates)
         ]
+        self._beside = [
+            [(f, sum(1 << int(k) for k in plate.neighbours[f] if k >= 0)) for f in flank_rows(self._needed[row])]
+            for row, plate in enumerate(plates)
+        ]
         self._reaches: dict[tuple[int, int], tuple[int, int]] = {}
         self._failures: Counter[tuple[int, int]] = Counter()
         self._hopeless = {row: self._needed[row] & ~self._matchable(row) for row in free}
@@ -169,13 +173,13 @@ class _ExhaustiveSearch:
         return matchable
 
     def _reach(self, row: int, other: int) -> tuple[int, int]:
-        """How many lines of a panel another one can meet at once, and bits of the lines it can meet at all."""
+        """How many lines of a panel another one can close at once, and bits of the lines it can close at all."""
         plates = self.panel_set.plates
         key = plates[row].kind, plates[other].kind
         if key not in self._reaches:
             met = [
-                sum(1 << number for number, line in enumerate(self._lines[row]) if line & flanks)
-                for flanks, _ in self.table.between(row, other).met
+                sum(1 << number for number, line in enumerate(self._lines[row]) if line & closed)
+                for closed in {self._closed(row, flanks) for flanks, _ in self.table.between(row, other).met}
             ]
             self._reaches[key] = (
                 max((lines.bit_count() for lines in met), default=0),
@@ -238,12 +242,7 @@ class _ExhaustiveSearch:
         """(place of a panel, one of its lines, bits of open flanks there): first what failed before, what meets in part, what is long."""
         found = []
         for place, row in enumerate(node.state.rows):
-            met = node.met[place]
-            fine = met | node.excused[place]
-            near = self.panel_set.plates[row].neighbours
-            for flank in flank_rows(self._needed[row] & ~fine):
-                if any(k >= 0 and met >> int(k) & 1 for k in near[flank]):
-                    fine |= 1 << flank
+            fine = self._closed(row, node.met[place]) | node.excused[place]
             kind = self.panel_set.plates[row].kind
             for number, line in enumerate(self._lines[row]):
                 rest = line & ~fine
@@ -251,6 +250,10 @@ class _ExhaustiveSearch:
                     failed = -self._failures[kind, number]
                     found.append((failed, rest == line, -rest.bit_count(), place, number, rest))
         return [(place, number, rest) for *_, place, number, rest in sorted(found)]
+
+    def _closed(self, row: int, met: int) -> int:
+        """Bits of the flanks of a panel that are met, and of those beside them."""
+        return met | sum(1 << flank for flank, near in self._beside[row] if met & near)
 
     def _same(self, a: Placement, b: Placement, isometries: PanelIsometries) -> bool:
         """Whether two placements are congruent or mirror images."""
