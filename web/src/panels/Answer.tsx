@@ -202,7 +202,7 @@ function Held() {
 }
 
 /** What is left of rounding, a share of the drawing's size and a turn [degrees], of motions in the plane and in space. */
-const NOTHING = { 2: 1e-9, 3: 1e-6 };
+const NOTHING = { 2: 1e-12, 3: 1e-6 };
 const NO_TURN = { 2: 1e-6, 3: 1e-4 };
 
 /** How far every part goes in the answer, the farthest first. */
