@@ -1,4 +1,4 @@
-"""Extension modules of scipy without the packages that they lie in, which take twenty times as long to import."""
+"""Extension modules of scipy without the packages that they lie in, which take thirty times as long to import."""
 
 from __future__ import annotations
 

@@ -133,9 +133,8 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
     others = np.delete(np.arange(n), body)
     low, high = np.minimum(others, body), np.maximum(others, body)
     others = others[~np.isin(low * n + high, ready.ignored)]
-    geometry = placed(
-        bodies(ready.assembly) if ready.simplified else ready.bodies
-    )  # as drawn: what is proven is about that
+    drawn = bodies(ready.assembly) if ready.simplified else ready.bodies  # what is proven is about these
+    geometry = placed(drawn)
     mine = goal.body == body
     direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
     lever = np.array([(direction * spot).sum(), (spot[:, 0] * direction[:, 1] - spot[:, 1] * direction[:, 0]).sum()])

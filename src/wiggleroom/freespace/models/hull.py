@@ -136,7 +136,6 @@ def _polyhedron(slices: list[Slice], clearance: float) -> tuple[Floats, Floats]:
         [np.insert(shapely.get_coordinates(shapely.convex_hull(s.region)), 2, s.angle, axis=1) for s in slices]
     )
     unit = np.array([clearance, clearance, np.abs(points[:, 2]).max()])
-    faces = np.unique(
-        np.round(qhull().ConvexHull(points / unit).equations, 10), axis=0
-    )  # triangles of one face are one row
+    equations = qhull().ConvexHull(points / unit).equations
+    faces = np.unique(np.round(equations, 10), axis=0)  # triangles of one face are one row
     return faces[:, :3] * clearance / unit, faces[:, 3] * clearance
