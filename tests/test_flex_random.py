@@ -15,7 +15,7 @@ from wiggleroom.assembly.build import assemble
 VERDICTS = ("proven", "optimal", "stationary", "unbounded", "stopped")
 FEW, MANY = (
     [*range(40), 73, 205, 212],
-    range(40, 115),
+    range(40, 190),
 )  # 73: edges flat on each other; 205: virtual walls near the end; 212: turns and pulls far off weigh against each other
 SMALL = [k for k in range(50) if k % 5 in (0, 4)]  # chains of one random joint, pegs in random holes
 SAME = {"mirror": (mirrored, 1.0), "hundredth": (lambda d: scaled(d, 1e-2), 1e-2), "shuffled": (shuffled, 1.0)}
