@@ -43,10 +43,11 @@ def test_families(name, below):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("gap", [0.01, 0.02])
 @pytest.mark.parametrize("below", [False, True], ids=["beside", "below"])
 @pytest.mark.parametrize("name", FAMILIES)
-def test_families_with_many_samples(name, below):
-    audited(*family(name, below, 0.02), 200_000)
+def test_families_with_many_samples(name, below, gap):
+    audited(*family(name, below, gap), 200_000)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -65,7 +66,7 @@ def test_random_pairs_with_holes(make, seed):
 @pytest.mark.parametrize("seed", range(10, 40))
 @pytest.mark.parametrize("make", [tab_pair, peg_pair])
 def test_more_random_pairs(make, seed):
-    audited(as_assembly(make(seed, gap=0.02, holes=seed % 2 == 0)), "ab", 50_000)
+    audited(as_assembly(make(seed, gap=0.02, holes=seed % 2 == 0)), "ab", 200_000)
 
 
 def moved(shape, at, motion):

@@ -101,7 +101,7 @@ def test_the_witness_reaches_the_value_and_is_free(case):
 @pytest.mark.parametrize("case", BOUNDED, ids=lambda c: c.name)
 def test_no_free_sample_beats_the_value(case):
     rng = np.random.default_rng(1)
-    n, count = len(case.parts), 20000
+    n, count = len(case.parts), 60000
     size = np.abs(case.witness[1:]).max(axis=0) * 1.2 + 1e-3
     spread = np.where(rng.random((count, 1, 1)) < 0.5, 1, 10 ** rng.uniform(-6, 0, (count, 1, 1)))
     centre = np.where(rng.random((count, 1, 1)) < 0.3, 0, case.witness)

@@ -47,8 +47,8 @@ BOUNDED = {f"{k} {case.name}": case for k, case in enumerate(closed_forms.bounde
 LOOSE = ("row of", "24-gon in a square")  # held by joints that do not close: nothing tight is promised
 CHAINS = [(joint, gap, n) for joint in blocks.JOINTS for gap in (0.01, 0.03) for n in (2, 10)]
 ROUNDING = 1e-12
-WHILE = 0.8
-"""So long a proof is tried that cannot succeed [s]: all of it is spent."""
+WHILE = 2.0
+"""So long a proof is tried that cannot succeed [s]: the longer, the more it could wrongly cut off."""
 
 
 def bound_of(assembly, goals, cut, seconds):

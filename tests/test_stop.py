@@ -176,7 +176,7 @@ def test_what_was_found_before_the_stop_is_kept(jigsaw: wr.Assembly) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ASKED)
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", range(3))
 def test_stop_is_honoured_at_any_time(what: str, seed: int, jigsaw: wr.Assembly) -> None:
     delay = float(np.random.default_rng([seed, len(what)]).uniform(0.05, 8.0))
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), delay) < LATE
