@@ -15,6 +15,7 @@ from .geometry import turn
 
 Edges = np.ndarray  # (n, 4): x0, y0, x1, y1
 NEAR = 1e-7  # crossings shallower than this at the corners are measured by their common piece too
+AT_ONCE = 2000  # of these
 
 
 def edges_of(polygon: shapely.Polygon) -> Edges:
@@ -112,8 +113,9 @@ def depths(A: shapely.Polygon, B: shapely.Polygon, relative: np.ndarray, D: np.n
     """Depth (k,) of the overlap [length] for relative motions (k, 3); 0 where there is none."""
     samples = np.atleast_2d(relative)
     crossing, depth = _scanned(A, B, samples, D)
-    for k in np.flatnonzero(crossing & (depth < NEAR)):
-        depth[k] = max(depth[k], _common_width(A, B, samples[k], D))
+    near = np.flatnonzero(crossing & (depth < NEAR))
+    for some in np.array_split(near, len(near) // AT_ONCE + 1):
+        depth[some] = np.maximum(depth[some], _common_widths(A, B, samples[some], D))
     return depth
 
 
@@ -122,10 +124,23 @@ def free(A: shapely.Polygon, B: shapely.Polygon, D: np.ndarray, samples: np.ndar
     return depths(A, B, samples, D) <= tol
 
 
-def _common_width(A: shapely.Polygon, B: shapely.Polygon, relative: np.ndarray, D: np.ndarray) -> float:
-    placed = shapely.transform(B, lambda p: p @ turn(relative[2]).T + D + relative[:2])
-    pieces = shapely.get_parts(shapely.intersection(A, placed))
-    return max((2 * shapely.area(p) / shapely.length(p) for p in pieces if shapely.area(p) > 0), default=0.0)
+def _common_widths(A: shapely.Polygon, B: shapely.Polygon, relative: np.ndarray, D: np.ndarray) -> np.ndarray:
+    """Width (k,) of the widest piece that both cover, for relative motions (k, 3)."""
+    widths = np.zeros(len(relative))
+    if not len(relative):
+        return widths
+    turns = np.array([turn(phi) for phi in relative[:, 2]])
+    moves = (D + relative[:, :2])[:, None]
+    shell, *holes = (
+        shapely.linearrings(shapely.get_coordinates(ring) @ turns.transpose(0, 2, 1) + moves)
+        for ring in (B.exterior, *B.interiors)
+    )
+    placed = shapely.polygons(shell, holes=np.stack(holes, axis=1) if holes else None)
+    pieces, of = shapely.get_parts(shapely.intersection(A, placed), return_index=True)
+    area = shapely.area(pieces)
+    solid = area > 0
+    np.maximum.at(widths, of[solid], 2 * area[solid] / shapely.length(pieces[solid]))
+    return widths
 
 
 def pose_depth(parts: list[list[shapely.Polygon]], at: np.ndarray, motion: np.ndarray) -> float:
