@@ -28,8 +28,6 @@ SAMPLE_DISTANCE = 0.04
 """Samples of a long piece lie no further apart than this share of the drawing's size."""
 MAX_SAMPLES = 40
 """Most samples of a piece."""
-REACH = 4.0
-"""Corners count that are nearer than this multiple of the clearance, and of how far waypoints may move."""
 SUFFICIENT_CLEARANCE = 1.0
 """Pieces that are not the narrowest need no more than this multiple of the typical clearance."""
 WEIGHTS = 1.0, 0.1, 1e-3
@@ -124,37 +122,29 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
     moving, radius = problem.moving, problem.bodies.radius
     k, dofs = len(path), 2 if moving.as_one else 3 * len(moving.who)
     free = (k - 1) * dofs
-    rows: list[tuple[Floats, Ints, float, int]] = []
-    for piece in range(k - 1):
-        rows += _rows(problem, path, piece, REACH * (least + trust), dofs)
-    if not rows:
+    plenty = SUFFICIENT_CLEARANCE * problem.clearance
+    narrowest = max(plenty, 2 * least + trust)  # a piece may be worth more than plenty where it is the narrowest
+    nearer = (
+        np.sqrt(2) if moving.as_one else (1 + np.sqrt(2)) * min(len(moving.who), 2)
+    ) * trust  # at most, by a change
+    samples = _samples(problem, path, narrowest + nearer)
+    if not len(samples.piece):
         return None
     # variables: changes, their sizes, clearance of every piece, least clearance
-    count = 2 * free + k
-    entry: list[Floats] = []
-    row: list[Ints] = []
-    column: list[Ints] = []
-    bound: list[float] = []
-    for r, (value, where, apart, piece) in enumerate(rows):  # c_piece - value . change <= apart
-        entry.append(np.append(-value, 1.0))
-        column.append(np.append(where, 2 * free + piece))
-        row += [np.full(len(where) + 1, r)]
-        bound.append(apart)
-    r = len(rows)
-    for piece in range(k - 1):  # least <= c_piece
-        entry.append(np.array([1.0, -1.0]))
-        column.append(np.array([count - 1, 2 * free + piece]))
-        row.append(np.full(2, r))
-        bound.append(0.0)
-        r += 1
-    one = np.arange(free)
-    for sign in (1.0, -1.0):  # |change| <= size
-        entry.append(np.repeat([sign, -1.0], free))
-        column.append(np.concatenate([one, free + one]))
-        row.append(np.tile(r + one, 2))
-        bound += [0.0] * free
-        r += free
-    matrix = coo_array((np.concatenate(entry), (np.concatenate(row), np.concatenate(column))), shape=(r, count))
+    count, rows = 2 * free + k, len(samples.piece)
+    row, column, entry = _changed_distances(problem, samples, dofs)
+    every, last = np.arange(rows), rows + np.arange(k - 1)
+    one, sizes = np.arange(free), rows + k - 1 + np.arange(2 * free)
+    row = np.concatenate([row, every, last, last, sizes, sizes])
+    column = np.concatenate([
+        column, 2 * free + samples.piece, np.full(k - 1, count - 1), 2 * free + np.arange(k - 1),
+        np.tile(one, 2), np.tile(free + one, 2),
+    ])  # fmt: skip
+    entry = np.concatenate([  # c_piece - change of the distance <= distance; least <= c_piece; |change| <= size
+        -entry, np.ones(rows), np.ones(k - 1), np.full(k - 1, -1.0), np.repeat([1.0, -1.0], free), np.full(2 * free, -1.0),
+    ])  # fmt: skip
+    bound = np.append(samples.near.distance, np.zeros(k - 1 + 2 * free))
+    matrix = coo_array((entry, (row, column)), shape=(len(bound), count))
     unit = np.ones((k - 1, dofs))
     if not moving.as_one:
         unit = np.tile(np.column_stack([np.ones((len(moving.who), 2)), 1 / radius[moving.who]]).ravel(), (k - 1, 1))
@@ -163,15 +153,13 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
     cost[free : 2 * free] = WEIGHTS[2] / (unit.ravel() * free)
     cost[2 * free : count - 1] = -WEIGHTS[1] / (k - 1)
     cost[-1] = -WEIGHTS[0]
-    plenty = SUFFICIENT_CLEARANCE * problem.clearance
-    narrowest = max(plenty, 2 * least + trust)  # a piece may be worth more than plenty where it is the narrowest
     bounds = [
         *zip(-limit, limit, strict=True),
         *zip(np.zeros(free), limit, strict=True),
         *[(None, narrowest)] * (k - 1),
         (None, 0.1 * problem.size),
     ]
-    found = linprog(cost, A_ub=matrix.tocsr(), b_ub=np.array(bound), bounds=bounds, method="highs")
+    found = linprog(cost, A_ub=matrix.tocsr(), b_ub=bound, bounds=bounds, method="highs")
     if not found.success:
         return None
     change = np.zeros_like(path)
@@ -183,93 +171,118 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
     return change
 
 
-def _rows(
-    problem: ClearanceProblem, path: Floats, piece: int, reach: float, dofs: int
-) -> list[tuple[Floats, Ints, float, int]]:
-    """Distances at samples of a piece, each with its derivatives by the changes of the waypoints."""
-    bodies, moving = problem.bodies, problem.moving
-    begin, end = bodies.rest + path[piece], bodies.rest + path[piece + 1]
-    length = np.abs(end - begin)[moving.who, :2].max()
-    count = int(np.clip(np.ceil(length / (SAMPLE_DISTANCE * problem.size)) + 1, SAMPLES_PER_PIECE, MAX_SAMPLES))
-    found = []
-    mine = {int(b): m for m, b in enumerate(moving.who)}
-    for t in np.linspace(0.0, 1.0, count):
-        pose = begin + t * (end - begin)
-        shares = [(piece - 1, 1.0 - t), (piece, t)]  # waypoint 0 stays
-        for b, c, point, normal, apart in corners_near_edges(problem, pose, reach):
-            value, where = [], []
-            for body, sign in ((b, 1.0), (c, -1.0)):
-                if body not in mine:
-                    continue
-                arm = point - pose[body, :2]
-                turn = -normal[0] * arm[1] + normal[1] * arm[0]
-                for waypoint, share in shares:
-                    if waypoint < 0 or share == 0.0:
-                        continue
-                    base = waypoint * dofs
-                    if moving.as_one:
-                        value += [sign * share * normal[0], sign * share * normal[1]]
-                        where += [base, base + 1]
-                    else:
-                        at = base + 3 * mine[body]
-                        value += [sign * share * normal[0], sign * share * normal[1], sign * share * turn]
-                        where += [at, at + 1, at + 2]
-            found.append((np.array(value), np.array(where, dtype=np.int64), apart, piece))
-    return found
+@dataclass(frozen=True, eq=False)
+class NearCorners:
+    """Corners of bodies near edges of others.
+
+    Parameters
+    ----------
+    who : (m, 2) int64
+        The body whose corner it is, and the one whose edge it is.
+    gradient : (m, 2, 3) float64
+        Derivatives of the distance by their motions.
+    distance : (m,) float64 [mm]
+    """
+
+    who: Ints
+    gradient: Floats
+    distance: Floats
 
 
-def corners_near_edges(
-    problem: ClearanceProblem, pose: Floats, reach: float
-) -> list[tuple[int, int, Floats, Floats, float]]:
-    """Corners of one body near edges of another: both bodies, the point, the unit vector away from the edge, and the distance."""
+@dataclass(frozen=True, eq=False)
+class PathSamples:
+    """Corners near edges at places on a path: its piece, and how far along that (m,)."""
+
+    near: NearCorners
+    piece: Ints
+    along: Floats
+
+
+def _samples(problem: ClearanceProblem, path: Floats, reach: float) -> PathSamples:
+    """Corners nearer than `reach` to edges, at places spread over every piece of a path."""
+    bodies = problem.bodies
+    found: list[NearCorners] = []
+    piece: list[Ints] = []
+    along: list[Floats] = []
+    for k in range(len(path) - 1):
+        begin, end = bodies.rest + path[k], bodies.rest + path[k + 1]
+        length = np.abs(end - begin)[problem.moving.who, :2].max()
+        count = int(np.clip(np.ceil(length / (SAMPLE_DISTANCE * problem.size)) + 1, SAMPLES_PER_PIECE, MAX_SAMPLES))
+        for t in np.linspace(0.0, 1.0, count):
+            near = corners_near_edges(problem, begin + t * (end - begin), reach)
+            found.append(near)
+            piece.append(np.full(len(near.distance), k))
+            along.append(np.full(len(near.distance), t))
+    return PathSamples(_joined(found), np.concatenate(piece), np.concatenate(along))
+
+
+def _changed_distances(problem: ClearanceProblem, samples: PathSamples, dofs: int) -> tuple[Ints, Ints, Floats]:
+    """Rows, columns and entries of the matrix that takes changes of the waypoints but the first to those of the distances."""
+    moving, near = problem.moving, samples.near
+    width = 2 if moving.as_one else 3
+    slot = np.full(len(problem.bodies.fixed), -1)
+    slot[moving.who] = 0 if moving.as_one else np.arange(len(moving.who))
+    mine = slot[near.who]
+    row, column, entry = [], [], []
+    for waypoint, share in (
+        (samples.piece - 1, 1.0 - samples.along),
+        (samples.piece, samples.along),
+    ):  # waypoint -1 stays
+        r, side = np.nonzero((mine >= 0) & ((waypoint >= 0) & (share > 0))[:, None])
+        row.append(np.repeat(r, width))
+        column.append(((waypoint[r] * dofs + width * mine[r, side])[:, None] + np.arange(width)).ravel())
+        entry.append((share[r, None] * near.gradient[r, side, :width]).ravel())
+    return np.concatenate(row), np.concatenate(column), np.concatenate(entry)
+
+
+def corners_near_edges(problem: ClearanceProblem, pose: Floats, reach: float) -> NearCorners:
+    """Corners of what moves nearer than `reach` to edges of all else, and the other way round, each with the nearest edge."""
     bodies, moving, n = problem.bodies, problem.moving, len(pose)
     never = set(problem.ignored.tolist())
-    found = []
+    found = [NearCorners(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 3)), np.zeros(0))]
     for a in moving.who.tolist():
         for b in np.flatnonzero(problem.there).tolist():
             twice = b in moving.who and (moving.as_one or b < a)
             if a == b or twice or min(a, b) * n + max(a, b) in never:
                 continue
             apart = np.hypot(*(pose[a, :2] - pose[b, :2])) - bodies.radius[a] - bodies.radius[b]
-            if apart > reach:
-                continue
-            found += _corners_at_edges(bodies, a, b, pose, reach)
-            found += _corners_at_edges(bodies, b, a, pose, reach)
-    return found
+            if apart <= reach:
+                found += [_corners_at_edges(bodies, a, b, pose, reach), _corners_at_edges(bodies, b, a, pose, reach)]
+    return _joined(found)
 
 
-def _corners_at_edges(
-    bodies: Bodies, a: int, b: int, pose: Floats, reach: float
-) -> list[tuple[int, int, Floats, Floats, float]]:
+def _joined(found: list[NearCorners]) -> NearCorners:
+    return NearCorners(
+        np.concatenate([one.who for one in found]),
+        np.concatenate([one.gradient for one in found]),
+        np.concatenate([one.distance for one in found]),
+    )
+
+
+def _corners_at_edges(bodies: Bodies, a: int, b: int, pose: Floats, reach: float) -> NearCorners:
     """Corners of a that lie nearer than `reach` to an edge of b, each with the nearest of b's edges."""
-    p, q = _corners(bodies, a, pose[a]), _corners(bodies, b, pose[b])
+    p, begin = _corners(bodies, a, pose[a]), _corners(bodies, b, pose[b])
     shapes = bodies.shapes
     row = slice(shapes.first[bodies.shape[b]], shapes.first[bodies.shape[b] + 1])
-    begin = q
-    end = q[shapes.after[row] - row.start]
-    low, high = q.min(axis=0) - reach, q.max(axis=0) + reach
-    near = np.flatnonzero(((p > low) & (p < high)).all(axis=1))
-    if not len(near):
-        return []
+    end = begin[shapes.after[row] - row.start]
+    low, high = begin.min(axis=0) - reach, begin.max(axis=0) + reach
+    p = p[((p > low) & (p < high)).all(axis=1)]
     along = end - begin
     square = np.maximum((along**2).sum(axis=1), 1e-300)
-    t = np.clip(((p[near, None] - begin) * along).sum(axis=2) / square, 0.0, 1.0)
-    foot = begin + t[..., None] * along
-    away = p[near, None] - foot
+    t = np.clip(((p[:, None] - begin) * along).sum(axis=2) / square, 0.0, 1.0)
+    away = p[:, None] - begin - t[..., None] * along
     distance = np.hypot(away[..., 0], away[..., 1])
     edge = distance.argmin(axis=1)
-    found = []
-    for i, e in enumerate(edge.tolist()):
-        d = float(distance[i, e])
-        if d > reach:
-            continue
-        if d > 1e-9 * reach:
-            normal = away[i, e] / d
-        else:  # touching: away from the edge
-            x, y = along[e] / np.sqrt(square[e])
-            normal = np.array([y, -x])
-        found.append((a, b, foot[i, e], normal, d))
-    return found
+    nearest = np.arange(len(p)), edge
+    near = distance[nearest] <= reach
+    p, away, distance, edge = p[near], away[nearest][near], distance[nearest][near], edge[near]
+    outward = np.column_stack([along[edge, 1], -along[edge, 0]]) / np.sqrt(square[edge])[:, None]
+    touching = distance <= 1e-9 * reach
+    normal = np.where(touching[:, None], outward, away / np.where(touching, 1.0, distance)[:, None])
+    arm = (p - away)[:, None] - pose[[a, b], :2]
+    turn = normal[:, None, 1] * arm[..., 0] - normal[:, None, 0] * arm[..., 1]
+    gradient = np.concatenate([np.broadcast_to(normal[:, None], arm.shape), turn[..., None]], axis=2)
+    return NearCorners(np.tile([a, b], (len(p), 1)), gradient * np.array([1.0, -1.0])[:, None], distance)
 
 
 def _corners(bodies: Bodies, body: int, pose: Floats) -> Floats:

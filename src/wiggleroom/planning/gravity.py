@@ -178,29 +178,25 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
     from scipy.sparse import coo_array
 
     bodies, free = problem.bodies, problem.moving.who
-    mine = {int(b): k for k, b in enumerate(free)}
     lever = bodies.radius[free]
     count = 3 * len(free)
-    value, row, column, limit = list[float](), list[int](), list[int](), list[float]()
-    pose = bodies.rest + motion
-    for b, c, point, normal, apart in corners_near_edges(problem, pose, 4 * trust):
-        for body, sign in ((b, -1.0), (c, 1.0)):
-            if body in mine:
-                k, arm = mine[body], point - pose[body, :2]
-                turn = (normal[1] * arm[0] - normal[0] * arm[1]) / bodies.radius[body]
-                value += [sign * normal[0], sign * normal[1], sign * turn]
-                column += [3 * k, 3 * k + 1, 3 * k + 2]
-                row += [len(limit)] * 3
-        limit.append(max(apart - MARGIN * problem.clearance, 0.0))
-    rows = coo_array((value, (row, column)), shape=(len(limit), count)).tocsr()
+    near = corners_near_edges(problem, bodies.rest + motion, 4 * trust)
+    slot = np.full(len(motion), -1)
+    slot[free] = np.arange(len(free))
+    mine = slot[near.who]
+    r, side = np.nonzero(mine >= 0)
+    slope = -near.gradient[r, side] / np.column_stack([np.ones((len(r), 2)), bodies.radius[near.who[r, side]]])
+    column = 3 * mine[r, side][:, None] + np.arange(3)
+    limit = np.maximum(near.distance - MARGIN * problem.clearance, 0.0)
+    rows = coo_array((slope.ravel(), (np.repeat(r, 3), column.ravel())), shape=(len(limit), count)).tocsr()
     cost = np.zeros((len(free), 3))
     cost[:, :2] = -weight[:, None] * down
     effort = MIN_DESCENT * np.repeat(weight, 3)
     # every change as the difference of two that are not negative, so that both ways cost effort
     found = linprog(
         np.concatenate([cost.ravel() + effort, effort - cost.ravel()]),
-        A_ub=None if not limit else np.hstack([rows.toarray(), -rows.toarray()]),
-        b_ub=limit or None,
+        A_ub=np.hstack([rows.toarray(), -rows.toarray()]),
+        b_ub=limit,
         bounds=(0.0, trust),
         method="highs",
     )
