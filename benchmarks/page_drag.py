@@ -30,8 +30,15 @@ FAR = 60.0
 
 WATCH = """
 (() => {
+  const CLICK = 4; // nearer [px] to where the pointer was pressed, moves are a click's for the page, and of no drag
   const seen = (window.seen = { moves: [], painted: [], answers: [] });
-  addEventListener("pointermove", (event) => event.buttons && seen.moves.push(event.timeStamp), true);
+  let [pressed, dragged] = [null, false];
+  addEventListener("pointerdown", (event) => ([pressed, dragged] = [event, false]), true);
+  addEventListener("pointermove", (event) => {
+    if (!event.buttons) return;
+    dragged ||= Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) >= CLICK;
+    if (dragged) seen.moves.push(event.timeStamp);
+  }, true);
   const frame = window.requestAnimationFrame.bind(window);
   let touched = false;
   window.requestAnimationFrame = (call) => frame((now) => {
