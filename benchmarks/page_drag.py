@@ -3,7 +3,8 @@
 ``python -m benchmarks.page_drag`` drags random parts in headless Chromium, against the server as users start it, and
 prints a row an assembly: parts, the time from opening to the first settled answer, and for 50 and 95 of 100 moves of the
 pointer the time to the frame in which the part follows (predicted), to the first true motion for that place or a newer
-one (corrected), and how many frames a second were painted while the hand moved. ``--sides 10x10,27x25`` measures some.
+one (corrected), for 50, 95 and 100 of 100 replies the time to the frame that shows them, and how many frames a second
+were painted while the hand moved. ``--sides 10x10,27x25`` measures some.
 It needs the extra ``page``, playwright and a Chromium.
 """
 
@@ -30,8 +31,15 @@ FAR = 60.0
 
 WATCH = """
 (() => {
-  const seen = (window.seen = { moves: [], painted: [], answers: [] });
-  addEventListener("pointermove", (event) => event.buttons && seen.moves.push(event.timeStamp), true);
+  const CLICK = 4; // nearer [px] to where the pointer was pressed, moves are a click's for the page, and of no drag
+  const seen = (window.seen = { moves: [], painted: [], answers: [], replies: [], shown: [] });
+  let [pressed, dragged] = [null, false];
+  addEventListener("pointerdown", (event) => ([pressed, dragged] = [event, false]), true);
+  addEventListener("pointermove", (event) => {
+    if (!event.buttons) return;
+    dragged ||= Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) >= CLICK;
+    if (dragged) seen.moves.push(event.timeStamp);
+  }, true);
   const frame = window.requestAnimationFrame.bind(window);
   let touched = false;
   window.requestAnimationFrame = (call) => frame((now) => {
@@ -49,14 +57,22 @@ WATCH = """
   CanvasRenderingContext2D.prototype.fillRect = watched(clear);
   const send = WebSocket.prototype.send;
   const asked = new Map();
+  const heard = new WeakSet();
+  const hear = ({ data }) => {
+    const said = typeof data === "string" ? JSON.parse(data) : {};
+    if (said.kind === "drag") seen.replies.push([said.id, performance.now()]);
+  };
   WebSocket.prototype.send = function (text) {
+    if (!heard.has(this)) this.addEventListener("message", hear);
+    heard.add(this);
     const said = JSON.parse(text);
     if (said.kind === "drag") asked.set(said.id, seen.moves.at(-1));
     return send.call(this, text);
   };
   new MutationObserver((changes) => { // the canvas tells which answer all of its parts show
-    const about = asked.get(Number(changes.at(-1).target.dataset.shown));
-    if (about !== undefined) frame((next) => seen.answers.push([about, next]));
+    const id = Number(changes.at(-1).target.dataset.shown);
+    const about = asked.get(id);
+    if (about !== undefined) frame((next) => (seen.answers.push([about, next]), seen.shown.push([id, next])));
   }).observe(document, { subtree: true, attributeFilter: ["data-shown"] });
 })();
 """
@@ -66,6 +82,14 @@ def first_after(times: np.ndarray, moments: np.ndarray) -> np.ndarray:
     """Waiting time from each moment to the first of some ascending times; what never came is infinite."""
     at = np.searchsorted(times, moments)
     return np.where(at < len(times), np.append(times, np.inf)[np.minimum(at, len(times))], np.inf) - moments
+
+
+def until_shown(replies: list[list[float]], shown: list[list[float]]) -> np.ndarray:
+    """Time [ms] from the first reply to each place of the hand to the frame that shows it or a newer one."""
+    first = dict(reversed(replies))
+    frames = np.array(shown).reshape(-1, 2)
+    waits = [frames[(frames[:, 0] >= number) & (frames[:, 1] >= came), 1] - came for number, came in first.items()]
+    return np.array([wait[0] if wait.size else np.inf for wait in waits])
 
 
 def drag(page: Any, box: dict[str, float], random: np.random.Generator) -> None:
@@ -138,10 +162,12 @@ def measure(columns: int, rows: int) -> str:
     at = np.searchsorted(about, moves)
     corrected = np.append(told, np.inf)[at] - moves
     numbers = [*np.percentile(predicted, [50, 95]), *np.percentile(corrected, [50, 95])]
+    reply = np.percentile(until_shown(seen["replies"], seen["shown"]), [50, 95, 100])
     ends = np.percentile(busy, [95, 99])
     frames = 1e3 / np.median(np.diff(painted))
     waits = " ".join(f"{v:9.0f}" for v in numbers)
-    return f"{columns * rows:6d} {opened:10.1f}   {waits} {frames:12.0f} {ends[0]:12.1f} {ends[1]:6.1f}"
+    shown = " ".join(f"{v:6.0f}" for v in reply)
+    return f"{columns * rows:6d} {opened:10.1f}   {waits}   {shown} {frames:12.0f} {ends[0]:12.1f} {ends[1]:6.1f}"
 
 
 def main() -> None:
@@ -149,7 +175,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sides", default=",".join(SIDES))
     options = parser.parse_args()
-    print(" parts  first [s]   predicted 50, 95 %   corrected 50, 95 % [ms]   frames a second   work 95, 99 % [ms]")
+    print(
+        " parts  first [s]   predicted 50, 95 %   corrected 50, 95 %   reply to frame 50, 95, 100 % [ms]"
+        "   frames a second   work 95, 99 % [ms]"
+    )
     for sides in options.sides.split(","):
         columns, rows = map(int, sides.split("x"))
         print(measure(columns, rows), flush=True)

@@ -33,6 +33,8 @@ def on_files(files: Files, config: Any) -> Files:
         files.append(File.generated(config, place, content=with_links(text, source)))
     files.append(File.generated(config, "reference.md", content=reference()))
     files.append(File.generated(config, "schema/README.md", content=schemas()))
+    worker = Path(__file__).with_name("iframe-worker.js")
+    files.append(File.generated(config, f"assets/{worker.name}", abs_src_path=str(worker)))
     for page in sorted(LIVE.glob("*.html")):
         files.append(File.generated(config, f"live/{page.name}", abs_src_path=str(page)))
     return files

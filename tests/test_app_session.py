@@ -6,6 +6,7 @@ import asyncio
 import base64
 import json
 import os
+import selectors
 import signal
 import tempfile
 import time
@@ -309,6 +310,58 @@ class Solver:
 
     def kill(self) -> None:
         self.killed += 1
+
+
+class Clock(selectors.SelectSelector):
+    """Where nothing has happened when an event loop wants to wait, the time it would have waited is over at once."""
+
+    now = 1000.0
+
+    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+        ready = super().select(None if timeout is None else 0)
+        self.now += 0 if ready or timeout is None else timeout
+        return ready
+
+
+@pytest.mark.parametrize(
+    ("hand", "later", "rest"),
+    [
+        ("drag", "bound", session.RESTING_SECONDS),
+        ("drag", "check", session.IDLE_SECONDS),
+        ("flex", "bound", session.IDLE_SECONDS),
+        ("shape", "bound", 0.0),
+    ],
+)
+def test_after_a_drag_a_bound_waits_longer_than_other_work(hand: str, later: str, rest: float) -> None:
+    solver, clock = Solver(), Clock()
+    of = {"part": "a", "grip": [0, 0], "target": [1, 0]} if hand == "drag" else {}
+    loop = asyncio.SelectorEventLoop(clock)
+    loop.time = lambda: clock.now  # type: ignore[method-assign]
+    began: dict[str, float] = {}
+
+    async def send(_: list[bytes], __: bytes) -> None:
+        return None
+
+    async def play() -> None:
+        one = session.Session(solver, send)  # type: ignore[arg-type]
+        work = asyncio.create_task(one.run())
+        await one.submit(json.dumps({"kind": hand, "id": 1, "design": {}, **of}).encode())
+        first = await solver.orders.get()
+        await one.submit(json.dumps({"kind": later, "id": 2, "design": {}}).encode())
+        await asyncio.sleep(7.0)  # for so long the hand moves
+        began[hand] = clock.now
+        await solver.words.put(Done(first.ticket))
+        order = await solver.orders.get()
+        began[json.loads(order.request)["kind"]] = clock.now
+        work.cancel()
+
+    def run() -> None:
+        with asyncio.Runner(loop_factory=lambda: loop) as runner:
+            runner.run(play())
+
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(run).result(120)
+    assert began[later] - began[hand] == pytest.approx(rest, abs=1e-6)
 
 
 def test_a_job_that_stopped_in_time_and_goes_on_keeps_its_process(monkeypatch: pytest.MonkeyPatch) -> None:

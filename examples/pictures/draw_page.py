@@ -29,7 +29,7 @@ BOX = ["serve", "examples/40_box_with_a_lid/box.json", "--pull", "lid:+x", "--no
 
 
 def draw_dragged(
-    words: list[str], grip: tuple[float, float], by: tuple[int, int], rest: int, name: str, gaps: tuple[str, ...] = ()
+    words: list[str], grip: tuple[float, float], by: tuple[int, int], rest: int, name: str, *, sweep: bool = False
 ) -> None:
     """Serve a file, drag what lies at `grip` (shares of the stage) `by` pixels, and keep what is seen after a `rest` [ms]."""
     program = subprocess.Popen([sys.executable, "-c", SERVE, *words], cwd=ROOT, stdout=subprocess.PIPE, text=True)
@@ -41,10 +41,10 @@ def draw_dragged(
             page = browser.new_page(viewport={"width": 1280, "height": 800}, color_scheme="light")
             page.goto(address)
             page.locator("#answer[data-settled=true]").wait_for(timeout=120_000)
-            for gap in gaps:  # the curve grows
-                page.fill(".gapbox input", gap)
-                page.press(".gapbox input", "Enter")
-                page.wait_for_timeout(2500)
+            if sweep:
+                page.click("text=Sweep")
+                page.get_by_text("Sweeping…").wait_for()
+                page.get_by_text("Sweep", exact=True).wait_for(timeout=300_000)
             box = page.locator(".stage canvas").bounding_box()
             assert box is not None
             x, y = box["x"] + grip[0] * box["width"], box["y"] + grip[1] * box["height"]
@@ -63,7 +63,7 @@ def draw_dragged(
 def main() -> None:
     """Draw both pictures."""
     draw_dragged(BOX, (0.5, 0.42), (80, -30), 1000, "page_in_space.png")
-    draw_dragged(JIGSAW, (0.49, 0.45), (110, -60), 7000, "page.png", ("0.5", "1.5", "1"))  # by then notes have gone
+    draw_dragged(JIGSAW, (0.49, 0.45), (110, -60), 7000, "page.png", sweep=True)  # by then notes have gone
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ const screen = new Canvas() as unknown as CanvasRenderingContext2D;
 /** All parts moved to the right. */
 function picture(right: number, seen = view): Picture {
   const motion = new Float32Array(3 * PARTS).map((_, k) => (k % 3 ? 0 : right));
-  return { size, ratio: 1, view: seen, scene: { shapes, names, roles, blame: null, motion, factor: 1, chosen: NONE, hovered: -1, held: NONE, colours } };
+  return { size, ratio: 1, view: seen, scene: { shapes, names, roles, blame: null, motion, of: String(right), factor: 1, chosen: NONE, hovered: -1, held: NONE, colours } };
 }
 
 beforeEach(() => {
@@ -53,6 +53,19 @@ test("what is wanted last is shown at last, though it came while something older
   let [shown, frames] = [0, 0];
   for (const last = picture(1.1); retained.behind && frames < PARTS; frames++) shown = retained.show(screen, last, 0, 0).motion[0]!;
   assert.ok(Math.abs(shown - 1.1) < 1e-6, `${shown} after ${frames} frames`);
+});
+
+test("answers that come sooner than they are painted are shown all the same, each under its own name", () => {
+  const retained = new Retained();
+  retained.show(screen, picture(0), 0, 5);
+  const seen = new Set<string>();
+  for (let wanted = 1; wanted < 2 * PARTS; wanted++) {
+    const { of, motion } = retained.show(screen, picture(wanted), UNSEEN, 0);
+    assert.equal(motion[0], Number(of));
+    assert.ok(retained.behind);
+    seen.add(of);
+  }
+  assert.ok(seen.size > 10, `${seen.size} answers`);
 });
 
 test("what was painted in shares and is wanted still is no longer behind in the frame that shows it", () => {

@@ -39,7 +39,7 @@ function paintKept(g: CanvasRenderingContext2D, { about, shapes, roles }: Kept):
   const at = place.peek();
   const motion = along(path, at, new Float32Array(3 * path.n));
   const scene = {
-    shapes, names: names.peek(), roles, blame: null, motion, factor: factor(), chosen: NONE, hovered: -1, held: NONE, colours: colours(),
+    shapes, names: names.peek(), roles, blame: null, motion, of: "answer", factor: factor(), chosen: NONE, hovered: -1, held: NONE, colours: colours(),
   };
   clear(g, scene.colours);
   paint(g, size.peek(), ratio, view.peek(), scene, false);

@@ -57,7 +57,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const held = hand ? groupAt(hand.part) : NONE;
     let scene: Scene = {
       shapes: current.shapes, names: state.names.peek(), roles: roles.peek(), blame: blame.peek(),
-      motion, factor: factor(), chosen: chosen.peek(), hovered: hand ? -1 : (at.get(state.hovered.peek() ?? "") ?? -1), held: moving ? NONE : held, colours: colours(),
+      motion, of: shown.peek().what === "drag" ? String(state.dragged.peek()?.reply.id) : shown.peek().what, factor: factor(), chosen: chosen.peek(), hovered: hand ? -1 : (at.get(state.hovered.peek() ?? "") ?? -1), held: moving ? NONE : held, colours: colours(),
     };
     if (changing) {
       clear(g, scene.colours);
@@ -86,7 +86,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     clearTimeout(still);
     if (moving || retained.behind) invalidate();
     else if (changing) still = window.setTimeout(() => ((rough = false), (cost.last = 0), invalidate()), STILL);
-    if (!retained.behind) canvas.dataset.shown = shown.peek().what === "drag" ? String(state.dragged.peek()?.reply.id) : shown.peek().what;
+    canvas.dataset.shown = scene.of;
     return retained.behind && !changing;
   };
   const invalidate = (): void => {

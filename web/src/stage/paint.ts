@@ -11,6 +11,8 @@ export interface Scene {
   roles: readonly Role[];
   blame: Float32Array | null;
   motion: Float32Array;
+  /** Whose motion it is: the number of a drag's request, or what is shown. */
+  of: string;
   factor: number;
   chosen: ReadonlySet<number>;
   hovered: number;
@@ -20,6 +22,8 @@ export interface Scene {
 }
 
 const SMALLEST = 3;
+/** Width of most lines [px]: Chromium paints what is no wider than a pixel as a hairline, ten times as fast without a graphics processor; a turned line of 1 may be wider by rounding. */
+const HAIRLINE = 0.99;
 const NAMED = 70;
 /** A ghost nearer than this [px] to its part is left out. */
 const GHOST = 2;
@@ -74,7 +78,7 @@ function body(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View
   }
   if (rough || one.radius * view.scale < SMALLEST) return;
   g.strokeStyle = edge;
-  g.lineWidth = (role === "neutral" ? 1 : 1.4) / view.scale;
+  g.lineWidth = (role === "neutral" ? HAIRLINE : 1.4) / view.scale;
   g.stroke(one.path);
 }
 
@@ -177,7 +181,7 @@ function* restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, v
     const one = scene.shapes[i]!;
     if (!outlinedAtRest(size, view, scene, i, within)) continue;
     g.strokeStyle = scene.colours.rest;
-    g.lineWidth = 1 / view.scale;
+    g.lineWidth = HAIRLINE / view.scale;
     stand(g, size, ratio, view, { x: one.at[0], y: one.at[1], cos: 1, sin: 0 });
     g.stroke(one.path);
     yield;

@@ -16,7 +16,7 @@ export const UNSEEN = 0.25;
 /** Time for the bitmap in one frame [ms] while the hand moves, less than a third of the 16.7 ms of most screens, and while it rests. */
 export const SHARE = { moving: 5, resting: 12 };
 /** So many parts are painted in one frame at least. */
-const MIN_PARTS = 20;
+const MIN_PARTS = 50;
 /** Time for one part at first [ms]; it follows what painting took. */
 const FIRST_TIME = 0.05;
 /** A frame longer than this [ms] held too many parts, wherever the time went: a graphics processor works them off later. */
