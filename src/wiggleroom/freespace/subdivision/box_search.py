@@ -16,40 +16,51 @@ FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 """How the search ended: with a free path to a goal, with the proof that there is none, without room or time, or to go on."""
 SPLIT_VISITS = 100
 """Splitting a box takes about as long as going over so many."""
+WIDE_PATHS = 16
+"""On so many of the cheapest paths the mixed boxes beside those that are split are split too: that saves passes over all boxes."""
 NO_GOAL = (0.31, 0.53, 0.79)
 """Any goal will do where rows are only asked whether they contradict each other: one that no row is likely to share."""
 
 
 @njit(**OPTIONS)
 def neighbour_leaves(n, middle, level, first, wrap, out):
-    """Leaves that share a face with box n, in unit coordinates; the turn closes on itself where `wrap`."""
+    """Leaves that share a face with box n, in unit coordinates; the turn closes on itself where `wrap`.
+
+    Across each face lies a leaf that is at least as large, or a box of the same size, whose parts at that face count.
+    """
     waiting = np.empty(256, dtype=np.int64)
     found = 0
-    half = 0.5 ** level[n]
-    for lap in range(-1, 2):
-        z = middle[n, 2] + 2.0 * lap
-        if lap != 0 and (not wrap or abs(z) - half > 1.0):
-            continue
-        waiting[0] = 0
-        count = 1
-        while count:
-            count -= 1
-            m = waiting[count]
-            touch = half + 0.5 ** level[m]
-            dx, dy = abs(middle[n, 0] - middle[m, 0]) - touch, abs(middle[n, 1] - middle[m, 1]) - touch
-            dz = abs(z - middle[m, 2]) - touch
-            if dx > 0.0 or dy > 0.0 or dz > 0.0:
+    side = 2.0 * 0.5 ** level[n]
+    for axis in range(3):
+        for far in range(2):
+            x, y, z = middle[n, 0], middle[n, 1], middle[n, 2]
+            step = side if far else -side
+            if axis == 0:
+                x += step
+            elif axis == 1:
+                y += step
+            else:
+                z += step
+                if wrap and abs(z) > 1.0:
+                    z -= 2.0 * np.sign(z)
+            if max(abs(x), abs(y), abs(z)) > 1.0:
                 continue
-            faces = (dx == 0.0) + (dy == 0.0) + (dz == 0.0)
-            if faces > 1:
-                continue
-            if first[m] >= 0:
-                for k in range(8):
-                    waiting[count + k] = first[m] + k
-                count += 8
-            elif faces == 1 and found < len(out) - 1:
-                out[found] = m
-                found += 1
+            m = 0
+            while first[m] >= 0 and level[m] < level[n]:
+                m = first[m] + (x >= middle[m, 0]) + 2 * (y >= middle[m, 1]) + 4 * (z >= middle[m, 2])
+            waiting[0] = m
+            count = 1
+            while count:
+                count -= 1
+                m = waiting[count]
+                if first[m] >= 0:
+                    for k in range(8):
+                        if (k >> axis) & 1 != far:
+                            waiting[count] = first[m] + k
+                            count += 1
+                elif found < len(out) - 1:
+                    out[found] = m
+                    found += 1
     return found
 
 
@@ -311,7 +322,7 @@ def search_boxes(
                     state[n] = TINY
                     continue
                 # mixed boxes beside it that are as large will be asked next
-                near = neighbour_leaves(n, middle, level, first, wrap, out) if e == 0 else 0
+                near = neighbour_leaves(n, middle, level, first, wrap, out) if e < WIDE_PATHS else 0
                 out[near] = n
                 for i in range(near + 1):
                     m = out[i]
