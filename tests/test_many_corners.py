@@ -41,6 +41,34 @@ def test_a_disc_goes_as_far_as_its_clearance(count, gap, tmp_path):
     assert "searched with fewer" in answer.bound.why
 
 
+BENDS = ((0.0, 0.0), (-0.6, 0.0), (-0.6, 0.7), (0.8, 0.7))
+
+
+@pytest.mark.searches
+@pytest.mark.parametrize(
+    ("corners", "chords", "point"),
+    [(240, 60, None), (240, 60, (0.1, -0.15)), (48, 60, None), (40, 8, (-0.05, 0.1)), (240, 8, None)],
+)
+def test_a_disc_goes_round_bends_to_the_end_of_its_channel(corners, chords, point, tmp_path):
+    room = shapely.buffer(shapely.LineString(BENDS), 0.22, quad_segs=chords)
+    made = [
+        drawing.part("plate", drawing.cut(drawing.box(-2, -2, 2, 2), room), fixed=True),
+        drawing.part("disc", drawing.disc(0.2, corners)),
+    ]
+    (tmp_path / "bends.json").write_text(json.dumps(drawing.assembly(made, [drawing.pull("disc", (1, 0), point)])))
+    assembly = wr.read(tmp_path / "bends.json")
+    answer = wr.flex(assembly)
+    arm = (0.0, 0.0) if point is None else point
+    turned = np.hypot(*arm) - arm[0]  # the point is turned to lie ahead
+    least = 0.8 + (0.22 * np.cos(np.pi / (4 * chords)) - 0.2) + turned  # the end of the channel is a chord or a corner
+    most = 0.8 + (0.22 - 0.2 * np.cos(np.pi / corners)) + turned
+    assert least * 0.999 <= answer.objective <= most
+    assert answer.objective <= answer.at_most
+    assert answer.at_most >= least
+    assert answer.verdict == "proven"
+    assert audit_path(assembly, answer.waypoints).free
+
+
 @pytest.mark.parametrize("gap", [0.03, 0.01])
 def test_a_flower_goes_as_far_as_its_clearance(gap, tmp_path):
     inner = shapely.Polygon(ring(1000, petals=5))

@@ -173,10 +173,6 @@ def _climbed(ready: Prepared, query: MotionQuery) -> Answer:
     before: tuple[float, ...] = ()
     if turned is not None and not ready.simplified:
         climb, before = better_climb(climb, turned)
-    elif turned is not None and search is None:
-        value, free = climb.certain_value()
-        if free or value >= goal.value(turned.inner):  # no turn gains more
-            return replace(_answer(climb, query), search=effort((value,), value))
     climb, repeats = periodic_motion(climb, query.goals) if query.periods else (climb, None)
     if search == 0 or repeats is not None:
         return _answer(climb, query, repeats)
@@ -210,7 +206,7 @@ def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...])
                 return _answer(climb, query, repeats)
     if alone and search is None:
         answer = _bounded(_answer(climb, query), at_most)
-        if answer.verdict is Verdict.PROVEN:
+        if answer.verdict is Verdict.PROVEN or found.settled:
             return replace(answer, search=effort(ends, climb.certain_value()[0]))
     further, done = search_on(climb, search, ends)
     repeats = None

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.offset_walls import hole_round, inner_offset
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -24,8 +25,6 @@ DISC_MARGIN = 0.98
 """A disc counts with this share of its radius: buffers are polygons, and wrong by up to one part in a hundred."""
 RADIUS_RATIO = 1.01
 """Radii are rounded down to powers of this: congruent bodies share a thickened wall."""
-ARCS = 32
-"""Chords of a quarter of the circle where a wall is made thicker as exactly as that needs."""
 SURELY_LARGER = 1.03
 """A disc by this much larger that gets out shows that the disc itself does, though buffers are polygons."""
 INSCRIBED_TOLERANCE = 1e-4
@@ -165,7 +164,7 @@ def cages(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
         disc = largest_disc(piece) if shapely.area(piece) > 0 else None
         if disc is None or disc.radius <= 0 or _leads_out(wall, disc):
             continue
-        if hole_round(_inner_offset(wall, disc.radius), disc.middle) is not None:
+        if hole_round(inner_offset(wall, disc.radius), disc.middle) is not None:
             return True
     return False
 
@@ -177,19 +176,6 @@ def _leads_out(wall: shapely.Geometry, disc: Disc) -> bool:
     return not inside and hole_round(thicker, disc.middle) is None
 
 
-def _inner_offset(wall: shapely.Geometry, radius: float) -> shapely.Geometry:
-    """The wall made thicker by a radius, or a little less: strips along its edges, and regular polygons inside discs round its corners."""
-    rings = [
-        shapely.get_coordinates(ring) for part in shapely.get_parts(wall) for ring in (part.exterior, *part.interiors)
-    ]
-    begin, end = (np.concatenate([ring[k : len(ring) - 1 + k] for ring in rings]) for k in (0, 1))
-    along = (end - begin) / np.hypot(*(end - begin).T)[:, None]
-    across = radius * np.column_stack([-along[:, 1], along[:, 0]])
-    strips = shapely.polygons(np.stack([begin - across, end - across, end + across, begin + across], axis=1))
-    discs = shapely.buffer(shapely.points(begin), radius, quad_segs=ARCS)
-    return shapely.union_all([wall, *strips, *discs])
-
-
 def largest_disc(body: shapely.Geometry) -> Disc:
     """The largest disc inside, nearly."""
     x0, y0, x1, y1 = shapely.bounds(body)
@@ -197,13 +183,6 @@ def largest_disc(body: shapely.Geometry) -> Disc:
     middle = shapely.get_coordinates(spoke)[0]
     inside = bool(shapely.contains_xy(body, *middle))
     return Disc(middle, float(shapely.distance(shapely.Point(middle), shapely.boundary(body))) if inside else 0.0)
-
-
-def hole_round(wall: shapely.Geometry, point: Floats) -> shapely.Polygon | None:
-    """The hole of the wall round a point (2,), or None."""
-    rings = [ring for part in shapely.get_parts(wall) for ring in part.interiors]
-    holes = shapely.polygons(rings) if rings else np.zeros(0, dtype=object)
-    return min(holes[shapely.contains_xy(holes, *point)], key=shapely.area, default=None)
 
 
 def _longest(one: shapely.Geometry, other: shapely.Geometry) -> float:

@@ -5,32 +5,32 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
-from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import about
-from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.incumbent import Start
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.pulled_body import pulled_body
+from wiggleroom.search.round_search import round_search
 from wiggleroom.search.turn_in_place import start_after
 
 Floats = NDArray[np.float64]
 
-MAX_BOXES = 160_000
+MAX_BOXES = 400_000
 """Boxes judged at most."""
 MIN_IMPROVEMENT, PROVEN_GAP = 1e-4, 9e-4
 """Motions better by the first share are looked for in the end, until none better by the second is left."""
 MIN_SHARE, MAX_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
 """Once a better motion was found, one between the best value and the bound is asked for, at these shares of their ratio's logarithm."""
-MAX_VISITS, VISITS_OF_A_QUESTION = 8_000_000, 800_000
+MAX_VISITS, VISITS_OF_A_QUESTION = 20_000_000, 800_000
 """Boxes that all searches for paths go over at most, and those of one question about such a value."""
-VISITS_OF_ONE_OF_SEVERAL, MAX_SEVERAL = 1_000_000, 12
-"""The same where the body is one of several free ones, and of how many at most."""
+VISITS_OF_ONE_OF_SEVERAL = 1_000_000
+"""The same where the body is one of several free ones."""
+SIMPLIFIED_COST = 4.0
+"""Outlines with fewer corners may cost this multiple of what they were moved out by."""
 MAX_CLIMBS = 40
 """Ends looked for at most, each better than the one before."""
 
@@ -47,16 +47,14 @@ class CompleteSearch:
         A value that no motion exceeds, where one was found.
     ends : tuple of float
         Values at which the climbs ended, the first search's among them.
+    settled : bool
+        True where a round body got as far as it can, but for what outlines with more corners may show: no search of these shows more.
     """
 
     best: LocalSearch
     at_most: float | None
     ends: tuple[float, ...]
-
-    @property
-    def proven(self) -> bool:
-        """True where no motion is worth noticeably more than the best."""
-        return self.at_most is not None and self.at_most <= self.best.certain_value()[0] * (1 + PROVEN_GAP)
+    settled: bool = False
 
 
 def complete_search(first: LocalSearch) -> CompleteSearch:
@@ -74,11 +72,18 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
     first : LocalSearch
         Ended.
     """
-    boxes = None if first.stopped else _boxes(first)
-    best, at_most, ends = first, None, [first.certain_value()[0]]
+    pulled = None if first.stopped else pulled_body(first)
+    best, at_most = first, None
+    ends: tuple[float, ...] = (first.certain_value()[0],)
     alone = int((~first.ready.bodies.fixed).sum()) == 1
+    if pulled is not None:
+        best, at_most, ends = round_search(first, pulled)
+        cost = SIMPLIFIED_COST * first.ready.simplified * float(np.hypot(*pulled.pull))
+        if alone and at_most is not None and at_most <= best.certain_value()[0] * (1 + PROVEN_GAP) + cost:
+            return CompleteSearch(best, at_most, ends, settled=True)
+    boxes = None if pulled is None else MotionBoxes(**vars(pulled), most=MAX_BOXES)
     visits = MAX_VISITS if alone else VISITS_OF_ONE_OF_SEVERAL
-    most = reach = np.inf if boxes is None else boxes.largest_value
+    most = reach = np.inf if boxes is None else boxes.largest_value if at_most is None else at_most
     while boxes is not None and len(ends) <= MAX_CLIMBS:
         value, free = best.certain_value()
         if free or value <= 0 or most <= value * (1 + PROVEN_GAP):
@@ -102,12 +107,12 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
         if climb is None:
             break
         further, free = climb.certain_value()
-        ends.append(further)
+        ends = (*ends, further)
         if not (free or further > value):
             break
         best = climb
     best.ended = best.ended and not first.stopped
-    return CompleteSearch(best, at_most if alone else None, tuple(ends))
+    return CompleteSearch(best, at_most if alone else None, ends)
 
 
 def _climbed(best: LocalSearch, boxes: MotionBoxes, path: Floats) -> LocalSearch | None:
@@ -120,33 +125,6 @@ def _climbed(best: LocalSearch, boxes: MotionBoxes, path: Floats) -> LocalSearch
     climb.iterations += best.iterations
     climb.seconds = {stage: spent + best.seconds[stage] for stage, spent in climb.seconds.items()}
     return climb if climb.ended else None
-
-
-def _boxes(search: LocalSearch) -> MotionBoxes | None:
-    """Boxes of the motions of the body that the goal is about; None where there are several, or it is not about points and turns."""
-    ready, goal = search.ready, search.objective
-    if not isinstance(goal, PointMotion) or not 0 < (~ready.bodies.fixed).sum() <= MAX_SEVERAL:
-        return None
-    if len(np.unique(goal.body)) != 1 or ready.bodies.fixed[goal.body[0]]:
-        return None
-    body, n = int(goal.body[0]), len(ready.bodies.fixed)
-    others = np.delete(np.arange(n), body)
-    low, high = np.minimum(others, body), np.maximum(others, body)
-    others = others[~np.isin(low * n + high, ready.ignored)]
-    drawn = bodies(ready.assembly) if ready.simplified else ready.bodies  # what is proven is about these
-    geometry = placed(drawn)
-    mine = goal.body == body
-    direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
-    lever = np.array([(direction * spot).sum(), (spot[:, 0] * direction[:, 1] - spot[:, 1] * direction[:, 0]).sum()])
-    return MotionBoxes(
-        body,
-        shapely.union_all(geometry[others]),
-        geometry[body],
-        direction.sum(0),
-        lever,
-        float(goal.turn[mine].sum()),
-        MAX_BOXES,
-    )
 
 
 def _start(ready: Prepared, boxes: MotionBoxes, path: Floats) -> Start | None:
