@@ -18,7 +18,7 @@ from wiggleroom.mating import closed_search
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.congruence import PanelIsometries
 from wiggleroom.mating.cutting_sheet import read_sheet
-from wiggleroom.mating.flanks import joint_angles, plates_of
+from wiggleroom.mating.joint_angles import joint_angles, plates_of
 from wiggleroom.mating.plates_writer import write_plates
 
 Floats = np.ndarray

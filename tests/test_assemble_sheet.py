@@ -22,8 +22,8 @@ from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.edge_constraints import edge_flanks
 from wiggleroom.mating.edge_ends import aligned_ends, edge_ends, ends_together
-from wiggleroom.mating.flanks import plates_of
 from wiggleroom.mating.hints import EdgeReference, FixedPlate, Hints, edge_reference, read_hints, write_hints
+from wiggleroom.mating.joint_angles import plates_of
 from wiggleroom.mating.loose_panel_poses import laid_plates
 from wiggleroom.mating.pair_poses import PairPoseTable
 from wiggleroom.mating.panel_set import PanelSet

@@ -66,6 +66,30 @@ BAD = {
         text(BOX | {"fixed": True}, pull=[{"part": "a", "direction": [0, 0, 1]}]),
         "is fixed and cannot be pulled",
     ),
+    "pull of what is glued to a fixed part": (
+        text(
+            BOX | {"fixed": True}, BOX | {"name": "b"}, glue=[["a", "b"]], pull=[{"part": "b", "direction": [0, 0, 1]}]
+        ),
+        'it is glued to "a", which is fixed',
+    ),
+    "gap of a joint twice": (
+        text(BOX, BOX | {"name": "b"}, gaps=[{"parts": ["a", "b"], "gap": 0.1}, {"parts": ["b", "a"], "gap": 0.2}]),
+        "parts a and b are given 2 times",
+    ),
+    "gap far too large": (text(BOX, gap=1e300), "gap is 1e+300; it must be within 1e+09 mm"),
+    "as thick as the world": (
+        text({"name": "a", "outline": SQUARE, "thickness": 1e300}),
+        "thickness is 1e+300; it must be within 1e+09 mm",
+    ),
+    "thickness below zero": (text({"name": "a", "outline": SQUARE, "thickness": -2}), "it must be more than 0"),
+    "thickness in words": (text({"name": "a", "outline": SQUARE, "thickness": "3 mm"}), "must be a number, not text"),
+    "not a number": (text(BOX | {"rotate": [float("nan"), 0, 0]}), "is not JSON (invalid character)"),
+    "glue of one part": (text(BOX, glue=[["a"]]), "must name at least two different parts"),
+    "box upside down": (text({"name": "a", "boxes": [[4, 2, 2, 0, 0, 0]]}), "lower and then of the upper corner"),
+    "point in another world": (
+        text(BOX, pull=[{"part": "a", "direction": [0, 0, 1], "point": [1e12, 0, 0]}]),
+        "point has numbers beyond 1e+09 mm",
+    ),
     "pull nothing": (text(BOX, pull=[{"part": "a"}]), 'must have either "direction" or "turn"'),
     "pull zero": (text(BOX, pull=[{"part": "a", "direction": [0, 0, 0]}]), "the direction is zero"),
     "turn at a point": (
@@ -80,7 +104,7 @@ BAD = {
 @pytest.mark.parametrize(("given", "said"), BAD.values(), ids=BAD)
 def test_bad_input_gives_one_line(given: str, said: str) -> None:
     with pytest.raises(wr.InputError) as raised:
-        read_spatial(given)
+        assemble_spatial(read_spatial(given))
     assert len(raised.value.findings) == 1
     assert said in raised.value.findings[0]
     assert "\n" not in raised.value.findings[0]
@@ -92,6 +116,14 @@ def write(folder: Path, *parts: dict, **more: object) -> Path:
     return file
 
 
+TETRAHEDRON = (
+    '<?xml version="1.0"?><model unit="%s" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>'
+    '<object id="1" type="model" name="tet"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>'
+    '<vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="%d" v3="1"/>'
+    '<triangle v1="0" v2="1" v3="3"/><triangle v1="1" v2="2" v3="3"/><triangle v1="2" v2="0" v3="3"/></triangles></mesh>'
+    '</object></resources><build><item objectid="%d"/></build></model>'
+)
+
 FILES = {
     "missing": ("no.stl", "there is no such file"),
     "outside": ("../a.stl", "must lie in the folder"),
@@ -102,20 +134,34 @@ FILES = {
     "no archive": ("no.3mf", "is not a 3MF archive"),
     "bomb": ("bomb.3mf", "unpacks to"),
     "open": ("open.stl", "is not closed"),
+    "a corner that is not there": ("corner.3mf", "has faces with corners that are not there, of 4"),
+    "a body that is not there": ("build.3mf", 'places none of its bodies, "tet"'),
+    "unit nobody knows": ("parsec.3mf", 'its unit is "parsec"; it must be one of micron'),
+    "cut short": ("short.stl", "closed mesh is needed"),
+    "numbers that are none": ("nan.obj", "has coordinates that are no numbers"),
     "two bodies": ("two.glb", "has 2 bodies"),
     "no body": ("two.glb#c", 'there is no body "c"'),
 }
 
 
 @pytest.mark.parametrize(("mesh", "said"), FILES.values(), ids=FILES)
-def test_bad_mesh_files_give_one_line(tmp_path: Path, mesh: str, said: str) -> None:
+def test_bad_mesh_files_give_one_line(tmp_path: Path, mesh: str, said: str, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "sub").mkdir()
     (tmp_path / "empty.stl").write_bytes(b"")
     (tmp_path / "rubbish.stl").write_bytes(b"solid what\nfacet nonsense\n")
     (tmp_path / "no.3mf").write_bytes(b"PK nothing")
     with zipfile.ZipFile(tmp_path / "bomb.3mf", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("3D/3dmodel.model", b"\0" * 410_000_000)
+    for name, unit, corner, built in (
+        ("corner", "inch", 20, 1),
+        ("build", "inch", 2, 7),
+        ("parsec", "parsec", 2, 1),
+    ):
+        with zipfile.ZipFile(tmp_path / f"{name}.3mf", "w") as archive:
+            archive.writestr("3D/3dmodel.model", TETRAHEDRON % (unit, corner, built))
+    (tmp_path / "nan.obj").write_text("v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     cube = trimesh.creation.box((1, 2, 3))
+    (tmp_path / "short.stl").write_bytes(cube.export(file_type="stl")[:-30])
     trimesh.Trimesh(cube.vertices, cube.faces[:6], process=False).export(tmp_path / "open.stl")
     scene = trimesh.Scene({"a": cube, "b": trimesh.creation.box((1, 1, 1))})
     scene.export(tmp_path / "two.glb")
@@ -123,6 +169,14 @@ def test_bad_mesh_files_give_one_line(tmp_path: Path, mesh: str, said: str) -> N
         read_spatial(write(tmp_path, {"name": "a", "mesh": mesh}))
     assert len(raised.value.findings) == 1
     assert said in raised.value.findings[0]
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("length", [1e-320, 1e-200, 1.0, 1e300])
+def test_a_direction_may_have_any_length(length: float) -> None:
+    given = text(BOX | {"fixed": True}, BOX | {"name": "b", "boxes": [[0, 0, 3, 4, 2, 4], [-1, -1, -2, 5, 3, -1]]})
+    answer = flex_spatial(assemble_spatial(read_spatial(given)), SpatialPull("b", (0.0, 0.0, length)))
+    assert answer.objective == pytest.approx(1.0, abs=1e-6)
 
 
 def test_sheets_are_read_by_the_name_of_the_part(tmp_path: Path) -> None:

@@ -172,7 +172,7 @@ def _kind(goal: Goal) -> str:
 def _roles(drawing: Drawing) -> list[str]:
     """Goals of parts that cannot move, themselves or through glue."""
     still = {p.name: "it is fixed" for p in drawing.parts if p.fixed}
-    for anchor, name in _glued_to(drawing, still):
+    for anchor, name in glued_to(drawing.glue, still):
         still.setdefault(name, f'it is glued to "{anchor}", which is fixed')
     asked = dict.fromkeys((_kind(goal), part_of(goal)) for goal in drawing.goals)
     return [
@@ -182,8 +182,8 @@ def _roles(drawing: Drawing) -> list[str]:
     ]
 
 
-def _glued_to(drawing: Drawing, fixed: Iterable[str]) -> list[tuple[str, str]]:
+def glued_to(glue: Iterable[Sequence[str]], fixed: Iterable[str]) -> list[tuple[str, str]]:
     """Pairs of a fixed part and a part glued to it, directly or through others."""
-    group = glue_groups(drawing.glue)
+    group = glue_groups(glue)
     anchors = {group[name]: name for name in fixed if name in group}
     return [(anchors[g], name) for name, g in group.items() if g in anchors]

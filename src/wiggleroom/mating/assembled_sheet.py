@@ -13,9 +13,10 @@ from wiggleroom.mating.body_frame import outward, side_by_side, upright, without
 from wiggleroom.mating.body_search import bodies_of, panel_names
 from wiggleroom.mating.cutting_sheet import CuttingSheet
 from wiggleroom.mating.edge_constraints import EdgeConstraints, edge_constraints, without_skipped
-from wiggleroom.mating.flanks import SheetPlate, bits, plates_of
+from wiggleroom.mating.flanks import SheetPlate, bits
 from wiggleroom.mating.given_placements import with_fixed_plates
 from wiggleroom.mating.hints import Hints
+from wiggleroom.mating.joint_angles import plates_of
 from wiggleroom.mating.pair_poses import PairPoseTable
 from wiggleroom.mating.panel_set import PanelSet, Placement
 from wiggleroom.mating.refinement import least_squares_placement, pressed_panel, relief_needed

@@ -6,10 +6,8 @@ that stands square on the plane of its partner. So finger edges, rows of holes a
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 import shapely
@@ -45,12 +43,6 @@ class FlankSettings:
         And so does a tab as many times longer than the usual gap, or a gap than the usual tab.
     double_flanks : int
         As many edges of an outline twice as long as a plate is thick are the sides of notches for two plates on each other.
-    angle_flanks : int
-        Rows of at least as many flanks say at which angles panels meet.
-    least_angle, square_angle : float [degrees]
-        Angles below the one, and nearer to a right angle than the other, are not looked for.
-    max_angles : int
-        How many of them, the most frequent ones.
     """
 
     length_tolerance: float = 0.15
@@ -62,10 +54,6 @@ class FlankSettings:
     even_stretch: float = 1.25
     long_stretch: float = 3.0
     double_flanks: int = 4
-    angle_flanks: int = 4
-    least_angle: float = 20.0
-    square_angle: float = 4.0
-    max_angles: int = 6
 
 
 FLANKS = FlankSettings()
@@ -149,10 +137,10 @@ class SheetPlate:
         return float(np.linalg.norm(shapely.get_coordinates(self.polygon), axis=1).max())
 
 
-def plates_of(
-    names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float
+def plates_with(
+    names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float, angles: Floats
 ) -> tuple[SheetPlate, ...]:
-    """Plates of the panels of a sheet.
+    """Plates of the panels of a sheet whose fingers are as long as right angles ask and as `angles` do.
 
     Parameters
     ----------
@@ -163,43 +151,9 @@ def plates_of(
         Nominal, one a panel.
     burn : float [mm]
         By how much outlines were drawn larger.
+    angles : (k,) float64 [rad]
+        By which plates may turn at a joint.
     """
-    plates = _plates(names, polygons, thickness, burn, np.zeros(0))
-    angles = joint_angles(plates)
-    return _plates(names, polygons, thickness, burn, angles) if len(angles) else plates
-
-
-def joint_angles(plates: Sequence[SheetPlate]) -> Floats:
-    """Angles [rad] other than right ones by which plates may turn at a joint: between rows of fingers of one panel.
-
-    Walls that stand on two edges of a panel meet at the angle between these edges, if these follow each other round it.
-    """
-    found: Counter[float] = Counter()
-    for plate in plates:
-        for a, b in _rows_side_by_side(plate):
-            sine, cosine = abs(a[0] * b[1] - a[1] * b[0]), abs(a @ b)
-            angle = round(float(np.degrees(np.arctan2(sine, cosine))), 1)
-            if FLANKS.least_angle < angle < 90.0 - FLANKS.square_angle:
-                found[angle] += 1
-    usual = [angle for angle, _ in found.most_common(FLANKS.max_angles)]
-    return np.radians(sorted({*usual, *(180.0 - angle for angle in usual)}))
-
-
-def _rows_side_by_side(plate: SheetPlate) -> list[tuple[Floats, Floats]]:
-    """Directions of every two rows of fingers on edges that follow each other round a panel, and of every two of which one is within it."""
-    lines = [line for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
-    edges = [k for k, line in enumerate(lines) if line.outward]
-    ring, middle = plate.polygon.exterior, plate.middle
-    order = sorted((ring.project(shapely.Point(middle[row])), k) for k in edges for row in lines[k].rows.tolist())
-    round_it = [k for _, k in order]
-    beside = {frozenset(pair) for pair in zip(round_it, round_it[1:] + round_it[:1], strict=True)}
-    pairs = [(i, j) for i, j in combinations(range(len(lines)), 2) if {i, j} in beside or not {i, j} <= set(edges)]
-    return [(lines[i].along, lines[j].along) for i, j in pairs]
-
-
-def _plates(
-    names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float, angles: Floats
-) -> tuple[SheetPlate, ...]:
     wanted = np.unique(thickness)
     kinds: list[SheetPlate] = []
     plates: list[SheetPlate] = []

@@ -13,7 +13,8 @@ from wiggleroom.mating.candidates import VOTING
 from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE, finger_length, finger_setback, line_shifts
 from wiggleroom.mating.edge_constraints import JoinedEdges
 from wiggleroom.mating.edge_ends import edge_ends, ends_together
-from wiggleroom.mating.flanks import FlankLine, SheetPlate, bits, flank_rows, joint_angles
+from wiggleroom.mating.flanks import FlankLine, SheetPlate, bits, flank_rows
+from wiggleroom.mating.joint_angles import joint_angles
 from wiggleroom.mating.panel_set import PanelSet
 
 Floats = NDArray[np.float64]
@@ -114,9 +115,9 @@ class PairPoseTable:
         turns, moves, together = turns[fine], moves[fine], together[fine]
         met_a, met_b, blocked_a, blocked_b = panel_set.masks(a, b, turns, moves)
         count, odd = met_a.sum(axis=1), blocked_a.sum(axis=1) + blocked_b.sum(axis=1)
-        corners = np.column_stack([np.round(turns.reshape(-1, 9) * 10), np.round(moves / panel_set.tolerance)]).astype(
-            int
-        )
+        corners = np.column_stack(
+            [np.round(turns.reshape(-1, 9) * 10), np.round(moves / panel_set.tolerance), np.round(turns[:, 2, 2] * 500)]
+        ).astype(int)
         keep, marks = [], set()
         for k in np.lexsort([-together, -count]).tolist():
             mark = corners[k].tobytes()

@@ -20,6 +20,7 @@ from wiggleroom.drawing.model import Drawing, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.maximise import flex
 from wiggleroom.search.answer import PROVEN_WITHIN
+from wiggleroom.spatial.rotations import unit_vector
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
@@ -100,14 +101,14 @@ def _in_plane(
     found: list[Pull | Turn] = []
     for goal in goals:
         if isinstance(goal, SpatialTurn):
-            unit = np.array(goal.axis) / np.linalg.norm(goal.axis)
+            unit = unit_vector(goal.axis)
             if abs(unit[axis]) < 1.0:
                 return []
             found.append(Turn(goal.part, "ccw" if unit[axis] > 0 else "cw", goal.weight))
             continue
         if not isinstance(goal, SpatialPull):
             return []
-        unit = np.array(goal.direction) / np.linalg.norm(goal.direction)
+        unit = unit_vector(goal.direction)
         share = float(np.linalg.norm(unit[across]))
         at = reference[names.index(goal.part)] if goal.point is None else np.array(goal.point)
         if share == 0.0:

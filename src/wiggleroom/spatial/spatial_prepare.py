@@ -14,6 +14,7 @@ from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.planes.separating_plane_program import best_axis
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.rigid import near_pieces
+from wiggleroom.spatial.rotations import unit_vector
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialTurn, Weight
 from wiggleroom.spatial.spatial_bodies import Grouping, grouped
 
@@ -92,7 +93,7 @@ def spatial_objective(ready: SpatialPrepared, goals: Sequence[SpatialGoal]) -> S
     terms: list[Displacement | Twist] = []
     for goal in goals:
         if isinstance(goal, Weight):
-            unit = np.array(goal.direction) / np.linalg.norm(goal.direction)
+            unit = unit_vector(goal.direction)
             for k, (part, made) in enumerate(zip(assembly.parts, assembly.made, strict=True)):
                 b = int(group.body_of[k])
                 if group.bodies.moves[b]:
@@ -102,10 +103,10 @@ def spatial_objective(ready: SpatialPrepared, goals: Sequence[SpatialGoal]) -> S
         k = index[goal.part]
         b = int(group.body_of[k])
         if isinstance(goal, SpatialTurn):
-            terms.append(Twist(b, np.array(goal.axis) / np.linalg.norm(goal.axis), goal.weight))
+            terms.append(Twist(b, unit_vector(goal.axis), goal.weight))
             continue
         rest = group.bodies.at[b]
         arm = group.arm[k] if goal.point is None else np.array(goal.point) - rest
-        unit = np.array(goal.direction) / np.linalg.norm(goal.direction)
+        unit = unit_vector(goal.direction)
         terms.append(Displacement(b, arm, goal.weight * unit, rest))
     return SumOfTerms(tuple(terms))

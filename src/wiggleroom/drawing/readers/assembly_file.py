@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import gc
 import math
-from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import chain
@@ -94,7 +93,7 @@ class _PlanarReader(EntryReader[FileEntry]):
         """Return the drawing, or raise an InputError with every finding."""
         entry = self._entry
         self._head()
-        gap = self._length(entry.gap, self._file, "gap", least=0.0)
+        gap = self._length(entry.gap, "", "gap", least=0.0)
         shapes = {name: self._shape(name, value) for name, value in entry.shapes.items()}
         self._check_names()
         parts = [part for i, value in enumerate(entry.parts) if (part := self._part(i, value, shapes))]
@@ -122,20 +121,6 @@ class _PlanarReader(EntryReader[FileEntry]):
             self._say("", f'objective is "{entry.objective[:40]}"; it must be {known}')
         if entry.objective is not None and entry.pull:
             self._say("", '"objective" stands in place of "pull"; leave one of them out')
-
-    def _length(self, value: float, where: str, what: str, *, least: float = -LARGEST) -> float:
-        """Scale a number to [mm]; `what` is said where it is out of bounds."""
-        scaled = value * self._mm
-        if not least <= scaled <= LARGEST:
-            asked = f"{least:g} or more" if abs(scaled) <= LARGEST else f"within {LARGEST:g} mm"
-            self._say("" if where == self._file else where, f"{what} is {value:g}; it must be {asked}")
-            return 0.0
-        return scaled
-
-    def _check_repeated(self, gaps: Iterable[JointGap]) -> None:
-        for pair, count in Counter(frozenset(joint.parts) for joint in gaps).items():
-            if count > 1:
-                self._say("gaps", f"parts {' and '.join(sorted(pair))} are given {count} times; once is right")
 
     def _shape(self, name: str, value: Any) -> tuple[Region, ...]:
         where = f'shape "{name}"'

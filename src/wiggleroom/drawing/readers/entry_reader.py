@@ -6,6 +6,8 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any, Generic, TypeVar
 
+from wiggleroom.drawing.limits import LARGEST
+from wiggleroom.drawing.model import JointGap
 from wiggleroom.drawing.readers.assembly_schema import HeadEntry, convert, decode_json, decode_sound
 from wiggleroom.drawing.readers.source import Source
 from wiggleroom.drawing.units import UNITS
@@ -86,6 +88,20 @@ class EntryReader(Generic[E]):
 
     def _say(self, where: str, what: str) -> None:
         self._findings.append(f"{self._file}: {where}: {what}" if where else f"{self._file}: {what}")
+
+    def _length(self, value: float, where: str, what: str, *, least: float = -LARGEST) -> float:
+        """Scale a number to [mm]; `what` is said where it is out of bounds."""
+        scaled = value * self._mm
+        if not least <= scaled <= LARGEST:
+            asked = f"{least:g} or more" if abs(scaled) <= LARGEST else f"within {LARGEST:g} mm"
+            self._say(where, f"{what} is {value:g}; it must be {asked}")
+            return 0.0
+        return scaled
+
+    def _check_repeated(self, gaps: Iterable[JointGap]) -> None:
+        for pair, count in Counter(frozenset(joint.parts) for joint in gaps).items():
+            if count > 1:
+                self._say("gaps", f"parts {' and '.join(sorted(pair))} are given {count} times; once is right")
 
     def _known(self, where: str, names: Iterable[str]) -> None:
         for name in names:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
 from wiggleroom.spatial.solids.solid_boolean import is_sound, solid_of, surface_of, union_of, volume_of
 from wiggleroom.spatial.solids.spatial_model import Surface
 from wiggleroom.spatial.solids.step_file import step_bodies
+
+logging.getLogger("trimesh").addHandler(logging.NullHandler())  # else Python prints what the library logs
 
 ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
 OWN_UNIT = {".glb": 1000.0, ".3mf": None}
@@ -119,9 +122,20 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
             label = f"{label}'"
         found[label] = mesh.copy().apply_transform(transform)
     if not found:
-        message = f"{path.name}: has no faces; a closed mesh is needed"
+        unplaced = ", ".join(f'"{name}"' for name in list(scene.geometry)[:8])
+        message = (
+            f"{path.name}: places none of its bodies, {unplaced}; save it with one in its build"
+            if any(len(getattr(mesh, "faces", ())) for mesh in scene.geometry.values())
+            else f"{path.name}: has no faces; a closed mesh is needed"
+        )
         raise InputError(message)
-    return found, UNITS_3MF.get(str(scene.units or "millimeter").rstrip("s"), 1.0)
+    if ending != ".3mf":
+        return found, 1.0
+    unit = str(scene.units or "millimeter").rstrip("s")
+    if unit not in UNITS_3MF:
+        message = f'{path.name}: its unit is "{unit[:40]}"; it must be one of {", ".join(UNITS_3MF)}'
+        raise InputError(message)
+    return found, UNITS_3MF[unit]
 
 
 def _chosen(file: str, bodies: dict[str, Any], body: str) -> Any:
@@ -143,6 +157,9 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
 
     if not np.isfinite(vertices).all():
         message = f"{name}: has coordinates that are no numbers; save it again"
+        raise InputError(message)
+    if len(faces) and not (faces.min() >= 0 and faces.max() < len(vertices)):
+        message = f"{name}: has faces with corners that are not there, of {len(vertices)}; save it again"
         raise InputError(message)
     if len(faces) > MAX_FACES:
         message = f"{name}: has {len(faces)} faces; at most {MAX_FACES} are worked with, so make it coarser"

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wiggleroom.assembly.statements import unknown
-from wiggleroom.drawing.writers.glue_groups import glued_names
+from wiggleroom.assembly.statements import glued_to, unknown
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.solids.made_solids import made_solid
@@ -90,10 +89,9 @@ def _joint_findings(drawing: SpatialDrawing) -> list[str]:
 def goal_findings(drawing: SpatialDrawing, goals: Sequence[SpatialGoal]) -> list[str]:
     """What is wrong with goals: unknown parts, parts that stand, numbers that make no sense."""
     names = {p.name: None for p in drawing.parts}
-    still = {p.name for p in drawing.parts if p.fixed}
-    for group in glued_names(drawing.glue):
-        if still & set(group):
-            still |= set(group)
+    still = {p.name: "it is fixed" for p in drawing.parts if p.fixed}
+    for anchor, name in glued_to(drawing.glue, still):
+        still.setdefault(name, f'it is glued to "{anchor}", which is fixed')
     found = []
     for goal in goals:
         vector = goal.axis if hasattr(goal, "axis") else goal.direction
@@ -104,7 +102,7 @@ def goal_findings(drawing: SpatialDrawing, goals: Sequence[SpatialGoal]) -> list
         if goal.part not in names:
             found.append(f"pull: {unknown(goal.part, names)}")
         elif goal.part in still:
-            found.append(f'"{goal.part}" cannot be moved, for it is fixed: fix it or move it, not both')
+            found.append(f'"{goal.part}" cannot be moved, for {still[goal.part]}: fix it or move it, not both')
     return found
 
 

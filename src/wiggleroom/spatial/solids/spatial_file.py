@@ -83,15 +83,14 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         if len(entry.parts) > MAX_PARTS:
             self._say("", f"has {len(entry.parts)} parts; at most {MAX_PARTS} are read")
             raise InputError(self._findings)
-        gap = entry.gap * self._mm
-        if not 0 <= gap <= LARGEST:
-            self._say("", f"gap is {entry.gap:g}; it must be 0 or more")
+        gap = self._length(entry.gap, "", "gap", least=0.0)
         self._check_names()
         parts = tuple(part for i, value in enumerate(entry.parts) if (part := self._part(i, value)))
         self._fixed = {part.name for part in parts if part.fixed}
         glue = tuple(self._together(f"glue[{i}]", value) for i, value in enumerate(entry.glue))
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
         gaps = tuple(joint for i, value in enumerate(entry.gaps) if (joint := self._joint_gap(i, value)))
+        self._check_repeated(gaps)
         goals = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
         if self._findings:
             raise InputError(self._findings)
@@ -158,7 +157,8 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
             return None
         thickness = entry.thickness * self._mm
         if not 0 < thickness <= LARGEST:
-            self._say(where, f"thickness is {entry.thickness:g}; it must be more than 0")
+            asked = "more than 0" if thickness <= 0 else f"within {LARGEST:g} mm"
+            self._say(where, f"thickness is {entry.thickness:g}; it must be {asked}")
             return None
         if isinstance(entry.outline, str):
             if entry.holes:
@@ -268,10 +268,7 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         entry = convert(value, GapEntry, f"{self._file}: {where}", self._findings)
         if entry is None:
             return None
-        gap = entry.gap * self._mm
-        if not 0 <= gap <= LARGEST:
-            self._say(where, f"gap is {entry.gap:g}; it must be 0 or more")
-        return JointGap(self._pair(where, entry.parts), gap)
+        return JointGap(self._pair(where, entry.parts), self._length(entry.gap, where, "gap", least=0.0))
 
     def _goal(self, i: int, value: Any) -> SpatialGoal | None:
         where = f"pull[{i}]"
