@@ -20,6 +20,8 @@ from wiggleroom.freespace.outer.local_outer_region import NearSides, local_outer
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.report.results.answer_words import bound_sentence
+from wiggleroom.search.answer import Bound, with_bound
+from wiggleroom.verdict import PathState, Verdict
 
 ROUNDING = 1e-11
 
@@ -217,3 +219,13 @@ def test_a_proof_that_finds_nothing_leaves_the_quick_bound():
     assert done.bound.why
     assert bound_sentence(done).startswith("at most")
     assert done.bound.why in bound_sentence(done)
+
+
+def test_a_checked_motion_that_a_bound_meets_is_proven_however_its_search_ended():
+    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01), search=0)
+    cut_short = replace(answer, verdict=Verdict.STOPPED, at_most=None, bound=None)
+    near = Bound(1.0005 * answer.objective, 5e-4, 0.0)
+    assert with_bound(cut_short, near).verdict is Verdict.PROVEN
+    assert with_bound(replace(cut_short, path=PathState.NOT_CHECKED), near).verdict is Verdict.STOPPED
+    assert with_bound(replace(cut_short, collision_free=False), near).verdict is Verdict.STOPPED
+    assert with_bound(cut_short, Bound(1.01 * answer.objective, 1e-2, 0.0)).verdict is Verdict.STOPPED

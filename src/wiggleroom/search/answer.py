@@ -150,7 +150,8 @@ def with_bound(answer: Answer, bound: Bound) -> Answer:
     """The answer with a bound, its verdict `proven` where that is near enough."""
     value, most = answer.objective, bound.at_most
     near = value is not None and most is not None and 0 < value <= most <= PROVEN_WITHIN * value
-    verdict = Verdict.PROVEN if near and answer.verdict.ends and answer.path == PathState.CHECKED else answer.verdict
+    free = answer.collision_free and answer.path == PathState.CHECKED  # however the search for it ended
+    verdict = Verdict.PROVEN if near and free else answer.verdict
     return replace(answer, at_most=most, bound=bound, verdict=verdict)
 
 
