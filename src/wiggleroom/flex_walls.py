@@ -29,6 +29,7 @@ from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion
 from wiggleroom.search.prepare import Prepared, prepare_as_drawn
 from wiggleroom.search.prepare_walls import contact_places, prepare_simplified
 from wiggleroom.search.progress import Progress
+from wiggleroom.search.separated_bodies import without_separated
 from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.solution import Solution
@@ -124,7 +125,7 @@ def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
     """The answer, searched for in the frame that an assembly of few bodies has of its own; None where it must be searched for as it is."""
     if int((~ready.bodies.fixed).sum()) > MAX_BODIES:
         return None
-    frame = canonical_frame(ready.assembly, query.goals)
+    frame = canonical_frame(without_separated(ready, query.goals), query.goals)
 
     def told(progress: Progress) -> None:
         query.tell(replace(progress, objective=progress.objective / frame.worth))
