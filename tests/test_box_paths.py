@@ -10,7 +10,7 @@ import shapely
 from shapely import affinity
 
 from wiggleroom.freespace.subdivision.box_search import neighbour_leaves
-from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
+from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes, PulledBody
 from wiggleroom.freespace.subdivision.passage import passage
 
 STEPS = 60
@@ -52,7 +52,7 @@ def test_a_path_out_ends_beyond_reach_and_goes_round_freely(seed: int) -> None:
     radius = [shapely.hausdorff_distance(shapely.Point(out.pivot), shape) for shape in (a, b)]
     assert np.hypot(*out.path[-1, :2]) > sum(radius)
     pull = rng.normal(size=2)
-    boxes = MotionBoxes(0, a, b, pull, np.zeros(2), 0.0, 50_000)
+    boxes = MotionBoxes(PulledBody(0, a, b, pull, np.zeros(2), 0.0), 50_000)
     _, path = boxes.beyond(2.0 * sum(radius), 2.0 * sum(radius), 10**6)
     assert path is not None
     assert overlap_along(a, b, path, boxes.pivot) == 0.0

@@ -11,7 +11,7 @@ from wiggleroom.assembly.assembly import place
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, MAX_ROWS, add_rows, linear_program_maximum
 from wiggleroom.freespace.subdivision.disc_tree import disc_tree
-from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
+from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes, PulledBody
 
 
 @njit(**OPTIONS)
@@ -75,7 +75,7 @@ def test_no_bound_lies_below_the_play_however_small_and_far_from_the_origin(seed
     block = shapely.Polygon(place(np.array([[-3, -3], [3, -3], [3, 3], [-3, 3]]), (*middle, angle)), [hole])
     pull = np.array([np.cos(angle), np.sin(angle)])
     lever = np.array([pull @ middle, middle[0] * pull[1] - middle[1] * pull[0]])
-    boxes = MotionBoxes(1, block, shapely.Polygon(peg), pull, lever, 0.0, 60_000)
+    boxes = MotionBoxes(PulledBody(1, block, shapely.Polygon(peg), pull, lever, 0.0), 60_000)
     told = [boxes.beyond(np.inf, play * (1 + share), 300_000)[0] for share in (1e-2, 1e-4, 1e-6, 1e-8)]
     at_most = [bound for bound in told if bound is not None]
     assert at_most

@@ -19,7 +19,7 @@ from wiggleroom.assembly.loops import region_of
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.cells.cells import select
-from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
+from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes, PulledBody
 from wiggleroom.report.results.answer_words import searched
 from wiggleroom.report.results.json_results import flex_result
 from wiggleroom.search.canonical_frame import canonical_frame
@@ -130,7 +130,7 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
     d = np.array([np.cos(angle), np.sin(angle)])
     room = shapely.box(-1, -1, 1, 1) - shapely.box(-0.5, -0.5, 0.5, 0.5)
     peg = shapely.box(-half, -half, half, half)
-    boxes = MotionBoxes(1, room, peg, d, np.zeros(2), 0.0, 100_000)
+    boxes = MotionBoxes(PulledBody(1, room, peg, d, np.zeros(2), 0.0), 100_000)
     truth = (0.5 - half) * np.abs(d).sum()
     at_most, path = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
     assert truth <= at_most <= truth * 1.0009

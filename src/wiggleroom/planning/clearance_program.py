@@ -124,10 +124,9 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
     free = (k - 1) * dofs
     plenty = SUFFICIENT_CLEARANCE * problem.clearance
     narrowest = max(plenty, 2 * least + trust)  # a piece may be worth more than plenty where it is the narrowest
-    nearer = (
-        np.sqrt(2) if moving.as_one else (1 + np.sqrt(2)) * min(len(moving.who), 2)
-    ) * trust  # at most, by a change
-    samples = _samples(problem, path, narrowest + nearer)
+    # by any change, a corner of a body comes nearer by so much at most, and so does what it comes near to
+    shift = (np.sqrt(2) if moving.as_one else (1 + np.sqrt(2)) * min(len(moving.who), 2)) * trust
+    samples = _samples(problem, path, narrowest + shift)
     if not len(samples.piece):
         return None
     # variables: changes, their sizes, clearance of every piece, least clearance
@@ -224,10 +223,8 @@ def _changed_distances(problem: ClearanceProblem, samples: PathSamples, dofs: in
     slot[moving.who] = 0 if moving.as_one else np.arange(len(moving.who))
     mine = slot[near.who]
     row, column, entry = [], [], []
-    for waypoint, share in (
-        (samples.piece - 1, 1.0 - samples.along),
-        (samples.piece, samples.along),
-    ):  # waypoint -1 stays
+    ends = (samples.piece - 1, 1.0 - samples.along), (samples.piece, samples.along)  # waypoint -1 stays
+    for waypoint, share in ends:
         r, side = np.nonzero((mine >= 0) & ((waypoint >= 0) & (share > 0))[:, None])
         row.append(np.repeat(r, width))
         column.append(((waypoint[r] * dofs + width * mine[r, side])[:, None] + np.arange(width)).ravel())

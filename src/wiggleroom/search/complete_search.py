@@ -81,7 +81,7 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
         cost = SIMPLIFIED_COST * first.ready.simplified * float(np.hypot(*pulled.pull))
         if alone and at_most is not None and at_most <= best.certain_value()[0] * (1 + PROVEN_GAP) + cost:
             return CompleteSearch(best, at_most, ends, settled=True)
-    boxes = None if pulled is None else MotionBoxes(**vars(pulled), most=MAX_BOXES)
+    boxes = None if pulled is None else MotionBoxes(pulled, MAX_BOXES)
     visits = MAX_VISITS if alone else VISITS_OF_ONE_OF_SEVERAL
     most = reach = np.inf if boxes is None else boxes.largest_value if at_most is None else at_most
     while boxes is not None and len(ends) <= MAX_CLIMBS:
@@ -129,7 +129,7 @@ def _climbed(best: LocalSearch, boxes: MotionBoxes, path: Floats) -> LocalSearch
 
 def _start(ready: Prepared, boxes: MotionBoxes, path: Floats) -> Start | None:
     """Where a search begins at the end of a path of boxes; None where no cells grow there."""
-    bodies, body = ready.bodies, boxes.body
+    bodies, body = ready.bodies, boxes.pulled.body
     spot = ready.assembly.rest[bodies.members[body][0], :2]  # a path is straight about the reference points of parts
     path = boxes.straightened(path, spot)
     motions = np.zeros((len(path), len(bodies.fixed), 3))

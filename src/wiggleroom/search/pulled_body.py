@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.freespace.subdivision.largest_motion import PulledBody
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.program.objectives import PointMotion
@@ -17,32 +16,6 @@ Floats = NDArray[np.float64]
 
 MAX_FREE = 12
 """Of so many free bodies at most one is looked at alone."""
-
-
-@dataclass(frozen=True, eq=False)
-class PulledBody:
-    """What is asked of a body `b` past `a`.
-
-    Parameters
-    ----------
-    body : int
-        Its number.
-    a, b : shapely polygons [mm]
-        Material at rest, not touching; a stands.
-    pull : (2,) float64
-        Sum of the directions in which b is pulled.
-    lever : (2,) float64 [mm]
-        Sums of direction . arm and of arm x direction, with the arms from the origin of assembly coordinates to the pulled points.
-    turn : float
-        Weight of the turn.
-    """
-
-    body: int
-    a: shapely.Geometry
-    b: shapely.Geometry
-    pull: Floats
-    lever: Floats
-    turn: float
 
 
 def pulled_body(search: LocalSearch) -> PulledBody | None:

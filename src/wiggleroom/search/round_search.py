@@ -6,13 +6,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.freespace.subdivision.largest_motion import PulledBody
 from wiggleroom.freespace.subdivision.round_room import furthest_along, round_body, way_along
 from wiggleroom.geometry.rigid_motions import about
 from wiggleroom.search.answer import PROVEN_WITHIN
 from wiggleroom.search.incumbent import Start
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.pulled_body import PulledBody, among_others
+from wiggleroom.search.pulled_body import among_others
 from wiggleroom.search.turn_in_place import better_climb, start_after
 
 Floats = NDArray[np.float64]

@@ -44,9 +44,9 @@ MAX_TURN = 2.2 * np.pi
 """Turns are followed up to this [rad] both ways where a turn itself is asked for."""
 
 
-@dataclass(eq=False)
-class MotionBoxes:
-    """Boxes of motions of `b` past `a`, cut where a question needs it; one question after the other uses the same boxes.
+@dataclass(frozen=True, eq=False)
+class PulledBody:
+    """What is asked of a body `b` past `a`.
 
     Parameters
     ----------
@@ -60,8 +60,6 @@ class MotionBoxes:
         Sums of direction . arm and of arm x direction, with the arms from the origin of assembly coordinates to the pulled points.
     turn : float
         Weight of the turn.
-    most : int
-        Boxes judged at most.
     """
 
     body: int
@@ -70,18 +68,36 @@ class MotionBoxes:
     pull: Floats
     lever: Floats
     turn: float
+
+
+@dataclass(eq=False)
+class MotionBoxes:
+    """Boxes of motions of a body past others, cut where a question needs it; one question after the other uses the same boxes.
+
+    Parameters
+    ----------
+    pulled : PulledBody
+    most : int
+        Boxes judged at most.
+    """
+
+    pulled: PulledBody
     most: int
     count: int = 1
     pivot: Floats = field(init=False)
 
     def __post_init__(self) -> None:
         """Begin with one box."""
-        self.pivot = middle_of_contact(self.a, self.b)
-        one, other = disc_tree(self.a, self.pivot), disc_tree(self.b, self.pivot)
+        self.pivot = middle_of_contact(self.pulled.a, self.pulled.b)
+        one, other = disc_tree(self.pulled.a, self.pivot), disc_tree(self.pulled.b, self.pivot)
         self._pair = (*one.arrays, other.edge, other.disc, other.kid)
-        self._wrap = self.turn == 0.0
+        self._wrap = self.pulled.turn == 0.0
         self._scale = np.array(
-            [1.1 * (one.radius + other.radius), np.pi if self._wrap else MAX_TURN, rounding_slack(self.a, self.b)]
+            [
+                1.1 * (one.radius + other.radius),
+                np.pi if self._wrap else MAX_TURN,
+                rounding_slack(self.pulled.a, self.pulled.b),
+            ]
         )
         self._origin = WINDOW_OFFSET * self._scale[[0, 0, 1]]
         self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
@@ -89,11 +105,15 @@ class MotionBoxes:
         self._upper, self._path = np.full(self.most, np.inf), np.zeros(self.most, dtype=np.int64)
         self._visits = np.zeros(2, dtype=np.int64)
         x, y = self.pivot
-        dx, dy = self.pull
+        dx, dy = self.pulled.pull
         # arms are measured from the pivot
-        alpha, beta = self.lever[0] - (dx * x + dy * y), self.lever[1] - (x * dy - y * dx)
-        self._asked = np.array([dx, dy, alpha, beta, self.turn, np.inf, np.inf])
-        terms = np.abs(self.lever).sum() + np.abs(self.pull).sum() * np.abs(self.pivot).sum() + self.largest_value
+        alpha, beta = self.pulled.lever[0] - (dx * x + dy * y), self.pulled.lever[1] - (x * dy - y * dx)
+        self._asked = np.array([dx, dy, alpha, beta, self.pulled.turn, np.inf, np.inf])
+        terms = (
+            np.abs(self.pulled.lever).sum()
+            + np.abs(self.pulled.pull).sum() * np.abs(self.pivot).sum()
+            + self.largest_value
+        )
         self._rounding = COORDINATE_ROUNDING * float(terms)
 
     @property
@@ -107,7 +127,7 @@ class MotionBoxes:
         x, y = np.abs(self._origin[:2]) + self._scale[0]
         alpha, beta, turn = self._asked[2:5]
         swing = abs(self._origin[2]) + self._scale[1]
-        return float(np.abs(self.pull) @ (x, y) + 2 * abs(alpha) + abs(beta) + abs(turn) * swing)
+        return float(np.abs(self.pulled.pull) @ (x, y) + 2 * abs(alpha) + abs(beta) + abs(turn) * swing)
 
     def beyond(
         self, least: float, most: float, visits: int, stop: Stop | None = None
@@ -150,7 +170,7 @@ class MotionBoxes:
         half = 0.5 ** self._level[path[-1]] * self._scale[:2]
         x, y, turn = points[-1]
         _, turn = best_corner(self._asked, x, y, turn, *half)
-        corner = [x + np.copysign(half[0], self.pull[0]), y + np.copysign(half[0], self.pull[1]), turn]
+        corner = [x + np.copysign(half[0], self.pulled.pull[0]), y + np.copysign(half[0], self.pulled.pull[1]), turn]
         return None, np.vstack([points, corner])
 
     def straightened(self, path: Floats, spot: Floats) -> Floats:
@@ -160,14 +180,14 @@ class MotionBoxes:
             np.linspace(one, other, n, endpoint=False) for one, other, n in zip(path, path[1:], count, strict=False)
         ]
         points = about(np.concatenate([*finer, path[-1:]])[:, None], (spot - self.pivot)[None])[:, 0]
-        one, other = disc_tree(self.a, spot), disc_tree(self.b, spot)
+        one, other = disc_tree(self.pulled.a, spot), disc_tree(self.pulled.b, spot)
         return shortcut(points, (*one.arrays, other.edge, other.disc, other.kid))
 
     def _round(self, last: Floats) -> Floats:
         """From where a is left behind, on a circle round it to where the pull leads away from it."""
-        if not self.pull.any():
+        if not self.pulled.pull.any():
             return last[None]
         radius, begin = np.hypot(*last[:2]), np.arctan2(last[1], last[0])
-        turn = (np.arctan2(self.pull[1], self.pull[0]) - begin + np.pi) % (2 * np.pi) - np.pi
+        turn = (np.arctan2(self.pulled.pull[1], self.pulled.pull[0]) - begin + np.pi) % (2 * np.pi) - np.pi
         angle = begin + np.linspace(0, turn, 1 + int(np.ceil(abs(turn) / CHORD)))
         return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), last[2])])
