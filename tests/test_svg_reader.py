@@ -131,6 +131,17 @@ def test_basic_shapes(body, area, centre):
     assert (centroid.x, centroid.y) == pytest.approx((0, 0), abs=1e-9)
 
 
+def test_comments_are_not_read_whatever_is_in_them():
+    square = '<path id="a" d="M0 0H10V10H0z"/>'
+    style = "<style><![CDATA[/* <!-- */]]></style>"  # no comment begins there
+    drawing = read(f"<!-- --laser -->{style}{square}<!-- <path d='M20 0H30V10H20z'/> --><!--\n--- -->")
+    assert names(drawing) == ["a"]
+    with pytest.raises(InputError, match=r"line 3, column 6: is not well-formed XML"):
+        read(f"<!-- --\nx-y -->{square}\n<a> & </a>")
+    with pytest.raises(InputError, match="is not well-formed XML"):
+        read(f"{square}<!-- without an end")
+
+
 def test_cubics_against_an_independent_library():
     svgelements = pytest.importorskip("svgelements")
     data = "M10 10C30 0 40 30 60 10S70 50 60 60Q50 40 40 60T10 60z"

@@ -147,7 +147,18 @@ def near_edges(
             if dx * dx + dy * dy > within * within:
                 continue
             for f in range(run[j], run[j + 1]):
+                half = length[f] / 2  # discs over the edges tell most of them apart
+                u, v = corner[f, 0] + half * direction[f, 0], corner[f, 1] + half * direction[f, 1]
+                u, v = c * u - s * v + p[X], s * u + c * v + p[Y]
+                half += stray_b + rounding
+                dx, dy, within = u - run_disc[i, 0], v - run_disc[i, 1], half + run_disc[i, 2]
+                if dx * dx + dy * dy > within * within:
+                    continue
                 for e in range(run[i], run[i + 1]):
+                    own = length[e] / 2
+                    dx, dy = u - corner[e, 0] - own * direction[e, 0], v - corner[e, 1] - own * direction[e, 1]
+                    if dx * dx + dy * dy > (half + own) * (half + own):
+                        continue
                     if apart(e, f, p, stray_b + rounding, stray_a + rounding, corner, after, direction, length):
                         continue
                     if count == len(how):

@@ -22,7 +22,7 @@ from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.incumbent import BARRIER_GROWTH, Incumbent, Start
 from wiggleroom.search.local_search import FINE_TOLERANCE, LocalSearch, Policy
 from wiggleroom.search.moves import regrow_stale, stale, tighten
-from wiggleroom.search.path_check import missed
+from wiggleroom.search.path_check import missed_at
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.interior_point import solve
@@ -220,10 +220,8 @@ class WarmSearch:
         points = [(segment.program, u) for segment in found.path for u in segment.points]
         some = np.unique(np.linspace(0, len(points) - 1, PATH_SAMPLES).round().astype(int))
         motions = np.array([points[k][0].motion(points[k][1]) for k in some])
-        audit = audit_path(ready.outlines, of_parts(ready.assembly, ready.bodies, motions))
-        pairs = missed(ready.bodies, audit, found.program)
-        self._seen = found, pairs
-        return pairs
+        self._seen = found, missed_at(ready, motions, found.program)
+        return self._seen[1]
 
     def _state(self, motion: Floats, settled: bool) -> State:
         """The state at a motion, without the pairs that were added on the way and are far apart now."""
@@ -253,6 +251,8 @@ class WarmSearch:
 
 def free_of_overlap(ready: Prepared, motion: Floats, known: Floats | None = None) -> bool:
     """True where no two bodies overlap at a motion (n, 3) of theirs, by exact geometry; `known` is another that is free."""
+    if known is None and audit_path(ready.outlines, of_parts(ready.assembly, ready.bodies, motion[None])).free:
+        return True  # quicker, but it has no word on parts that overlap by a rounding error
     moved = None if known is None else (motion != known).any(axis=1)
     return overlaps(ready.bodies, motion, ready.ignored, moved).deepest <= OVERLAP_TOLERANCE * ready.size
 

@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, StoppedError, go_on
 from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells
-from wiggleroom.geometry.overlap import Overlaps, overlaps
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, PathSegment, Start, start_at_rest
-from wiggleroom.search.path_check import CertainPrefix, CheckedPath, certain_prefix, check_path
+from wiggleroom.search.path_check import CertainPrefix, CheckedPath, certain_prefix, check_path, missed_at
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.progress import Progress, silent
 from wiggleroom.solve import interior_point
@@ -346,11 +345,11 @@ class LocalSearch:
         go_on(self.preparation_stop)
         cells, n = found.program.cells, len(found.motion)
         known = cells.a * n + cells.b
-        missed, more = self.missed(found.motion, known), None
+        (a, b), more = missed_at(self.ready, found.motion[None], found.program), None
         go_on(self.preparation_stop)
-        if len(missed.a):
+        if len(a):
             corners = self.ready.corners[~np.isin(self.ready.corners, known)]
-            key = np.unique(np.concatenate([missed.a * n + missed.b, corners]))
+            key = np.unique(np.concatenate([a * n + b, corners]))
             a, b = key // n, key % n
             inner = found.program.motion(found.begin)
             grown, good = self._grown(a, b, inner, found.motion)
@@ -360,10 +359,6 @@ class LocalSearch:
                 more = self._begun_with(start, found, a, b)
         self.seconds["check"] += time.perf_counter() - began
         return more
-
-    def missed(self, motion: Floats, known: Ints) -> Overlaps:
-        """Pairs that overlap at a motion (n, 3), apart from those with known keys a * n + b."""
-        return overlaps(self.ready.bodies, motion, np.concatenate([self.ready.ignored, known]))
 
     def _begun_with(self, start: Start, found: Incumbent, a: Ints, b: Ints) -> Start | None:
         """The start with all pairs of a round and some more, with room towards the round's end; None where not all have cells there."""

@@ -195,6 +195,24 @@ def missed(bodies: Bodies, audit: PathAudit, program: Program) -> tuple[Ints, In
     return keys // n, keys % n
 
 
+def missed_at(ready: Prepared, motions: Floats, program: Program) -> tuple[Ints, Ints]:
+    """The same for waypoints (k, n, 3) [mm, mm, rad] of the bodies; pairs in the program are not looked at."""
+    known = _part_pairs(ready.bodies.body_of, program.cells.a, program.cells.b)
+    others = replace(ready.outlines, ignored=np.concatenate([ready.outlines.ignored, known]))
+    return missed(ready.bodies, audit_path(others, of_parts(ready.assembly, ready.bodies, motions)), program)
+
+
+def _part_pairs(body_of: Ints, a: Ints, b: Ints) -> Ints:
+    """Keys p * n + q, p < q, of the pairs of parts that belong to pairs of bodies; `body_of` (n,) is the body of every part."""
+    order, count = np.argsort(body_of, kind="stable"), np.bincount(body_of)
+    first, many = np.cumsum(count) - count, count[a] * count[b]
+    pair = np.repeat(np.arange(len(a)), many)
+    k = np.arange(len(pair)) - np.repeat(np.cumsum(many) - many, many)
+    p = order[first[a[pair]] + k // count[b[pair]]]
+    q = order[first[b[pair]] + k % count[b[pair]]]
+    return np.asarray(np.minimum(p, q) * len(body_of) + np.maximum(p, q))
+
+
 def _motions(segments: Sequence[PathSegment], points: Sequence[_Point]) -> Floats:
     return np.array([segments[p.segment].program.motion(p.u) for p in points])
 

@@ -10,6 +10,8 @@ from wiggleroom.drawing.readers.source import Source
 from wiggleroom.errors import InputError
 
 _SVG = "http://www.w3.org/2000/svg"
+_COMMENT = re.compile(r"<!--|<!\[CDATA\[")
+_INK = re.compile(r"[^\n]")
 _ENTITY = re.compile(r"<!ENTITY\s+(?:%\s*)?([^\s>\"']*)", re.IGNORECASE)
 
 
@@ -48,7 +50,7 @@ def parse_xml(source: Source) -> Element:
         raise InputError(message)
     builder = _Builder()
     try:
-        builder.parser.Parse(source.text, True)
+        builder.parser.Parse(_without_comments(source.text), True)
     except expat.ExpatError as error:
         message = (
             f"{source.name}: line {error.lineno}, column {error.offset + 1}: "
@@ -56,6 +58,23 @@ def parse_xml(source: Source) -> Element:
         )
         raise InputError(message) from None
     return builder.root.children[0]
+
+
+def _without_comments(text: str) -> str:
+    """The text with blanks for comments, which many generators write with the two hyphens that XML forbids in them."""
+    pieces, end = [], 0
+    for begin in _COMMENT.finditer(text):
+        if begin.start() < end:
+            continue
+        close = "-->" if begin.group() == "<!--" else "]]>"
+        stop = text.find(close, begin.end())
+        if stop < 0:
+            break
+        pieces.append(text[end : begin.start()])
+        end = stop + len(close)
+        between = text[begin.start() : end]
+        pieces.append(_INK.sub(" ", between) if close == "-->" else between)
+    return "".join([*pieces, text[end:]]) if pieces else text
 
 
 class _Builder:
