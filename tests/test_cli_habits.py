@@ -204,6 +204,28 @@ def test_odd_numbers_are_doubted(run: Run) -> None:
     assert "sheet" not in run("draw", "a.svg", "o.svg")[2]  # a loose part in a tray is an assembly
 
 
+def test_a_pull_far_outside_of_its_part_is_told(run: Run) -> None:
+    """A bolt drawn away from its origin: what is pulled by default turns with it, and goes further than the bolt."""
+    jaw = {
+        "name": "jaw",
+        "outline": [[0, -4], [20, -4], [20, 16], [0, 16], [0, 10], [10, 10], [10, 2], [0, 2]],
+        "fixed": True,
+    }
+    bolt = {"name": "bolt", "outline": [[-20, 2], [10, 2], [10, 10], [-20, 10]], "at": [0, 0, 0]}
+    out = {"format": "wiggleroom/1", "gap": 0.2, "pull": [{"part": "bolt", "direction": [1, 0]}]}
+    far = {**bolt, "outline": [[x, y + 12] for x, y in [[-20, 2], [10, 2], [10, 10], [-20, 10]]], "at": [0, -12, 0]}
+    for part, told in ((bolt, False), (far, True)):
+        Path("a.json").write_text(json.dumps({**out, "parts": [jaw, part]}))
+        code, said, err = run("flex", "a.json")
+        assert code == 0
+        assert ('"bolt" is pulled at its reference point (0, -12), 14 mm outside of it' in err) is told
+    middle = err.rpartition("@")[2].split()[0]
+    assert middle == "-5,6"
+    _, said, err = run("flex", "a.json", "--pull", f"bolt:+x@{middle}")
+    assert "outside" not in err
+    assert "bolt at (-5, 6) moves 0.2" in said
+
+
 @pytest.mark.parametrize("words", [["fl", "flex"], ["flex", "--pro", "--prove"], ["make", "--joi", "--joint"]])
 def test_bash_completes(run: Run, words: list[str]) -> None:
     *typed, wanted = words

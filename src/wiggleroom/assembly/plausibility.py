@@ -7,8 +7,10 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.loops import placed_loops, polygons
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.model import Drawing, Pull
 
+OUTSIDE = 0.1
+"""A part pulled at a point further outside of it than this share of its size may be meant to be pulled elsewhere."""
 LARGE_GAP = 0.1
 """A gap above this share of the smallest part is doubted."""
 WIDE, NARROW = 5000.0, 1.0
@@ -25,7 +27,7 @@ def doubts(drawing: Drawing, *, drawn: bool = True) -> tuple[str, ...]:
     drawing : Drawing [mm]
         Sound, as from an assembly.
     drawn : bool
-        False: outlines come from numbers that are meant; only the gap is doubted.
+        False: outlines come from numbers that are meant; only the gap and points of pulls are doubted.
 
     Examples
     --------
@@ -44,7 +46,7 @@ def doubts(drawing: Drawing, *, drawn: bool = True) -> tuple[str, ...]:
     np.maximum.at(high, owner[region], np.maximum.reduceat(loops.points, loops.starts))
     sizes = (high - low).min(axis=1)
     if not drawn:
-        return tuple(_gap_doubts(drawing, sizes))
+        return (*_gap_doubts(drawing, sizes), *_point_doubts(drawing, low, high))
     return (
         *_size_doubts(float((high.max(axis=0) - low.min(axis=0)).max())),
         *_gap_doubts(drawing, sizes),
@@ -66,6 +68,22 @@ def _gap_doubts(drawing: Drawing, sizes: NDArray[np.float64]) -> list[str]:
         return []
     name, wide = drawing.parts[least].name, float(sizes[least])
     return [f'the gap of {drawing.gap:.4g} mm is large beside part "{name}", {wide:.4g} mm wide: is it in mm?']
+
+
+def _point_doubts(drawing: Drawing, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[str]:
+    """Parts pulled at a reference point that lies far outside: their turn moves it more than any of their own points."""
+    pulled = {goal.part for goal in drawing.goals if isinstance(goal, Pull) and goal.point is None}
+    lines = []
+    for k, part in enumerate(drawing.parts):
+        x, y, _ = part.at
+        aside = float(np.hypot(*np.maximum(np.maximum(low[k] - (x, y), (x, y) - high[k]), 0.0)))
+        if part.name in pulled and aside > OUTSIDE * float((high[k] - low[k]).max()):
+            middle = (low[k] + high[k]) / 2
+            lines.append(
+                f'"{part.name}" is pulled at its reference point ({x:.4g}, {y:.4g}), {aside:.4g} mm outside of it; '
+                f"a pull at a point of its own says how far it goes: @{middle[0]:.4g},{middle[1]:.4g}"
+            )
+    return lines
 
 
 def _sheet_doubts(
