@@ -53,6 +53,12 @@ class MovingBodies:
     who: Ints
     as_one: bool
 
+    def numbers(self, n: int) -> Ints:
+        """Which of them every one of `n` bodies is (n,), 0 for all that go as one, -1 for those that stand."""
+        number = np.full(n, -1)
+        number[self.who] = 0 if self.as_one else np.arange(len(self.who))
+        return number
+
 
 @dataclass(frozen=True, eq=False)
 class ClearanceProblem:
@@ -219,9 +225,7 @@ def _changed_distances(problem: ClearanceProblem, samples: PathSamples, dofs: in
     """Rows, columns and entries of the matrix that takes changes of the waypoints but the first to those of the distances."""
     moving, near = problem.moving, samples.near
     width = 2 if moving.as_one else 3
-    slot = np.full(len(problem.bodies.fixed), -1)
-    slot[moving.who] = 0 if moving.as_one else np.arange(len(moving.who))
-    mine = slot[near.who]
+    mine = moving.numbers(len(problem.bodies.fixed))[near.who]
     row, column, entry = [], [], []
     ends = (samples.piece - 1, 1.0 - samples.along), (samples.piece, samples.along)  # waypoint -1 stays
     for waypoint, share in ends:

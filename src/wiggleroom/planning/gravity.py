@@ -181,9 +181,7 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
     lever = bodies.radius[free]
     count = 3 * len(free)
     near = corners_near_edges(problem, bodies.rest + motion, 4 * trust)
-    slot = np.full(len(motion), -1)
-    slot[free] = np.arange(len(free))
-    mine = slot[near.who]
+    mine = problem.moving.numbers(len(motion))[near.who]
     r, side = np.nonzero(mine >= 0)
     slope = -near.gradient[r, side] / np.column_stack([np.ones((len(r), 2)), bodies.radius[near.who[r, side]]])
     column = 3 * mine[r, side][:, None] + np.arange(3)
