@@ -52,6 +52,20 @@ def test_a_table_for_people(run, command: str) -> None:
     assert err == ["answer: out.json"]
 
 
+@pytest.mark.parametrize(("own", "then", "told"), [(0.5, "0.4 mm", True), (0.2, "0.1 mm", False)])
+def test_tighten_says_what_joints_with_a_gap_of_their_own_keep(run, own: float, then: str, told: bool) -> None:
+    side = [[-5, -5], [5, -5], [5, 5], [-5, 5]]
+    tray = {"name": "tray", "outline": [[2 * x, 2 * y] for x, y in side], "holes": [side], "fixed": True}
+    made = {
+        "format": "wiggleroom/1", "gap": 0.2, "parts": [tray, {"name": "block", "outline": side}],
+        "gaps": [{"parts": ["block", "tray"], "gap": own}], "pull": [{"part": "block", "direction": [1, 0]}],
+    }  # fmt: skip
+    Path("pocket.json").write_text(json.dumps(made))
+    out = run("tighten", "pocket.json", "--parts", "2", "--to", "0.1", "--draws", "0")[1]
+    assert f"then:          {then}" in out
+    assert ("joints with a larger gap of their own keep what theirs is more" in out) is told
+
+
 def test_rank_json_keeps_the_contract(run) -> None:
     record = json.loads(run("rank", "chain.json", "--json", "-")[1])
     answer = wr.flex(wr.patterns.chain(3, joint="tee", gap=0.02))

@@ -275,6 +275,20 @@ def test_closed_surfaces_of_one_mesh_are_one_part_as_boxes_are(tmp_path: Path, s
     assert abs(centroid_of(mesh.surface)[0] - centroid_of(same.surface)[0]) < 1e-9
 
 
+@pytest.mark.parametrize(("island", "pieces"), [(0, 1), (1, 2), (2, 3)])
+def test_islands_in_hollows_of_a_mesh_are_told(tmp_path: Path, island: int, pieces: int) -> None:
+    """A hollow cube, with a hollow cube in its hollow, with a cube in the hollow of that."""
+    sides = [10, 8, 6, 4, 2][: 2 * island + 1 if island == 2 else 2 + island]
+    shells = [trimesh.creation.box((side, side, side)) for side in sides]
+    for hollow in shells[1::2]:
+        hollow.invert()
+    trimesh.util.concatenate(shells).export(tmp_path / "a.ply")
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.ply"}))
+    told = [note for note in drawing.notes if "share no face" in note]
+    assert len(told) == (pieces > 1)
+    assert all(f"has {pieces} pieces" in note for note in told)
+
+
 @pytest.mark.parametrize("gap", [0.0, 0.2])
 def test_a_part_shut_up_in_a_mesh_stops_at_its_walls(tmp_path: Path, gap: float) -> None:
     hollow = [trimesh.creation.box((6, 6, 6)), trimesh.creation.box((6, 6, 6)).apply_translation((9, 0, 0))]

@@ -218,6 +218,35 @@ def test_check_takes_gaps_of_joints_and_its_ways_are_free() -> None:
     assert wr.check(spatial(*WALLS, BLOCK, gap=0.1, gaps=[joint("block", "floor", 0.5)])).verdict == "comes apart"
 
 
+SHELL = [[-10, -10, -10, -5, 10, 10], [5, -10, -10, 10, 10, 10], [-5, -10, -10, 5, -5, 10], [-5, 5, -10, 5, 10, 10],
+         [-5, -5, -10, 5, 5, -5], [-5, -5, 5, 5, 5, 10]]  # fmt: skip
+"""A cube of 20 mm with a cavity of 10 mm in its middle."""
+CUBE = {"name": "cube", "boxes": [[-5, -5, -5, 5, 5, 5]]}
+
+
+@pytest.mark.parametrize(("pair", "far"), [("cube", 0.5), ("lid", 0.2)])
+def test_a_closed_cavity_stays_hollow(pair: str, far: float) -> None:
+    shell = {"name": "shell", "boxes": SHELL, "fixed": True}
+    lid = {"name": "lid", "boxes": [[-10, -10, 10, 10, 10, 12]], "fixed": True}
+    assembly = spatial(shell, CUBE, lid, gap=0.2, gaps=[joint("shell", pair, 0.5)])
+    made = assembly.made[0]
+    drawn = 20.0 - 0.2, 10.0 + (0.5 if pair == "cube" else 0.2)
+    lost = 19.8**2 * 0.15 if pair == "lid" else 0.0  # the lid's joint takes 0.25 off where the others take 0.1
+    assert volume(made) == pytest.approx(drawn[0] ** 3 - drawn[1] ** 3 - lost, rel=1e-9)
+    answer = sound(flex_spatial(assembly, SpatialPull("cube", (1, 0, 0))))
+    assert answer.objective == pytest.approx(far, abs=1e-9)
+
+
+@pytest.mark.parametrize("hollow", [False, True])
+def test_a_part_that_a_joint_cuts_in_two_is_refused_with_a_hollow_in_it_too(hollow: bool) -> None:
+    left = [[x - 20, y, z, u - 20, v, w] for x, y, z, u, v, w in SHELL] if hollow else [[-30, -10, -10, -10, 10, 10]]
+    neck = [-10, -10, -10, 10, 10, -9.4]
+    bar = {"name": "bar", "boxes": [*left, neck, [10, -10, -10, 30, 10, 10]]}
+    post = {"name": "post", "boxes": [[-10, -10, -9.4, 10, 10, 30]], "fixed": True}
+    with pytest.raises(wr.InputError, match=r'part "bar" falls into 2 pieces at gap 0\.1 and the gaps of its joints'):
+        spatial(bar, post, gap=0.1, gaps=[joint("bar", "post", 1.4)])
+
+
 def test_two_parts_that_do_not_face_each_other_are_no_joint() -> None:
     far = {"name": "far", "boxes": [[40, 40, 40, 41, 41, 41]]}
     with pytest.raises(wr.InputError, match='gaps: parts "west" and "far" face each other nowhere'):

@@ -33,7 +33,7 @@ def given_goals(goals: AskedGoal | Sequence[AskedGoal] | None, own: tuple[AskedG
     """
     if goals is None:
         return own
-    return tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    return tuple(goals) if isinstance(goals, Iterable) else (goals,)
 
 
 def missing_roles(fixed: Sequence[bool], goals: Sequence[object], direction: str) -> list[str]:

@@ -40,8 +40,8 @@ def tighten(
     limit
         Or: choose as few as keep the motion below this [mm, turns in rad].
     to
-        Gap that a tightened part aims at [mm]: its own half of every joint shrinks to half of this. By default a tenth
-        of the gap.
+        Gap that a tightened part aims at [mm]: it is made larger until its own half of the gap is half of this. By
+        default a tenth of the gap. Joints with a larger gap of their own keep what theirs is more.
     draws
         Choices at random to compare with.
     seed

@@ -222,11 +222,12 @@ def _gaps(assembly: MadeAssembly, gaps: Sequence[float] | None, wrong: list[str]
         if assembly.gap <= 0:
             wrong.append("sweep: the drawing has no gap to start from: name the gaps")
         return np.linspace(assembly.gap / 4, 2 * assembly.gap, DEFAULT_GAPS).tolist()
-    odd = [g for g in gaps if not 0 <= g < np.inf]
-    wrong += [f"sweep: gap {g:g}: it must be 0 or more" for g in odd]
-    if not len(gaps):
+    asked = set(gaps)
+    odd = {g for g in asked if not 0 <= g < np.inf}
+    wrong += [f"sweep: gap {g:g}: it must be 0 or more" for g in sorted(odd)]
+    if not asked:
         wrong.append("sweep: name at least one gap")
-    return sorted({float(g) for g in gaps if g not in odd})
+    return sorted(float(g) for g in asked - odd)
 
 
 def _step(

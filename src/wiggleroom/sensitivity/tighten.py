@@ -119,8 +119,9 @@ def tighten(
     """Which parts to make tighter for the least motion, or the fewest for a wanted limit.
 
     A tightened part is made larger: every joint's gap is half its own and half its neighbour's share, and its own share
-    shrinks until `gap` would be left if the neighbour did the same. Parts are chosen by their rank, some at a time, and
-    ranked again as the others tighten; so the choice is a good one, not provably the best.
+    shrinks until `gap` would be left if the neighbour did the same. It grows alike everywhere: a joint with a larger gap of
+    its own keeps what that is more, one with a smaller gap limits both its parts. Parts are chosen by their rank, some at a
+    time, and ranked again as the others tighten; so the choice is a good one, not provably the best.
 
     Parameters
     ----------

@@ -94,9 +94,12 @@ def tighten_table(found: Tightening) -> Group:
     if found.chosen:
         parts = ", ".join(short(n) for n in found.chosen)
         lines += [Text(f"make tighter:  {parts}"), Text(f"to a gap of:   {number(found.gap)} mm, their share of it")]
+        drawing = found.before.assembly.drawing
+        if any(joint.gap > drawing.gap and set(joint.parts) & set(found.chosen) for joint in drawing.gaps):
+            lines.append(Text("               joints with a larger gap of their own keep what theirs is more"))
         lines.append(Text(f"then:          {now}", style="bold"))
     if found.limit is not None:
-        word = "reached" if found.reached else "not reached: tightening every part that can be is not enough"
+        word = "reached" if found.reached else "not reached, though every part that can be is tightened"
         lines.append(Text(f"limit:         {number(found.limit)} {what}".rstrip() + f", {word}"))
     if len(found.random):
         lines.append(

@@ -20,7 +20,14 @@ from wiggleroom.assembly.facing import joint_reach
 from wiggleroom.spatial.solids.facing_faces import FlatFace, facing_regions, flat_faces
 from wiggleroom.spatial.solids.made_solids import drawn_surface
 from wiggleroom.spatial.solids.mesh_pieces import convex_pieces
-from wiggleroom.spatial.solids.solid_boolean import behind_planes, is_sound, solid_of, surface_of, union_of
+from wiggleroom.spatial.solids.solid_boolean import (
+    behind_planes,
+    connected_solids,
+    is_sound,
+    solid_of,
+    surface_of,
+    union_of,
+)
 from wiggleroom.spatial.solids.spatial_model import MadeSolid, Plate, SpatialDrawing, SpatialPart, Surface
 
 Floats = NDArray[np.float64]
@@ -150,13 +157,13 @@ def with_joint_gaps(
     if not pads and not cuts:
         return made, []
     solid = solid_of(made.surface)
-    lumps = len(solid.decompose())
+    lumps = len(connected_solids(solid))
     solid = union_of([solid, *pads]) if pads else solid
     solid = solid - union_of(cuts) if cuts else solid
     complaint = f"at gap {gap:g} and the gaps of its joints: a smaller gap would leave it whole"
     if not is_sound(solid) or solid.volume() <= 0:
         return None, [f"vanishes {complaint}"]
-    parts = [piece for piece in solid.decompose() if piece.volume() > CRUMB * solid.volume()]
+    parts = [piece for piece in connected_solids(solid) if piece.volume() > CRUMB * solid.volume()]
     solid = union_of(parts) if len(parts) > 1 else parts[0]
     if len(parts) > lumps:
         return None, [f"falls into {len(parts)} pieces {complaint}"]

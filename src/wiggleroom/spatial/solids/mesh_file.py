@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
-from wiggleroom.spatial.solids.solid_boolean import is_sound, solid_of, surface_of, union_of, volume_of
+from wiggleroom.spatial.solids.solid_boolean import (
+    connected_solids,
+    is_sound,
+    solid_of,
+    surface_of,
+    union_of,
+    volume_of,
+)
 from wiggleroom.spatial.solids.spatial_model import Surface
 from wiggleroom.spatial.solids.step_file import step_bodies
 
@@ -204,12 +211,11 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
 def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
     """One solid of closed surfaces that overlap or share faces, and notes about it; unchanged where some of them are hollows."""
     shells = solid.decompose()
-    if len(shells) < 2 or min(shell.volume() for shell in shells) <= 0:
-        return solid, []
-    whole = union_of(shells)
-    left = len(whole.decompose())
+    hollow = min(shell.volume() for shell in shells) <= 0
+    whole = solid if hollow or len(shells) < 2 else union_of(shells)
+    left = len(connected_solids(whole))
     notes = []
-    if left < len(shells):
+    if left < len(shells) and not hollow:
         notes.append(f"{name}: {len(shells)} closed surfaces overlap or touch; the part is their union")
     if left > 1:
         notes.append(f"{name}: has {left} pieces that share no face; they move as one")

@@ -68,6 +68,47 @@ def union_of(solids: Sequence[Any]) -> Any:
     return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
 
 
+def connected_solids(solid: Any) -> list[Any]:
+    """Solids of the library that hang together, each with the hollows inside it.
+
+    Examples
+    --------
+    >>> import manifold3d
+    >>> cube = manifold3d.Manifold.cube((1, 1, 1), center=True)
+    >>> hollow = cube.scale((3, 3, 3)) - cube.scale((2, 2, 2))
+    >>> [round(one.volume(), 6) for one in connected_solids(hollow + cube)]
+    [1.0, 19.0]
+    """
+    shells = sorted(((shell.volume(), surface_of(shell)) for shell in solid.decompose()), key=lambda shell: shell[0])
+    outer = [surface for volume, surface in shells if volume > 0]
+    inside: list[list[Surface]] = [[surface] for surface in outer]
+    for _, hollow in (shell for shell in shells if shell[0] < 0):
+        around = next((k for k, one in enumerate(outer) if _encloses(one, hollow.vertices[0])), None)
+        if around is not None:  # the smallest, for those inside it have hollows of their own
+            inside[around].append(hollow)
+    return [solid_of(_together(surfaces)) for surfaces in inside]
+
+
+def _encloses(surface: Surface, point: Floats) -> bool:
+    """True where a point (3,) lies inside a closed surface that looks outward, by its solid angle.
+
+    Source: Van Oosterom and Strackee, The Solid Angle of a Plane Triangle (1983).
+    """
+    a, b, c = (surface.vertices[surface.faces[:, k]] - point for k in range(3))
+    la, lb, lc = (np.linalg.norm(one, axis=1) for one in (a, b, c))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    dots = [np.einsum("ij,ij->i", one, other) for one, other in ((b, c), (c, a), (a, b))]
+    angle = 2 * np.arctan2(volume, la * lb * lc + dots[0] * la + dots[1] * lb + dots[2] * lc)
+    return bool(abs(angle.sum()) > 2 * np.pi)
+
+
+def _together(surfaces: Sequence[Surface]) -> Surface:
+    """Closed surfaces that do not meet as one."""
+    first = np.cumsum([0, *(len(one.vertices) for one in surfaces)])
+    faces = [one.faces + start for one, start in zip(surfaces, first, strict=False)]
+    return Surface(np.concatenate([one.vertices for one in surfaces]), np.concatenate(faces))
+
+
 def behind_planes(normals: Floats, levels: Floats, far: float) -> Any | None:
     """Solid of the library behind planes (k, 3), (k,) [mm], at most `far` [mm] from the origin along the axes; None where there is none."""
     import manifold3d
