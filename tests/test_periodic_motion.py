@@ -193,3 +193,40 @@ def test_parts_that_hold_each_other_leave_and_turn_for_ever(angle, tmp_path):
     answer = wr.flex(wr.read(tmp_path / "made.json"), search=0)
     assert answer.verdict == "unbounded"
     assert Ground(made).overlap_on(answer.waypoints) is None
+
+
+RATCHET = (
+    (9.797, 3.987), (10.566, 5.749), (10.896, 7.856), (10.503, 10.109), (7.571, 10.12), (6.429, 11.666), (4.769, 13.006),
+    (2.621, 13.792), (1.146, 11.258), (-0.764, 11.043), (-2.754, 10.274), (-4.508, 8.807), (-3.052, 6.263), (-3.821, 4.501),
+    (-4.15, 2.393), (-3.757, 0.141), (-0.825, 0.13), (0.316, -1.417), (1.977, -2.756), (4.124, -3.542), (5.6, -1.008),
+    (7.51, -0.793), (9.5, -0.024), (11.254, 1.442),
+)  # fmt: skip
+PAWL = (
+    (-1.087, 0.541), (-0.318, -1.4), (1.664, 0.227), (1.439, 0.793),
+)  # fmt: skip
+CASE = (
+    (-28.701, 45.588), (-19.73, 22.942), (-43.993, 13.33), (-52.964, 35.976),
+)  # fmt: skip
+CASE_HOLE = (
+    (-44.023, 27.676), (-46.483, 26.701), (-45.622, 24.527), (-43.162, 25.501), (-42.855, 24.916), (-41.684, 23.501),
+    (-40.245, 22.36), (-38.599, 21.544), (-36.82, 21.087), (-34.985, 21.011), (-33.174, 21.317), (-31.466, 21.994),
+    (-29.936, 23.011), (-28.652, 24.323), (-27.668, 25.874), (-27.028, 27.596), (-26.76, 29.413), (-26.875, 31.246),
+    (-27.37, 33.015), (-28.221, 34.643), (-29.392, 36.058), (-30.832, 37.199), (-32.477, 38.015), (-34.257, 38.472),
+    (-36.092, 38.548), (-37.903, 38.241), (-39.61, 37.565), (-41.14, 36.548), (-42.425, 35.235), (-43.409, 33.684),
+    (-44.049, 31.963), (-44.317, 30.146), (-44.201, 28.312),
+)  # fmt: skip
+
+
+@pytest.mark.searches
+def test_a_turn_beyond_a_full_one_that_repeats_nowhere_does_not_end_the_search(tmp_path):
+    parts = [
+        {"name": "rotor", "outline": RATCHET, "at": [-38.911, 24.655, 0]},
+        {"name": "pawl", "outline": PAWL, "at": [-44.828, 26.25, 0]},
+        {"name": "case", "outline": CASE, "holes": [CASE_HOLE], "fixed": True},
+    ]
+    pull = [{"part": "pawl", "turn": "ccw"}]
+    made = {"format": "wiggleroom/1", "unit": "mm", "gap": 0.039, "parts": parts, "pull": pull}
+    (tmp_path / "made.json").write_text(json.dumps(made))
+    answer = wr.flex(wr.read(tmp_path / "made.json"))
+    assert answer.path == "checked"
+    assert answer.verdict == "unbounded" or (answer.search.starts > 20 and answer.objective > 8.0)

@@ -20,7 +20,7 @@ from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.canonical_frame import canonical_frame
 from wiggleroom.search.carried_incumbent import carried_incumbent
 from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
-from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
+from wiggleroom.search.global_search import MAX_BODIES, effort, search_on, together
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
@@ -210,10 +210,14 @@ def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...])
         if answer.verdict is Verdict.PROVEN or found.settled:
             return replace(answer, search=effort(ends, climb.certain_value()[0]))
     further, done = search_on(climb, search, ends)
-    repeats = None
-    if further is not climb:
-        further, repeats = periodic_motion(further, query.goals)
-    return _bounded(replace(_answer(further, query, repeats), search=done), at_most)
+    turned, repeats = (climb, None) if further is climb else periodic_motion(further, query.goals)
+    if turned is not further and repeats is None:  # what the search took for endless came to an end: go on from there
+        left = None if search is None else search + len(ends) - done.starts
+        further, more = search_on(turned, left, (turned.certain_value()[0],))
+        done = together(done, more)
+        if further is not turned:
+            turned, repeats = periodic_motion(further, query.goals)
+    return _bounded(replace(_answer(turned, query, repeats), search=done), at_most)
 
 
 def _bounded(answer: Answer, at_most: float | None) -> Answer:

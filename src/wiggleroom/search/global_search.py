@@ -66,6 +66,12 @@ def effort(ends: Sequence[float], value: float) -> SearchEffort:
     return SearchEffort(len(ends), sum(abs(end - value) <= margin for end in ends), max(others, default=None))
 
 
+def together(first: SearchEffort, second: SearchEffort) -> SearchEffort:
+    """What two searches came to, the second from the end of the first, which it counts as well."""
+    others = [end for end in (first.next_best, second.next_best) if end is not None]
+    return replace(second, starts=first.starts + second.starts - 1, next_best=max(others, default=None))
+
+
 def search_on(
     first: LocalSearch, starts: int | None = None, ends: Sequence[float] = ()
 ) -> tuple[LocalSearch, SearchEffort]:
@@ -244,7 +250,8 @@ class _GlobalSearch:
 
     def _search(self, objective: Objective, policy: Policy) -> LocalSearch:
         first = self.first
-        return LocalSearch(first.ready, objective, first.solve, policy, first.stop, first.tell, rounds=self.rounds)
+        asked = first.ready, objective, first.solve, policy, first.stop, first.tell, first.turn_limit
+        return LocalSearch(*asked, rounds=self.rounds)
 
     def _run(self, search: LocalSearch, start: Start) -> Incumbent | None:
         """Improve, and count the work."""
