@@ -1,45 +1,51 @@
 # What developers type: make demo, make test, make doctest, make slow, make lint, make types, make browser, make web,
 # make pictures, make docs, make dist.
-# The environment .venv is made when it is needed and again only when pyproject.toml changes.
+# The environment .venv is made when it is needed and again only when pyproject.toml changes. Every call of pip makes a place of its own
+# to build in, with all that compiles kernels: .venv/ready-all installs everything in one call.
 # Work is stolen, not dealt: neighbouring tests run in one process and share what the fixtures of their module work out.
 
 BIN := .venv/bin
 BROWSER := tests/test_answer_page.py tests/test_free_space_report.py tests/test_study_report.py tests/test_page.py tests/test_page_in_space.py \
 	tests/test_page_of_sheets.py
 FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
-PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal
+WORKERS := auto
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+TEST := bench,cluster,dxf,fast,film,halfplane,image,ipopt,page,prove,solid,test,verify
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
-.PHONY: demo test doctest slow browser web pictures pictures-check docs dist lint types clean
+.PHONY: demo test doctest slow tests browser web pictures pictures-check docs dist lint types clean
 
 demo: .venv/ready-demo
 	@mkdir -p out
 	$(BIN)/wiggleroom flex examples/drawings/pyjigsaw_4x5.svg --gap 1 --fix p1 --pull p20:+x --picture out/demo.svg
 	@echo "The picture is in $(CURDIR)/out/demo.svg"
 
-test: .venv/ready-test
+test: .venv/ready-kernels
 	$(PYTEST) -m "not slow"
 
-doctest: .venv/ready-test # the examples of all docstrings
+doctest: .venv/ready-kernels # the examples of all docstrings
 	$(PYTEST) --doctest-modules src/wiggleroom
 
-slow: .venv/ready-test # but for those that need a browser
+slow: .venv/ready-kernels # but for those that need a browser
 	$(PYTEST) -m slow $(BROWSER:%=--ignore=%)
 
-browser: .venv/ready-browser # needs a Chromium on the path
-	$(PYTEST) -m slow $(BROWSER)
+tests: .venv/ready-kernels # test and slow at once: what is collected, loaded and worked out for both is so once
+	$(PYTEST) $(BROWSER:%=--ignore=%)
+
+browser: .venv/ready-browser .venv/ready-kernels # needs a Chromium on the path; pages wait half of the time
+	$(PYTEST) $(BROWSER)
 
 web: # the live page from its source; needs Node 20 or later and npm
 	cd web && npm ci --silent --ignore-scripts && npm run --silent check && npm run --silent test && npm run --silent build
 
-pictures: .venv/ready-test # all of docs/pictures but those that show measured times
+pictures: .venv/ready-kernels # all of docs/pictures but those that show measured times
 	$(BIN)/python -m benchmarks.redraw
 
-pictures-check: .venv/ready-test
+pictures-check: .venv/ready-kernels
 	$(BIN)/python -m benchmarks.redraw --check
 
-docs: .venv/ready-docs # the site, in out/site; without the network once the environment is there
+docs: .venv/ready-docs .venv/ready-kernels # the site, in out/site; without the network once the environment is there
 	$(BIN)/python -m docs_site.live_pages out/live
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 	$(BIN)/python -m docs_site.check_links out/site
@@ -66,8 +72,15 @@ clean:
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
+.venv/ready-all: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable '.[$(TEST),browser,dist,docs,lint]'
+	@touch $(addprefix .venv/ready-, test browser docs dist lint) $@
+
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[bench,cluster,dxf,fast,film,halfplane,image,ipopt,page,prove,solid,test,verify]'
+	$(BIN)/python -m pip install --quiet --editable '.[$(TEST)]'
+	@touch $@
+
+.venv/ready-kernels: pyproject.toml | .venv/ready-test
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

@@ -80,8 +80,13 @@ def _deepest(corners: np.ndarray, edges: np.ndarray) -> float:
 
 
 @numba.njit(cache=True)
-def _scan(a: np.ndarray, b: np.ndarray, d: np.ndarray, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Whether edges cross, and the depth of corners, for every sample (k, 3); a crossing-free pair needs one corner."""
+def _scan(
+    a: np.ndarray, b: np.ndarray, d: np.ndarray, samples: np.ndarray, deep: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whether edges cross, and the depth of corners, for every sample (k, 3); a crossing-free pair needs one corner.
+
+    Unless `deep`, the depths of those that cross stay zero.
+    """
     crossing = np.zeros(len(samples), dtype=np.bool_)
     depth = np.zeros(len(samples))
     placed = np.empty_like(b)
@@ -93,26 +98,30 @@ def _scan(a: np.ndarray, b: np.ndarray, d: np.ndarray, samples: np.ndarray) -> t
                 placed[j, i] = c * b[j, i] - s * b[j, i + 1] + x
                 placed[j, i + 1] = s * b[j, i] + c * b[j, i + 1] + y
         crossing[k] = _crosses(a, placed)
+        if crossing[k] and not deep:
+            continue
         if crossing[k] or _inside(placed[0, 0], placed[0, 1], a) or _inside(a[0, 0], a[0, 1], placed):
             depth[k] = max(_deepest(placed, a), _deepest(a, placed))
     return crossing, depth
 
 
-def _scanned(A: shapely.Polygon, B: shapely.Polygon, relative: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, ...]:
+def _scanned(
+    A: shapely.Polygon, B: shapely.Polygon, relative: np.ndarray, D: np.ndarray, deep: bool
+) -> tuple[np.ndarray, ...]:
     samples = np.ascontiguousarray(np.atleast_2d(relative), dtype=float)
-    return _scan(edges_of(A), edges_of(B), np.asarray(D, dtype=float), samples)
+    return _scan(edges_of(A), edges_of(B), np.asarray(D, dtype=float), samples, deep)
 
 
 def overlaps(A: shapely.Polygon, B: shapely.Polygon, relative: np.ndarray, D: np.ndarray) -> np.ndarray:
     """Whether the interiors meet, (k,) bool, for relative motions (k, 3); contact within rounding may go either way."""
-    crossing, depth = _scanned(A, B, relative, D)
+    crossing, depth = _scanned(A, B, relative, D, deep=False)
     return crossing | (depth > 0)
 
 
 def depths(A: shapely.Polygon, B: shapely.Polygon, relative: np.ndarray, D: np.ndarray) -> np.ndarray:
     """Depth (k,) of the overlap [length] for relative motions (k, 3); 0 where there is none."""
     samples = np.atleast_2d(relative)
-    crossing, depth = _scanned(A, B, samples, D)
+    crossing, depth = _scanned(A, B, samples, D, deep=True)
     near = np.flatnonzero(crossing & (depth < NEAR))
     for some in np.array_split(near, len(near) // AT_ONCE + 1):
         depth[some] = np.maximum(depth[some], _common_widths(A, B, samples[some], D))

@@ -53,11 +53,12 @@ class Slices:
     def _parallelograms(self, phi: float, box: tuple[float, float, float, float]) -> np.ndarray:
         """Corners (k, 4, 2) of those that touch the box."""
         b0, b1 = (p @ turn(phi).T + self.D for p in self._b)
-        a0, a1 = (p[:, None] for p in self._a)
-        quads = np.stack([a0 - b0, a1 - b0, a1 - b1, a0 - b1], axis=2).reshape(-1, 4, 2)
-        low, high = quads.min(axis=1), quads.max(axis=1)
-        near = (low[:, 0] <= box[2]) & (low[:, 1] <= box[3]) & (high[:, 0] >= box[0]) & (high[:, 1] >= box[1])
-        return quads[near]
+        a0, a1 = self._a
+        low = np.minimum(a0, a1)[:, None] - np.maximum(b0, b1)
+        high = np.maximum(a0, a1)[:, None] - np.minimum(b0, b1)
+        near = (low[..., 0] <= box[2]) & (low[..., 1] <= box[3]) & (high[..., 0] >= box[0]) & (high[..., 1] >= box[1])
+        i, j = np.nonzero(near)
+        return np.stack([a0[i] - b0[j], a1[i] - b0[j], a1[i] - b1[j], a0[i] - b1[j]], axis=1)
 
     def free_faces(self, phi: float, bounds: tuple[float, float, float, float]) -> Faces:
         """Free pieces near `bounds`; the window grows until those that meet `bounds` lie wholly inside it."""
@@ -78,7 +79,7 @@ class Slices:
         sides = np.stack([closed[:, :-1], closed[:, 1:]], axis=2).reshape(-1, 2, 2)
         sides = np.unique(np.where(_swapped(sides)[:, None, None], sides[:, ::-1], sides), axis=0)
         noded = shapely.union_all(np.append(shapely.linestrings(_clipped(sides, box)), window.exterior))
-        faces = np.array(shapely.polygonize(shapely.get_parts(noded)).geoms)
+        faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
         faces = faces[shapely.area(faces) > THINNEST * shapely.length(faces)]
         inside = shapely.point_on_surface(faces)
         spots = shapely.get_coordinates(inside)

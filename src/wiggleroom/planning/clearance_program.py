@@ -270,13 +270,16 @@ def _corners_at_edges(bodies: Bodies, a: int, b: int, pose: Floats, reach: float
     p = p[((p > low) & (p < high)).all(axis=1)]
     along = end - begin
     square = np.maximum((along**2).sum(axis=1), 1e-300)
-    t = np.clip(((p[:, None] - begin) * along).sum(axis=2) / square, 0.0, 1.0)
-    away = p[:, None] - begin - t[..., None] * along
-    distance = np.hypot(away[..., 0], away[..., 1])
-    edge = distance.argmin(axis=1)
+    x, y = p[:, 0, None] - begin[:, 0], p[:, 1, None] - begin[:, 1]
+    t = np.clip((x * along[:, 0] + y * along[:, 1]) / square, 0.0, 1.0)
+    x -= t * along[:, 0]
+    y -= t * along[:, 1]
+    edge = (x * x + y * y).argmin(axis=1)
     nearest = np.arange(len(p)), edge
-    near = distance[nearest] <= reach
-    p, away, distance, edge = p[near], away[nearest][near], distance[nearest][near], edge[near]
+    away = np.column_stack([x[nearest], y[nearest]])
+    distance = np.hypot(away[:, 0], away[:, 1])
+    near = distance <= reach
+    p, away, distance, edge = p[near], away[near], distance[near], edge[near]
     outward = np.column_stack([along[edge, 1], -along[edge, 0]]) / np.sqrt(square[edge])[:, None]
     touching = distance <= 1e-9 * reach
     normal = np.where(touching[:, None], outward, away / np.where(touching, 1.0, distance)[:, None])
