@@ -14,24 +14,21 @@ TEST := bench,cluster,dxf,fast,film,halfplane,image,ipopt,page,prove,solid,test,
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
-.PHONY: demo test doctest slow tests browser web pictures pictures-check docs dist lint types clean
+.PHONY: demo test doctest slow browser web pictures pictures-check docs dist lint types clean
 
 demo: .venv/ready-demo
 	@mkdir -p out
 	$(BIN)/wiggleroom flex examples/drawings/pyjigsaw_4x5.svg --gap 1 --fix p1 --pull p20:+x --picture out/demo.svg
 	@echo "The picture is in $(CURDIR)/out/demo.svg"
 
-test: .venv/ready-kernels
-	$(PYTEST) -m "not slow"
+test: .venv/ready-kernels # with ALL=1 also the slow ones at once: what is loaded and worked out for both is so once
+	$(PYTEST) $(if $(ALL),$(BROWSER:%=--ignore=%),-m "not slow")
 
 doctest: .venv/ready-kernels # the examples of all docstrings
 	$(PYTEST) --doctest-modules src/wiggleroom
 
 slow: .venv/ready-kernels # but for those that need a browser
 	$(PYTEST) -m slow $(BROWSER:%=--ignore=%)
-
-tests: .venv/ready-kernels # test and slow at once: what is collected, loaded and worked out for both is so once
-	$(PYTEST) $(BROWSER:%=--ignore=%)
 
 browser: .venv/ready-browser .venv/ready-kernels # needs a Chromium on the path; pages wait half of the time
 	$(PYTEST) $(BROWSER)
