@@ -60,7 +60,10 @@ class SeparatingPlaneSettings:
     loose : float > 0
         The same where slacks run ahead.
     saddles : int >= 0
-        Number of times the method goes on where the conditions of first order hold and the objective curves upwards.
+        Number of times the method goes on where the conditions of first order hold and the objective curves upwards, or where there are
+        many rows and only multipliers keep the conditions from holding.
+    many_rows : int > 0
+        Programs of more rows have many.
     least_iterations : int >= 0
         Before these nothing is called converged.
     rough : float > 0
@@ -143,6 +146,7 @@ class SeparatingPlaneSettings:
     anchored: float = 1.0
     loose: float = 1e-3
     saddles: int = 2
+    many_rows: int = 5000
     least_iterations: int = 3
     rough: float = 1e-2
     acceptable: float = 1e-6

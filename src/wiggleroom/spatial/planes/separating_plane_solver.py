@@ -224,6 +224,14 @@ class SeparatingPlaneSolver:
                     state, before, best = aside, value, _BestIterate(np.inf, state, 0)
                     self.iterations += 1
                     continue
+                if max(gap, infeasible) < enough and not settled and escapes > 0 and self._renews:
+                    # the end is reached but for multipliers, which shrinking rows have made noise: a wider barrier sets them anew
+                    aside = self._steps.recentred(state, SETTINGS.highest)
+                    if aside is not None:
+                        escapes -= 1
+                        state, before = aside, value
+                        self.iterations += 1
+                        continue
                 if error < best.error:
                     best = _BestIterate(error, state, len(self.path))
             if self.stop is not None and self.stop.is_set():
@@ -262,6 +270,11 @@ class SeparatingPlaneSolver:
         if self.damped:
             return SETTINGS.unheld_damped, SETTINGS.early_damped
         return SETTINGS.unheld, SETTINGS.early
+
+    @property
+    def _renews(self) -> bool:
+        """True where multipliers are set anew at the end: with few rows another mode may find a better one."""
+        return self.damped and self.program.rows > SETTINGS.many_rows
 
     def _legal(self, at: LinearisedSeparatingPlanes) -> SeparatingPlanePoint | None:
         """The point, inside all rows once planes that lag behind are set anew; None where pieces overlap."""
