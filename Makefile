@@ -5,8 +5,6 @@
 # Work is stolen, not dealt: neighbouring tests run in one process and share what the fixtures of their module work out.
 
 BIN := .venv/bin
-BROWSER := tests/test_answer_page.py tests/test_free_space_report.py tests/test_study_report.py tests/test_page.py tests/test_page_in_space.py \
-	tests/test_page_of_sheets.py
 FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 WORKERS := auto
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
@@ -22,16 +20,16 @@ demo: .venv/ready-demo
 	@echo "The picture is in $(CURDIR)/out/demo.svg"
 
 test: .venv/ready-kernels # with ALL=1 also the slow ones at once: what is loaded and worked out for both is so once
-	$(PYTEST) $(if $(ALL),$(BROWSER:%=--ignore=%),-m "not slow")
+	$(PYTEST) -m "not $(if $(ALL),browser,slow)"
 
 doctest: .venv/ready-kernels # the examples of all docstrings
 	$(PYTEST) --doctest-modules src/wiggleroom
 
 slow: .venv/ready-kernels # but for those that need a browser
-	$(PYTEST) -m slow $(BROWSER:%=--ignore=%)
+	$(PYTEST) -m "slow and not browser"
 
 browser: .venv/ready-browser .venv/ready-kernels # needs a Chromium on the path; pages wait half of the time
-	$(PYTEST) $(BROWSER)
+	$(PYTEST) -m browser
 
 web: # the live page from its source; needs Node 20 or later and npm
 	cd web && npm ci --silent --ignore-scripts && npm run --silent check && npm run --silent test && npm run --silent build

@@ -24,8 +24,13 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Expect the known limits, each as it is: one that is mended, or crashes, is a failure until it is taken off the list."""
+    """Mark what needs a browser, which must run in processes of its own: its loop of events stays in them.
+
+    Expect the known limits, each as it is: one that is mended, or crashes, is a failure until it is taken off the list.
+    """
     for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker("browser")
         reason = KNOWN.get(item.name)
         if reason:
             item.add_marker(pytest.mark.xfail(reason=reason, raises=AssertionError, strict=True))
