@@ -79,10 +79,14 @@ def connected_solids(solid: Any) -> list[Any]:
     >>> [round(one.volume(), 6) for one in connected_solids(hollow + cube)]
     [1.0, 19.0]
     """
-    shells = sorted(((shell.volume(), surface_of(shell)) for shell in solid.decompose()), key=lambda shell: shell[0])
-    outer = [surface for volume, surface in shells if volume > 0]
+    shells = sorted(solid.decompose(), key=lambda shell: float(shell.volume()))
+    whole = [shell for shell in shells if shell.volume() > 0]
+    hollows = [surface_of(shell) for shell in shells if shell.volume() < 0]
+    if not hollows:
+        return whole
+    outer = [surface_of(shell) for shell in whole]
     inside: list[list[Surface]] = [[surface] for surface in outer]
-    for _, hollow in (shell for shell in shells if shell[0] < 0):
+    for hollow in hollows:
         around = next((k for k, one in enumerate(outer) if _encloses(one, hollow.vertices[0])), None)
         if around is not None:  # the smallest, for those inside it have hollows of their own
             inside[around].append(hollow)
