@@ -75,9 +75,11 @@ def _point_doubts(drawing: Drawing, low: NDArray[np.float64], high: NDArray[np.f
     pulled = {goal.part for goal in drawing.goals if isinstance(goal, Pull) and goal.point is None}
     lines = []
     for k, part in enumerate(drawing.parts):
+        if part.name not in pulled:
+            continue
         x, y, _ = part.at
         aside = float(np.hypot(*np.maximum(np.maximum(low[k] - (x, y), (x, y) - high[k]), 0.0)))
-        if part.name in pulled and aside > OUTSIDE * float((high[k] - low[k]).max()):
+        if aside > OUTSIDE * float((high[k] - low[k]).max()):
             middle = (low[k] + high[k]) / 2
             lines.append(
                 f'"{part.name}" is pulled at its reference point ({x:.4g}, {y:.4g}), {aside:.4g} mm outside of it; '

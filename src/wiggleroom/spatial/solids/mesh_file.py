@@ -211,8 +211,10 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
 def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
     """One solid of closed surfaces that overlap or share faces, and notes about it; unchanged where some of them are hollows."""
     shells = solid.decompose()
+    if len(shells) < 2:
+        return solid, []
     hollow = min(shell.volume() for shell in shells) <= 0
-    whole = solid if hollow or len(shells) < 2 else union_of(shells)
+    whole = solid if hollow else union_of(shells)
     left = len(connected_solids(whole))
     notes = []
     if left < len(shells) and not hollow:
