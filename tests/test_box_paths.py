@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import affinity
 
-from wiggleroom.freespace.subdivision.box_search import neighbour_leaves
+from wiggleroom.freespace.subdivision.box_search import across_of_one_box, add_octants, neighbour_leaves
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes, PulledBody
 from wiggleroom.freespace.subdivision.passage import passage
 
@@ -59,26 +59,25 @@ def test_a_path_out_ends_beyond_reach_and_goes_round_freely(seed: int) -> None:
     assert path[-1, :2] @ pull > 0.9 * np.hypot(*pull) * np.hypot(*path[-1, :2])
 
 
-@pytest.mark.parametrize("wrap", [True, False])
-def test_neighbours_of_a_box_are_the_leaves_that_share_a_face_with_it(wrap):
+def test_neighbours_of_a_box_are_the_leaves_that_share_a_face_with_it():
     rng, most = np.random.default_rng(0), 3000
-    middle, level, first, count = np.zeros((most, 3)), np.zeros(most, dtype=np.int64), np.full(most, -1), 1
+    middle, level, first = np.zeros((most, 3)), np.zeros(most, dtype=np.int8), np.full(most, -1, dtype=np.int32)
+    across, waiting, out = across_of_one_box(most), *np.empty((2, 3 * most), dtype=np.int32)
+    count = 1
     while count + 8 <= most:
         leaves = np.flatnonzero(first[:count] < 0)
+        neighbour_leaves(rng.choice(leaves), middle, level, first, across, waiting, out)  # kept for the next time
         coarse = leaves[level[leaves] < rng.integers(1, 10)]
-        n = rng.choice(coarse if len(coarse) else leaves)
-        first[n], side = count, 0.5 ** (level[n] + 1)
-        corners = 2.0 * ((np.arange(8)[:, None] >> np.arange(3)) & 1) - 1
-        middle[count : count + 8], level[count : count + 8] = middle[n] + side * corners, level[n] + 1
+        add_octants(rng.choice(coarse if len(coarse) else leaves), middle, level, first, across, count)
         count += 8
-    leaves, out = np.flatnonzero(first[:count] < 0), np.empty(3 * most, dtype=np.int64)
+    leaves = np.flatnonzero(first[:count] < 0)
     low, high = (middle[leaves] + sign * 0.5 ** level[leaves][:, None] for sign in (-1, 1))
     for k in rng.choice(len(leaves), 300, replace=False):
         expected: set[int] = set()
-        for lap in (-2.0, 0.0, 2.0) if wrap else (0.0,):
+        for lap in (-2.0, 0.0, 2.0):  # the turn closes on itself
             shift = np.array([0.0, 0.0, lap])
             shared = np.minimum(high[k] + shift, high) - np.maximum(low[k] + shift, low)
             face = (np.sort(shared, axis=1)[:, 0] == 0) & (np.sort(shared, axis=1)[:, 1] > 0)
             expected |= set(leaves[face].tolist())
-        found = neighbour_leaves(leaves[k], middle, level, first, wrap, out)
+        found = neighbour_leaves(leaves[k], middle, level, first, across, waiting, out)
         assert set(out[:found].tolist()) == expected

@@ -7,6 +7,7 @@ has an upper bound of the objective of its motions, so the search also finds, an
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, MAX_ROWS, add_rows, linear_program_maximum
@@ -18,36 +19,54 @@ SPLIT_VISITS = 100
 """Splitting a box takes about as long as going over so many."""
 WIDE_PATHS = 16
 """On so many of the cheapest paths the mixed boxes beside those that are split are split too: that saves passes over all boxes."""
+HALF_SIDES = 0.5 ** np.arange(64)
+"""Of boxes that were halved so often, in unit coordinates."""
+MAX_WAITING = 256
+"""Boxes across one face that wait to be looked at."""
 NO_GOAL = (0.31, 0.53, 0.79)
 """Any goal will do where rows are only asked whether they contradict each other: one that no row is likely to share."""
 
 
-@njit(**OPTIONS)
-def neighbour_leaves(n, middle, level, first, wrap, out):
-    """Leaves that share a face with box n, in unit coordinates; the turn closes on itself where `wrap`.
+def across_of_one_box(most: int) -> NDArray[np.int32]:
+    """Boxes (most, 6) across the faces of boxes, low and high of every axis; -1 at the rim, across both ends of the turn the box itself.
+
+    Where the turn does not close on itself its ends are goals, and no path goes on from there.
+    """
+    across = np.full((most, 6), -1, dtype=np.int32)
+    across[0, 4:] = 0
+    return across
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def neighbour_box(n, axis, far, middle, level, first, across):
+    """Smallest box that is at least as large as n and lies across one of its faces; -1 at the rim. `across` keeps it for the next time."""
+    m = across[n, 2 * axis + far]
+    if m < 0 or first[m] < 0 or level[m] >= level[n]:
+        return m
+    one, two = (axis + 1) % 3, (axis + 2) % 3
+    while first[m] >= 0 and level[m] < level[n]:
+        m = (
+            first[m]
+            + ((1 - far) << axis)
+            + ((middle[n, one] >= middle[m, one]) << one)
+            + ((middle[n, two] >= middle[m, two]) << two)
+        )
+    across[n, 2 * axis + far] = m
+    return m
+
+
+@njit(**NO_ALLOCATION)
+def neighbour_leaves(n, middle, level, first, across, waiting, out):
+    """Leaves that share a face with box n; `waiting` is room to work in.
 
     Across each face lies a leaf that is at least as large, or a box of the same size, whose parts at that face count.
     """
-    waiting = np.empty(256, dtype=np.int64)
     found = 0
-    side = 2.0 * 0.5 ** level[n]
     for axis in range(3):
         for far in range(2):
-            x, y, z = middle[n, 0], middle[n, 1], middle[n, 2]
-            step = side if far else -side
-            if axis == 0:
-                x += step
-            elif axis == 1:
-                y += step
-            else:
-                z += step
-                if wrap and abs(z) > 1.0:
-                    z -= 2.0 * np.sign(z)
-            if max(abs(x), abs(y), abs(z)) > 1.0:
+            m = neighbour_box(n, axis, far, middle, level, first, across)
+            if m < 0:
                 continue
-            m = 0
-            while first[m] >= 0 and level[m] < level[n]:
-                m = first[m] + (x >= middle[m, 0]) + 2 * (y >= middle[m, 1]) + 4 * (z >= middle[m, 2])
             waiting[0] = m
             count = 1
             while count:
@@ -132,7 +151,7 @@ def best_corner(asked, x, y, turn, half, swing):
 @njit(**COMPILED_CALLERS_ONLY)
 def is_goal(n, middle, level, upper, turning, asked):
     """True where a box meets the rim of the window, or may hold motions worth more than asked[5]."""
-    half = 0.5 ** level[n]
+    half = HALF_SIDES[level[n]]
     if max(abs(middle[n, 0]), abs(middle[n, 1])) + half >= 1.0 or (turning and abs(middle[n, 2]) + half >= 1.0):
         return True
     return upper[n] > asked[5]
@@ -140,7 +159,7 @@ def is_goal(n, middle, level, upper, turning, asked):
 
 @njit(**OPTIONS)
 def cheapest_paths(
-    start, middle, level, state, first, upper, wrap, turning, asked, count, cost, before, heap_cost, heap, out, ends
+    start, middle, level, state, first, across, upper, turning, asked, count, cost, before, heap_cost, heap, waiting, out, ends
 ):  # fmt: skip
     """Cheapest paths of boxes from `start` to goals, by Dijkstra's algorithm; mixed boxes cost much more than free ones.
 
@@ -164,11 +183,11 @@ def cheapest_paths(
             if found == len(ends):
                 break
             continue
-        for k in range(neighbour_leaves(n, middle, level, first, wrap, out)):
+        for k in range(neighbour_leaves(n, middle, level, first, across, waiting, out)):
             m = out[k]
             if state[m] == FORBIDDEN or state[m] == TINY:
                 continue
-            price = at + (0.01 * 0.5 ** level[m] + 1e-5 if state[m] == FREE else 1.0)
+            price = at + (0.01 * HALF_SIDES[level[m]] + 1e-5 if state[m] == FREE else 1.0)
             if price < cost[m]:
                 if size == len(heap):
                     return -1
@@ -179,9 +198,26 @@ def cheapest_paths(
     return found
 
 
+@njit(**NO_ALLOCATION)
+def add_octants(n, middle, level, first, across, count):
+    """Eight boxes, count to count + 7, that box n is cut into at its middle."""
+    first[n] = count
+    side = HALF_SIDES[level[n] + 1]
+    for k in range(8):
+        m = count + k
+        level[m], first[m] = level[n] + 1, -1
+        for axis in range(3):
+            high = (k >> axis) & 1
+            middle[m, axis] = middle[n, axis] + (side if high else -side)
+            across[m, 2 * axis + high], across[m, 2 * axis + 1 - high] = (
+                across[n, 2 * axis + high],
+                count + (k ^ (1 << axis)),
+            )
+
+
 @njit(**OPTIONS)
 def split_box(
-    n, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
+    n, middle, level, state, first, across, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
 ):  # fmt: skip
     """Split box n into eight and classify them; returns the new number of boxes.
 
@@ -193,14 +229,10 @@ def split_box(
     some = np.empty(MAX_EDGES + 1, dtype=np.int64)
     one = np.empty(1, dtype=np.int64)
     line, rows, active, inverse = np.empty(3), np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
-    first[n] = count
-    side = 0.5 ** (level[n] + 1)
+    add_octants(n, middle, level, first, across, count)
+    side = HALF_SIDES[level[n] + 1]
     half, swing = scale[0] * side, scale[1] * side
-    for k in range(8):
-        m = count + k
-        for axis in range(3):
-            middle[m, axis] = middle[n, axis] + (side if (k >> axis) & 1 else -side)
-        level[m], first[m] = level[n] + 1, -1
+    for m in range(count, count + 8):
         x, y = origin[0] + scale[0] * middle[m, 0], origin[1] + scale[0] * middle[m, 1]
         turn = origin[2] + scale[1] * middle[m, 2]
         state[m] = classify_box(
@@ -256,7 +288,7 @@ def leaf_at(x, y, z, middle, first):
 
 @njit(**OPTIONS)
 def search_boxes(
-    middle, level, state, first, upper, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
+    middle, level, state, first, across, upper, count, pause, origin, scale, deepest, turning, asked, goals,
     a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, path, visits,
 ):  # fmt: skip
     """Split the mixed boxes on the cheapest paths from rest to goals, again and again, until one path is free or none is left.
@@ -269,16 +301,17 @@ def search_boxes(
     and what splitting them takes; above visits[1] it gives up.
     """
     most = len(level)
-    cost, before = np.empty(most), np.empty(most, dtype=np.int64)
-    heap_cost, heap = np.empty(8 * most), np.empty(8 * most, dtype=np.int64)
-    out, ends = np.empty(3 * most + 2, dtype=np.int64), np.empty(goals, dtype=np.int64)
+    cost, before = np.empty(most), np.empty(most, dtype=np.int32)
+    heap_cost, heap = np.empty(8 * most), np.empty(8 * most, dtype=np.int32)
+    waiting, out = np.empty(MAX_WAITING, dtype=np.int32), np.empty(3 * most + 2, dtype=np.int32)
+    ends = np.empty(goals, dtype=np.int32)
     x, y, z = -origin[0] / scale[0], -origin[1] / scale[0], -origin[2] / scale[1]
     while True:
         n = leaf_at(x, y, z, middle, first)
         if state[n] != MIXED or level[n] >= deepest or count + 8 > most:
             break
         count = split_box(
-            n, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge,
+            n, middle, level, state, first, across, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge,
             b_disc, b_kid,
         )  # fmt: skip
     start = leaf_at(x, y, z, middle, first)
@@ -291,7 +324,7 @@ def search_boxes(
             return SPENT, count, 0, np.inf
         visits[0] += count
         found = cheapest_paths(
-            start, middle, level, state, first, upper, wrap, turning, asked, count, cost, before, heap_cost, heap, out, ends,
+            start, middle, level, state, first, across, upper, turning, asked, count, cost, before, heap_cost, heap, waiting, out, ends,
         )  # fmt: skip
         if found < 0:
             return SPENT, count, 0, np.inf
@@ -322,7 +355,7 @@ def search_boxes(
                     state[n] = TINY
                     continue
                 # mixed boxes beside it that are as large will be asked next
-                near = neighbour_leaves(n, middle, level, first, wrap, out) if e < WIDE_PATHS else 0
+                near = neighbour_leaves(n, middle, level, first, across, waiting, out) if e < WIDE_PATHS else 0
                 out[near] = n
                 for i in range(near + 1):
                     m = out[i]
@@ -332,7 +365,7 @@ def search_boxes(
                         return SPENT, count, 0, np.inf
                     visits[0] += SPLIT_VISITS
                     count = split_box(
-                        m, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid,
+                        m, middle, level, state, first, across, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid,
                         b_edge, b_disc, b_kid,
                     )  # fmt: skip
             if cut == 0:
@@ -343,7 +376,7 @@ def search_boxes(
 @njit(**COMPILED_CALLERS_ONLY)
 def _lies_below_goal(n, middle, level, origin, scale, turning, asked):
     """True where a free goal shows no motion worth as much as is asked for: it has to be split."""
-    half = 0.5 ** level[n]
+    half = HALF_SIDES[level[n]]
     if max(abs(middle[n, 0]), abs(middle[n, 1])) + half >= 1.0 or (turning and abs(middle[n, 2]) + half >= 1.0):
         return False
     x, y = origin[0] + scale[0] * middle[n, 0], origin[1] + scale[0] * middle[n, 1]

@@ -14,7 +14,15 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.box_search import CLOSED, FOUND, PAUSED, best_corner, search_boxes
+from wiggleroom.freespace.subdivision.box_search import (
+    CLOSED,
+    FOUND,
+    HALF_SIDES,
+    PAUSED,
+    across_of_one_box,
+    best_corner,
+    search_boxes,
+)
 from wiggleroom.freespace.subdivision.disc_tree import disc_tree
 from wiggleroom.freespace.subdivision.passage import (
     COORDINATE_ROUNDING,
@@ -100,9 +108,10 @@ class MotionBoxes:
             ]
         )
         self._origin = WINDOW_OFFSET * self._scale[[0, 0, 1]]
-        self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
-        self._state, self._first = np.zeros(self.most, dtype=np.int64), np.full(self.most, -1)
-        self._upper, self._path = np.full(self.most, np.inf), np.zeros(self.most, dtype=np.int64)
+        self._middle, self._upper = np.zeros((self.most, 3)), np.full(self.most, np.inf)
+        self._level, self._state = np.zeros((2, self.most), dtype=np.int8)
+        self._first, self._path = np.full(self.most, -1, dtype=np.int32), np.zeros(self.most, dtype=np.int32)
+        self._across = across_of_one_box(self.most)
         self._visits = np.zeros(2, dtype=np.int64)
         x, y = self.pivot
         dx, dy = self.pulled.pull
@@ -155,19 +164,19 @@ class MotionBoxes:
         how = PAUSED
         while how == PAUSED and not (stop is not None and stop.is_set()):
             how, self.count, length, largest = search_boxes(
-                self._middle, self._level, self._state, self._first, self._upper, self.count, self.count + STOP_CHECK_BOXES, self._origin,
-                self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._path, self._visits,
+                self._middle, self._level, self._state, self._first, self._across, self._upper, self.count, self.count + STOP_CHECK_BOXES,
+                self._origin, self._scale, MAX_DEPTH, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._path, self._visits,
             )  # fmt: skip
         if how != FOUND:
             return (largest + self._rounding if how == CLOSED else None), None
         path = self._path[:length]
         points = waypoints_through(path, self._middle, self._level, self._origin, self._scale)
-        reach = np.abs(self._middle[path[-1]]) + 0.5 ** self._level[path[-1]]
+        reach = np.abs(self._middle[path[-1]]) + HALF_SIDES[self._level[path[-1]]]
         if reach[:2].max() >= 1.0:
             return None, np.vstack([points, self._round(rim_point(self._middle[path[-1]], self._origin, self._scale))])
         if not self._wrap and reach[2] >= 1.0:
             return None, points
-        half = 0.5 ** self._level[path[-1]] * self._scale[:2]
+        half = HALF_SIDES[self._level[path[-1]]] * self._scale[:2]
         x, y, turn = points[-1]
         _, turn = best_corner(self._asked, x, y, turn, *half)
         corner = [x + np.copysign(half[0], self.pulled.pull[0]), y + np.copysign(half[0], self.pulled.pull[1]), turn]

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.box_search import CLOSED, PAUSED, SPENT, search_boxes
+from wiggleroom.freespace.subdivision.box_search import (
+    CLOSED,
+    HALF_SIDES,
+    PAUSED,
+    SPENT,
+    across_of_one_box,
+    search_boxes,
+)
 from wiggleroom.freespace.subdivision.classify_box import is_free_segment
 from wiggleroom.freespace.subdivision.disc_tree import disc_tree
 
@@ -74,9 +81,10 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
     one, other = disc_tree(a, pivot), disc_tree(b, pivot)
     scale = np.array([1.1 * (one.radius + other.radius), np.pi, rounding_slack(a, b)])
     origin = WINDOW_OFFSET * scale[[0, 0, 1]]
-    middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
-    state, first, upper = np.zeros(most, dtype=np.int64), np.full(most, -1), np.full(most, np.inf)
-    path, count = np.zeros(most, dtype=np.int64), 1
+    middle, upper = np.zeros((most, 3)), np.full(most, np.inf)
+    level, state = np.zeros((2, most), dtype=np.int8)
+    first, path, across = np.full(most, -1, dtype=np.int32), np.zeros(most, dtype=np.int32), across_of_one_box(most)
+    count = 1
     unlimited = np.array([0, np.iinfo(np.int64).max])
     pair = (*one.arrays, other.edge, other.disc, other.kid)
     for turning in (True, False):  # first without going round, which is the smaller question
@@ -86,7 +94,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
                 return Passage(False, False, None, pivot)
             began, before = time.perf_counter(), count
             how, count, length, _ = search_boxes(
-                middle, level, state, first, upper, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
+                middle, level, state, first, across, upper, count, count + pace, origin, scale, MAX_DEPTH, turning,
                 NOTHING_ASKED, 1, *pair, path, unlimited,
             )  # fmt: skip
             pace = max(100, int((count - before) * STOP_CHECK_SECONDS / max(time.perf_counter() - began, 1e-9)))
@@ -121,10 +129,10 @@ def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
 
 
 def waypoints_through(
-    path: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
+    path: NDArray[np.int32], middle: Floats, level: NDArray[np.int8], origin: Floats, scale: Floats
 ) -> Floats:
     """Waypoints: rest, middles of boxes and of the faces between them, turns unwrapped."""
-    box, half = middle[path].copy(), 0.5 ** level[path]
+    box, half = middle[path].copy(), HALF_SIDES[level[path]]
     for k in range(1, len(box)):
         box[k, 2] += 2 * np.round((box[k - 1, 2] - box[k, 2]) / 2)
     low = np.maximum(box[:-1] - half[:-1, None], box[1:] - half[1:, None])
