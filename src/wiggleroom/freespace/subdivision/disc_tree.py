@@ -61,7 +61,8 @@ def disc_tree(material: shapely.Geometry, origin: Floats) -> DiscTree:
     ]
     edges, normals = [], []
     for ring in rings:
-        ring = ring[np.r_[True, np.any(ring[1:] != ring[:-1], axis=1)]] - origin
+        ring = ring - origin
+        ring = ring[np.r_[True, np.any(ring[1:] != ring[:-1], axis=1)]]
         along = ring[1:] - ring[:-1]
         normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
         edges.append(np.hstack([ring[:-1], ring[1:]]))
