@@ -148,7 +148,7 @@ def test_random_joints_against_exact_slices(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3, 60))
+@pytest.mark.parametrize("seed", range(3, 33))
 def test_many_random_joints_against_exact_slices(seed):
     assembly, value = one_joint(seed)
     assert bound_of(assembly, assembly.goals, 0.6 * value, WHILE) >= value - 1e-10
