@@ -28,8 +28,8 @@ doctest: .venv/ready-kernels # the examples of all docstrings
 slow: .venv/ready-kernels # but for those that need a browser
 	$(PYTEST) -m "slow and not browser"
 
-browser: .venv/ready-browser .venv/ready-kernels # needs a Chromium on the path; pages wait half of the time
-	$(PYTEST) -m browser
+browser: .venv/ready-browser .venv/ready-kernels # needs a Chromium on the path; only files that name its fixtures are collected
+	$(PYTEST) -m browser $$(grep -lwE 'browser|opened' tests/test_*.py)
 
 web: # the live page from its source; needs Node 20 or later and npm
 	cd web && npm ci --silent --ignore-scripts && npm run --silent check && npm run --silent test && npm run --silent build

@@ -9,6 +9,8 @@ from typing import Any
 
 from mkdocs.structure.files import File, Files
 
+from docs_site.live_pages import PICTURE
+
 TOP = Path(__file__).parents[1]
 LIVE = TOP / "out" / "live"
 """Live pages of the gallery, by the names of their pictures: `python -m docs_site.live_pages` makes them."""
@@ -23,7 +25,6 @@ ELSEWHERE = {
 TYPED = ("json.md", "page-protocol.md")
 """Pages whose tables hold types with brackets, which are no links."""
 LINK = re.compile(r"(?<=\]\()([^)\s#:]+)(#[^)\s]*)?(?=\))")
-PICTURE = re.compile(r"^!\[[^\]]*\]\(pictures/([\w.-]+)\)$", re.MULTILINE)
 
 
 def on_files(files: Files, config: Any) -> Files:

@@ -42,22 +42,22 @@ def audit(
     doubtful = np.flatnonzero(accepted & meet)
     size = max(np.ptp(shapely.get_coordinates(p), axis=0).max() for p in (A, B))
     unsafe = int((depths(A, B, relative[doubtful], D) > DEEP * size).sum()) if len(doubtful) else 0
-    free = ~meet & reachable(space, relative)
+    free = ~meet
+    free[free] = reachable(space, relative[free])
     return Audit(samples, int(free.sum()), unsafe, int((free & ~accepted).sum()))
 
 
 def reachable(space: FreeSpace, relative: np.ndarray) -> np.ndarray:
     """Which motions lie in the slice next in angle, widened by half a step: free ones outside are cut off from rest."""
     angles = np.array([s.angle for s in space.slices])
-    nearest = np.abs(relative[:, 2, None] - angles).argmin(axis=1)
+    nearest = np.searchsorted((angles[1:] + angles[:-1]) / 2, relative[:, 2])
     inside = np.zeros(len(relative), dtype=bool)
     step = np.diff(angles).max() / 2
     for k in np.unique(nearest):
         who = np.flatnonzero(nearest == k)
         region = space.slices[k].region
-        points = shapely.points(relative[who, :2])
         shapely.prepare(region)
-        inside[who] = shapely.dwithin(region, points, LEVER * step)
+        inside[who] = shapely.dwithin(region, shapely.points(relative[who, :2]), LEVER * step)
     return inside & _in_window(space, relative)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Sequence
 
+import numba
 import numpy as np
 import scipy.optimize
 import shapely
@@ -78,7 +79,7 @@ class Ground:
 
     def contacts(self, motion: Motion, within: float) -> tuple[np.ndarray, np.ndarray]:
         """Corners no further than `within` from an edge: derivative (m, 3n) of their distance, and the distance (m,)."""
-        n, rows, room = len(motion), [], []
+        n, rows, room = len(motion), [np.zeros((0, len(motion), 3))], [np.zeros(0)]
         for i, j, p, q, reach in self.pairs:
             if np.hypot(*(self.at[j] - self.at[i] + motion[j, :2] - motion[i, :2])) > reach + within:
                 continue
@@ -86,14 +87,14 @@ class Ground:
                 corner = _placed(one, self.at[a], motion[a])
                 edges = _placed(other, self.at[b], motion[b], edges=True)
                 found, away, normal = _close(corner, edges, within)
-                for v, d, m in zip(corner[found[0]], away, normal, strict=True):
-                    row = np.zeros((n, 3))
-                    for k, sign in ((a, 1), (b, -1)):
-                        arm = v - self.at[k] - motion[k, :2]
-                        row[k] += sign * np.array([*m, m[1] * arm[0] - m[0] * arm[1]])
-                    rows.append(row.ravel())
-                    room.append(d)
-        return np.array(rows).reshape(-1, 3 * n), np.array(room)
+                row = np.zeros((len(found), n, 3))
+                for k, sign in ((a, 1), (b, -1)):
+                    arm = corner[found] - self.at[k] - motion[k, :2]
+                    turned = normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]
+                    row[:, k] += sign * np.column_stack([normal, turned])
+                rows.append(row)
+                room.append(away)
+        return np.concatenate(rows).reshape(-1, 3 * n), np.concatenate(room)
 
     def _near(self, motions: Motion, i: int, j: int, reach: float) -> tuple[np.ndarray, np.ndarray]:
         apart = self.at[j] - self.at[i] + motions[:, j, :2] - motions[:, i, :2]
@@ -111,15 +112,23 @@ def _placed(shape: shapely.Polygon, at: np.ndarray, move: np.ndarray, edges: boo
     return np.concatenate([np.stack([r[:-1], r[1:]], axis=1) if edges else r[:-1] for r in rings])
 
 
+@numba.njit(cache=True)
 def _close(corners: np.ndarray, edges: np.ndarray, within: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Indices (2, m) of corners and edges that are close, the distance (m,) and the edge's outward normal (m, 2)."""
-    edge = edges[:, 1] - edges[:, 0]
-    long = np.hypot(*edge.T)
-    normal = np.column_stack([edge[:, 1], -edge[:, 0]]) / long[:, None]
-    off = corners[:, None] - edges[None, :, 0]
-    away, along = (off * normal).sum(-1), (off * edge).sum(-1) / long
-    found = np.nonzero((np.abs(away) < within) & (along > -1e-9 * long) & (along < long * (1 + 1e-9)))
-    return np.array(found), away[found], normal[found[1]]
+    """Corners (m,) that are close to an edge, each its distance (m,) and the edge's outward normal (m, 2)."""
+    found, away = np.empty((len(corners), len(edges)), dtype=np.bool_), np.empty((len(corners), len(edges)))
+    normal = np.empty((len(edges), 2))
+    for j in range(len(edges)):
+        x, y = edges[j, 0]
+        ex, ey = edges[j, 1, 0] - x, edges[j, 1, 1] - y
+        long = np.hypot(ex, ey)
+        normal[j] = ey / long, -ex / long
+        for i in range(len(corners)):
+            dx, dy = corners[i, 0] - x, corners[i, 1] - y
+            along = (dx * ex + dy * ey) / long
+            away[i, j] = dx * normal[j, 0] + dy * normal[j, 1]
+            found[i, j] = abs(away[i, j]) < within and -1e-9 * long < along < long * (1 + 1e-9)
+    who, at = np.nonzero(found)
+    return who, away.ravel()[who * len(edges) + at], normal[at]
 
 
 def _never(assembly: Assembly) -> set[frozenset[int]]:
@@ -255,12 +264,13 @@ def _best_move(answer: Answer, ground: Ground, at: Motion, trust: float) -> Moti
 def slope(assembly: Assembly, goals: Iterable[Goal], motion: Motion) -> Motion:
     """Derivative (n, 3) of the objective, by differences."""
     goals, out = tuple(goals), np.zeros_like(motion)
-    lever = np.array([1.0, 1.0, 1.0 / assembly.size])
-    for k in np.ndindex(out.shape):
-        step = np.zeros((2, *motion.shape))
-        step[0][k], step[1][k] = 1e-5 * assembly.size * lever[k[1]], -1e-5 * assembly.size * lever[k[1]]
-        up, down = value_of(assembly, goals, motion + step)
-        out[k] = (up - down) / (2 * step[0][k])
+    index = {name: k for k, name in enumerate(assembly.names)}
+    size = 1e-5 * assembly.size * np.array([1.0, 1.0, 1.0 / assembly.size])
+    for k in {index[goal.part] for goal in goals}:
+        steps = np.zeros((2, 3, *motion.shape))
+        steps[0, range(3), k, range(3)], steps[1, range(3), k, range(3)] = size, -size
+        up, down = value_of(assembly, goals, motion + steps)
+        out[k] = (up - down) / (2 * size)
     return out
 
 

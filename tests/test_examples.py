@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import runpy
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from docs_site import live_pages
 
 import wiggleroom as wr
 from wiggleroom.cli import main
@@ -36,6 +39,8 @@ PATTERNS = {
 }
 
 SLOW = ("18_grid_of_4096", "20_elephant", "21_butterfly")
+LIVE = {shlex.join(words[:-2]): f"{name}.html" for name, words in live_pages.commands().items()}
+"""Live pages of the site, by the commands that they show."""
 DRAWN = ("14_shelf", "19_space_divider", "23_mechanisms")
 """Examples whose drawings a script writes, draw.py beside them."""
 
@@ -75,7 +80,11 @@ def test_example_gives_what_it_promises(folder, monkeypatch, tmp_path):
         if command.startswith("wiggleroom make"):
             assert run(command, monkeypatch, tmp_path) == 0
             continue
-        answer = json_of(command, monkeypatch, tmp_path, expected.get("exit", 0))
+        page = LIVE.get(command)
+        shown = f"{command} --picture out/{page}" if page else command
+        answer = json_of(shown, monkeypatch, tmp_path, expected.get("exit", 0))
+        if page:
+            keep(tmp_path / "out" / page)
         for path, wanted in expected.get("values", {}).items():
             found = inside(answer, path)
             if isinstance(wanted, list) and isinstance(wanted[0], float):
@@ -84,6 +93,14 @@ def test_example_gives_what_it_promises(folder, monkeypatch, tmp_path):
                 assert found == wanted, path
         if command.startswith("wiggleroom flex"):
             check_flex(answer, expected)
+
+
+def keep(page: Path) -> None:
+    """A page of a command is there; the site is spared making it again where it is said in which folder it looks for them."""
+    assert page.stat().st_size > 10_000
+    if folder := os.environ.get("LIVE_PAGES"):
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        shutil.copy(page, folder)
 
 
 def json_of(command: str, monkeypatch: pytest.MonkeyPatch, folder: Path, code: int = 0) -> dict:

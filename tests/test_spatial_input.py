@@ -144,29 +144,38 @@ FILES = {
 }
 
 
-@pytest.mark.parametrize(("mesh", "said"), FILES.values(), ids=FILES)
-def test_bad_mesh_files_give_one_line(tmp_path: Path, mesh: str, said: str, capfd: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "sub").mkdir()
-    (tmp_path / "empty.stl").write_bytes(b"")
-    (tmp_path / "rubbish.stl").write_bytes(b"solid what\nfacet nonsense\n")
-    (tmp_path / "no.3mf").write_bytes(b"PK nothing")
-    with zipfile.ZipFile(tmp_path / "bomb.3mf", "w", zipfile.ZIP_DEFLATED) as archive:
+@pytest.fixture(scope="module")
+def bad_meshes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with all those files."""
+    folder = tmp_path_factory.mktemp("meshes")
+    (folder / "sub").mkdir()
+    (folder / "empty.stl").write_bytes(b"")
+    (folder / "rubbish.stl").write_bytes(b"solid what\nfacet nonsense\n")
+    (folder / "no.3mf").write_bytes(b"PK nothing")
+    with zipfile.ZipFile(folder / "bomb.3mf", "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         archive.writestr("3D/3dmodel.model", b"\0" * 410_000_000)
     for name, unit, corner, built in (
         ("corner", "inch", 20, 1),
         ("build", "inch", 2, 7),
         ("parsec", "parsec", 2, 1),
     ):
-        with zipfile.ZipFile(tmp_path / f"{name}.3mf", "w") as archive:
+        with zipfile.ZipFile(folder / f"{name}.3mf", "w") as archive:
             archive.writestr("3D/3dmodel.model", TETRAHEDRON % (unit, corner, built))
-    (tmp_path / "nan.obj").write_text("v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    (folder / "nan.obj").write_text("v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     cube = trimesh.creation.box((1, 2, 3))
-    (tmp_path / "short.stl").write_bytes(cube.export(file_type="stl")[:-30])
-    trimesh.Trimesh(cube.vertices, cube.faces[:6], process=False).export(tmp_path / "open.stl")
+    (folder / "short.stl").write_bytes(cube.export(file_type="stl")[:-30])
+    trimesh.Trimesh(cube.vertices, cube.faces[:6], process=False).export(folder / "open.stl")
     scene = trimesh.Scene({"a": cube, "b": trimesh.creation.box((1, 1, 1))})
-    scene.export(tmp_path / "two.glb")
+    scene.export(folder / "two.glb")
+    return folder
+
+
+@pytest.mark.parametrize(("mesh", "said"), FILES.values(), ids=FILES)
+def test_bad_mesh_files_give_one_line(
+    bad_meshes: Path, mesh: str, said: str, capfd: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(wr.InputError) as raised:
-        read_spatial(write(tmp_path, {"name": "a", "mesh": mesh}))
+        read_spatial(write(bad_meshes, {"name": "a", "mesh": mesh}))
     assert len(raised.value.findings) == 1
     assert said in raised.value.findings[0]
     assert capfd.readouterr() == ("", "")

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import bisect
 
+import numba
 import numpy as np
 import shapely
 
 from .geometry import turn
 
 END = 2e-13  # [rad] how closely the last free turn is found
+DEEP = 1e-9  # share of the size, far above rounding, below which what lies inside of a parallelogram is kept
 THINNEST = 1e-14  # area / perimeter below which a face is rounding
 Faces = list[shapely.Polygon]
 
@@ -78,7 +80,8 @@ class Slices:
         closed = np.concatenate([quads, quads[:, :1]], axis=1)
         sides = np.stack([closed[:, :-1], closed[:, 1:]], axis=2).reshape(-1, 2, 2)
         sides = np.unique(np.where(_swapped(sides)[:, None, None], sides[:, ::-1], sides), axis=0)
-        noded = shapely.union_all(np.append(shapely.linestrings(_clipped(sides, box)), window.exterior))
+        sides = _seen(_clipped(sides, box), quads, DEEP * self.reach)
+        noded = shapely.union_all(np.append(shapely.linestrings(sides), window.exterior))
         faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
         faces = faces[shapely.area(faces) > THINNEST * shapely.length(faces)]
         inside = shapely.point_on_surface(faces)
@@ -186,13 +189,74 @@ def _clipped(sides: np.ndarray, box: tuple[float, float, float, float]) -> np.nd
     )
 
 
+@numba.njit(cache=True)
+def _seen(sides: np.ndarray, quads: np.ndarray, deep: float) -> np.ndarray:
+    """Pieces (m, 2, 2) of sides (k, 2, 2), cut off where they lie `deep` or more inside of a parallelogram.
+
+    Nothing is free on either side of what is cut off, so no free face is bounded by it.
+    """
+    pieces = [(0.0, 0.0, 0.0, 0.0) for _ in range(0)]
+    inside = np.empty((len(quads), 2))
+    for k in range(len(sides)):
+        x, y = sides[k, 0, 0], sides[k, 0, 1]
+        dx, dy = sides[k, 1, 0] - x, sides[k, 1, 1] - y
+        count = 0
+        for q in quads:
+            enter, leave = 0.0, 1.0
+            for here, there, far in ((0, 1, 3), (0, 3, 1)):
+                ex, ey = q[there, 0] - q[here, 0], q[there, 1] - q[here, 1]
+                long = np.hypot(ex, ey)
+                if long == 0:
+                    leave = -1.0
+                    break
+                width = (ex * (q[far, 1] - q[here, 1]) - ey * (q[far, 0] - q[here, 0])) / long
+                begin = (ex * (y - q[here, 1]) - ey * (x - q[here, 0])) / long
+                slope = (ex * dy - ey * dx) / long
+                if width < 0:
+                    width, begin, slope = -width, -begin, -slope
+                if slope == 0:
+                    if not deep < begin < width - deep:
+                        leave = -1.0
+                        break
+                    continue
+                one, two = (deep - begin) / slope, (width - deep - begin) / slope
+                if width < 2 * deep:
+                    leave = -1.0
+                    break
+                enter, leave = max(enter, min(one, two)), min(leave, max(one, two))
+                if enter >= leave:
+                    break
+            if enter < leave:
+                inside[count] = enter, leave
+                count += 1
+        at = 0.0
+        order = np.argsort(inside[:count, 0])
+        for i in order:
+            if inside[i, 0] > at:
+                pieces.append((x + at * dx, y + at * dy, x + inside[i, 0] * dx, y + inside[i, 0] * dy))
+            at = max(at, inside[i, 1])
+        if at == 0:
+            pieces.append((x, y, sides[k, 1, 0], sides[k, 1, 1]))
+        elif at < 1:
+            pieces.append((x + at * dx, y + at * dy, sides[k, 1, 0], sides[k, 1, 1]))
+    found = np.empty((len(pieces), 2, 2))
+    for k, piece in enumerate(pieces):
+        found[k] = np.array(piece).reshape(2, 2)
+    return found
+
+
+@numba.njit(cache=True)
 def _covered(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Which points (k, 2) lie in at least one parallelogram (m, 4, 2)."""
-    e, f = quads[:, 1] - quads[:, 0], quads[:, 3] - quads[:, 0]
-    area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
-    solid = np.abs(area) > 1e-300
-    r = points[:, None] - quads[None, solid, 0]
-    e, f, area = e[solid], f[solid], area[solid]
-    s = (r[..., 0] * f[:, 1] - r[..., 1] * f[:, 0]) / area
-    t = (e[:, 0] * r[..., 1] - e[:, 1] * r[..., 0]) / area
-    return np.any((s > 0) & (s < 1) & (t > 0) & (t < 1), axis=1)
+    found = np.zeros(len(points), dtype=np.bool_)
+    for q in quads:
+        ex, ey = q[1, 0] - q[0, 0], q[1, 1] - q[0, 1]
+        fx, fy = q[3, 0] - q[0, 0], q[3, 1] - q[0, 1]
+        area = ex * fy - ey * fx
+        if abs(area) <= 1e-300:
+            continue
+        for k in range(len(points)):
+            rx, ry = points[k, 0] - q[0, 0], points[k, 1] - q[0, 1]
+            s, t = (rx * fy - ry * fx) / area, (ex * ry - ey * rx) / area
+            found[k] |= 0 < s < 1 and 0 < t < 1
+    return found

@@ -29,9 +29,9 @@ def exponential(w: Floats) -> Floats:
     w = np.asarray(w, dtype=float)
     angle = np.linalg.norm(w, axis=-1)[..., None, None]
     half = angle / 2
-    x, y, z = np.moveaxis(w, -1, 0)
-    zero = np.zeros_like(x)
-    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*w.shape[:-1], 3, 3)
+    cross = np.zeros((*w.shape, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        cross[..., i, j], cross[..., j, i] = -w[..., k], w[..., k]
     first = np.sinc(angle / np.pi)
     second = np.sinc(half / np.pi) ** 2 / 2  # (1 - cos) / angle^2 without cancellation
     return np.eye(3) + first * cross + second * (cross @ cross)
@@ -56,21 +56,15 @@ def quaternion(R: Floats) -> Floats:
     Source: Shepperd 1978, the largest of the four components first.
     """
     R = np.asarray(R, dtype=float)
-    d0, d1, d2 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
-    squares = np.stack([1 + d0 + d1 + d2, 1 + d0 - d1 - d2, 1 - d0 + d1 - d2, 1 - d0 - d1 + d2], axis=-1)
-    a, b, c = R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]
-    d, e, f = R[..., 1, 0] + R[..., 0, 1], R[..., 0, 2] + R[..., 2, 0], R[..., 2, 1] + R[..., 1, 2]
-    rows = np.stack(
-        [
-            np.stack([squares[..., 0], a, b, c], axis=-1),
-            np.stack([a, squares[..., 1], d, e], axis=-1),
-            np.stack([b, d, squares[..., 2], f], axis=-1),
-            np.stack([c, e, f, squares[..., 3]], axis=-1),
-        ],
-        axis=-2,
-    )
-    best = np.argmax(squares, axis=-1)[..., None, None]
-    q = np.take_along_axis(rows, best, axis=-2)[..., 0, :]
+    x, y, z = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    rows = np.empty((*R.shape[:-2], 4, 4))
+    for i, square in enumerate((1 + x + y + z, 1 + x - y - z, 1 - x + y - z, 1 - x - y + z)):
+        rows[..., i, i] = square
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        rows[..., 0, i + 1] = rows[..., i + 1, 0] = R[..., k, j] - R[..., j, k]
+        rows[..., j + 1, k + 1] = rows[..., k + 1, j + 1] = R[..., k, j] + R[..., j, k]
+    best = np.diagonal(rows, axis1=-2, axis2=-1).argmax(axis=-1)
+    q = rows.reshape(-1, 4, 4)[np.arange(best.size), best.ravel()].reshape(*best.shape, 4)
     return q / np.linalg.norm(q, axis=-1, keepdims=True)
 
 

@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 
 from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, MAX_ROWS, add_rows, linear_program_maximum
-from wiggleroom.freespace.subdivision.classify_box import FORBIDDEN, FREE, MIXED, STACK_SIZE, TINY, classify_box
+from wiggleroom.freespace.subdivision.classify_box import (
+    FORBIDDEN,
+    FREE,
+    MIXED,
+    STACK_SIZE,
+    TINY,
+    classify_box,
+    edges_near_box,
+)
 
 FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 """How the search ended: with a free path to a goal, with the proof that there is none, without room or time, or to go on."""
@@ -229,31 +237,21 @@ def split_box(
     some = np.empty(MAX_EDGES + 1, dtype=np.int64)
     one = np.empty(1, dtype=np.int64)
     line, rows, active, inverse = np.empty(3), np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
+    near, nearest = np.empty(len(b_edge), dtype=np.int64), np.zeros(1, dtype=np.int64)
     add_octants(n, middle, level, first, across, count)
     side = HALF_SIDES[level[n] + 1]
     half, swing = scale[0] * side, scale[1] * side
+    x, y = origin[0] + scale[0] * middle[n, 0], origin[1] + scale[0] * middle[n, 1]
+    touching = edges_near_box(
+        x, y, origin[2] + scale[1] * middle[n, 2], 2 * half, 2 * swing, scale[2], a_edge, a_normal, a_disc, a_kid, b_disc, b_kid,
+        stack, nodes, nearest, near,
+    )  # fmt: skip
     for m in range(count, count + 8):
         x, y = origin[0] + scale[0] * middle[m, 0], origin[1] + scale[0] * middle[m, 1]
         turn = origin[2] + scale[1] * middle[m, 2]
         state[m] = classify_box(
-            x,
-            y,
-            turn,
-            half,
-            swing,
-            scale[2],
-            a_edge,
-            a_normal,
-            a_disc,
-            a_kid,
-            b_edge,
-            b_disc,
-            b_kid,
-            stack,
-            nodes,
-            pieces,
-            some,
-        )
+            x, y, turn, half, swing, scale[2], a_edge, a_normal, a_disc, a_kid, b_edge, near, touching, stack, pieces, some, nearest
+        )  # fmt: skip
         upper[m] = objective_bound(asked, x, y, turn, half, swing)
         if state[m] != MIXED:
             continue

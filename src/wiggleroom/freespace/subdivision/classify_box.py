@@ -20,21 +20,34 @@ MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def signed_distance(x, y, edge, normal, disc, kid, stack):
+def offset_from_edge(x, y, edge, e):
+    """Vector to a point from the nearest point of an edge, and where that is, 0 at the start of the edge and 1 at its end."""
+    ax, ay = edge[e, 0], edge[e, 1]
+    ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
+    t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
+    t = min(max(t, 0.0), 1.0)
+    return x - ax - t * ex, y - ay - t * ey, t
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def signed_distance(x, y, edge, normal, disc, kid, stack, nearest):
     """Signed distance of a point from the boundary, negative inside the material.
 
-    Where two edges are equally near, as on both sides of a lip of no thickness, the point counts as outside if either says so: nothing is
-    forbidden wrongly, and paths are looked at again by other means.
+    nearest[0] is any edge, best one that is near, and then the one that is nearest. Where two edges are equally near, as on both sides of
+    a lip of no thickness, the point counts as outside if either says so: nothing is forbidden wrongly, and paths are looked at again by
+    other means.
     """
+    qx, qy, t = offset_from_edge(x, y, edge, nearest[0])
     best, sign = np.inf, 1.0
     same = 1e-9 * disc[0, 2]
+    limit = np.sqrt(qx * qx + qy * qy) + same
     stack[0] = 0
     count = 1
     while count:
         count -= 1
         node = stack[count]
-        dx, dy = x - disc[node, 0], y - disc[node, 1]
-        if np.sqrt(dx * dx + dy * dy) - disc[node, 2] > best + same:
+        dx, dy, far = x - disc[node, 0], y - disc[node, 1], limit + disc[node, 2]
+        if dx * dx + dy * dy > far * far:
             continue
         if kid[node, 0] >= 0:
             one, other = kid[node, 0], kid[node, 1]
@@ -47,52 +60,62 @@ def signed_distance(x, y, edge, normal, disc, kid, stack):
             count += 2
             continue
         e = kid[node, 1]
-        ax, ay = edge[e, 0], edge[e, 1]
-        ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
-        t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
-        t = min(max(t, 0.0), 1.0)
-        qx, qy = x - ax - t * ex, y - ay - t * ey
+        qx, qy, t = offset_from_edge(x, y, edge, e)
         d = np.sqrt(qx * qx + qy * qy)
-        if d > best + same:
+        if d > limit:
             continue
         which = 1 if t <= 0.0 else (2 if t >= 1.0 else 0)
         side = 1.0 if qx * normal[e, which, 0] + qy * normal[e, which, 1] >= 0.0 else -1.0
         sign = side if d < best - same else max(sign, side)
-        best = min(best, d)
+        if d < best:
+            best, nearest[0] = d, e
+            limit = min(limit, best + same)
     return sign * best
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def classify_box(
-    x, y, turn, half, swing, slack, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
-):
-    """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad].
-
-    Points count as moving `slack` [mm] further than they do, which is more than rounding puts them elsewhere.
-    """
+def edges_near_box(
+    x, y, turn, half, swing, slack, a_edge, a_normal, a_disc, a_kid, b_disc, b_kid, stack, nodes, nearest, near
+):  # fmt: skip
+    """Fill `near` with the moving body's edges that may touch the other in a box, and return how many; none else does in any part of it."""
     c, s = np.cos(turn), np.sin(turn)
     shift, spread = np.sqrt(2.0) * half + slack, 2.0 * np.sin(min(swing, np.pi) / 2)
-    mixed = False
     nodes[0] = 0
-    count = 1
+    count, found = 1, 0
     while count:
         count -= 1
         node = nodes[count]
         px, py, w = b_disc[node, 0], b_disc[node, 1], b_disc[node, 2]
         far = np.sqrt(px * px + py * py)
-        apart = signed_distance(c * px - s * py + x, s * px + c * py + y, a_edge, a_normal, a_disc, a_kid, stack)
+        apart = signed_distance(
+            c * px - s * py + x, s * px + c * py + y, a_edge, a_normal, a_disc, a_kid, stack, nearest
+        )
         if apart > w + shift + spread * (far + w):
             continue
-        if mixed and apart - w > -shift - spread * max(far - w, 0.0):
-            continue  # nothing here is deep enough to forbid the box
         if b_kid[node, 0] >= 0:
-            if apart < -w - shift - spread * (far + w):
-                return FORBIDDEN
-            nodes[count] = b_kid[node, 0]
-            nodes[count + 1] = b_kid[node, 1]
+            nodes[count] = b_kid[node, 1]
+            nodes[count + 1] = b_kid[node, 0]
             count += 2
-            continue
-        e = b_kid[node, 1]
+        else:
+            near[found] = b_kid[node, 1]
+            found += 1
+    return found
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def classify_box(
+    x, y, turn, half, swing, slack, a_edge, a_normal, a_disc, a_kid, b_edge, near, count, stack, pieces, some, nearest
+):  # fmt: skip
+    """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad].
+
+    Of the moving body's edges only near[:count] may touch the other. Points count as moving `slack` [mm] further than they do, which is
+    more than rounding puts them elsewhere.
+    """
+    c, s = np.cos(turn), np.sin(turn)
+    shift, spread = np.sqrt(2.0) * half + slack, 2.0 * np.sin(min(swing, np.pi) / 2)
+    mixed = False
+    for i in range(count):
+        e = near[i]
         for k in range(4):
             pieces[0, k] = b_edge[e, k]
         left = 1
@@ -103,7 +126,9 @@ def classify_box(
             w = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2) / 2
             far = np.sqrt(mx * mx + my * my)
             reach = shift + spread * far
-            apart = signed_distance(c * mx - s * my + x, s * mx + c * my + y, a_edge, a_normal, a_disc, a_kid, stack)
+            apart = signed_distance(
+                c * mx - s * my + x, s * mx + c * my + y, a_edge, a_normal, a_disc, a_kid, stack, nearest
+            )
             if apart <= -reach:
                 return FORBIDDEN
             if apart > w + reach + spread * w:
@@ -140,6 +165,7 @@ def is_free_segment(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
     stack = np.empty(STACK_SIZE, dtype=np.int64)
     nodes = np.empty(STACK_SIZE, dtype=np.int64)
     pieces, some = np.empty((128, 4)), np.empty(MAX_EDGES + 1, dtype=np.int64)
+    near, nearest = np.empty(len(b_edge), dtype=np.int64), np.zeros(1, dtype=np.int64)
     todo = np.empty((64, 2))
     todo[0, 0], todo[0, 1] = 0.0, 1.0
     count = 1
@@ -150,8 +176,11 @@ def is_free_segment(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
         m = one + (t0 + t1) / 2 * d
         half = max(abs(d[0]), abs(d[1])) * (t1 - t0) / 2
         swing = abs(d[2]) * (t1 - t0) / 2
+        found = edges_near_box(
+            m[0], m[1], m[2], half, swing, 0.0, a_edge, a_normal, a_disc, a_kid, b_disc, b_kid, stack, nodes, nearest, near
+        )  # fmt: skip
         how = classify_box(
-            m[0], m[1], m[2], half, swing, 0.0, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
+            m[0], m[1], m[2], half, swing, 0.0, a_edge, a_normal, a_disc, a_kid, b_edge, near, found, stack, pieces, some, nearest
         )  # fmt: skip
         if how == FREE:
             continue
