@@ -25,6 +25,14 @@ BLOCKS = {
 }
 ADDING = [name for name in BLOCKS if name.startswith("architecture.md")]
 """Blocks that add to the registries: each in a process of its own, so that other tests do not see what they add."""
+SHOWN = {
+    f"{page.name}-{k + 1}": found
+    for page in PAGES
+    for k, found in enumerate(
+        re.findall(r"```sh\n([^`]*)```(?:(?!```).)*?<!-- prints -->\n```\n(.*?)```", page.read_text(), re.DOTALL)
+    )
+}
+"""Commands in the documentation and what they are said to print; "..." on a line of its own leaves lines out."""
 PATTERNS = {
     "02_chain_of_tees/chain.json": "chain 10 --joint tee --gap 0.01",
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
@@ -148,6 +156,37 @@ def test_python_in_the_documentation_runs(name, beside_examples):
 def test_what_the_documentation_adds_is_taken(name, beside_examples):
     done = subprocess.run([sys.executable, "-c", BLOCKS[name]], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def words(text: str) -> list[str]:
+    """Words and numbers, however lines are broken and columns are drawn."""
+    return re.findall(r"[^\s─]+", text)
+
+
+def same(said: str, found: str) -> bool:
+    """Whether two words are alike; numbers may differ by some units of the fourth digit, as between machines."""
+    try:
+        return float(found) == pytest.approx(float(said), rel=5e-4, abs=1e-12)
+    except ValueError:
+        return said == found
+
+
+@pytest.mark.searches
+@pytest.mark.parametrize("name", SHOWN)
+def test_what_the_documentation_shows_is_printed(name, monkeypatch, tmp_path, capsys):
+    (tmp_path / "examples").symlink_to(TOP / "examples")
+    commands, shown = SHOWN[name]
+    for line in commands.splitlines():
+        capsys.readouterr()
+        run(line.partition(" #")[0], monkeypatch, tmp_path)
+    done = capsys.readouterr()
+    found, begin = words(done.out + done.err), 0
+    for part in re.split(r"^ *\.\.\.$", shown, flags=re.MULTILINE):
+        said = words(part)
+        places = range(begin, len(found) - len(said) + 1)
+        at = next((i for i in places if all(map(same, said, found[i:]))), None)
+        assert at is not None, f"{part}\nis not in\n{done.out}{done.err}"
+        begin = at + len(said)
 
 
 @pytest.mark.searches
