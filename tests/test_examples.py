@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import trimesh
 
 import wiggleroom as wr
 from wiggleroom.cli import main
@@ -175,6 +176,7 @@ def same(said: str, found: str) -> bool:
 @pytest.mark.parametrize("name", SHOWN)
 def test_what_the_documentation_shows_is_printed(name, monkeypatch, tmp_path, capsys):
     (tmp_path / "examples").symlink_to(TOP / "examples")
+    (tmp_path / "docs" / "pictures").mkdir(parents=True)
     commands, shown = SHOWN[name]
     for line in commands.splitlines():
         capsys.readouterr()
@@ -198,6 +200,20 @@ def test_assembly_file_in_the_documentation_is_answered(tmp_path):
     answer = wr.flex(wr.read(file))
     assert answer.verdict in ("proven", "optimal")
     assert answer.collision_free
+
+
+def test_assembly_file_in_space_in_the_documentation_is_answered(tmp_path):
+    page = (TOP / "docs" / "in-space.md").read_text()
+    (text,) = re.findall(r"<!-- assembly in space -->\n```json\n(.*?)```", page, re.DOTALL)
+    file = tmp_path / "box.json"
+    file.write_text(text)
+    (tmp_path / "sheet.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="70mm" viewBox="0 0 90 70">'
+        '<rect id="lid" width="80" height="60" fill="none" stroke="black"/></svg>'
+    )
+    trimesh.creation.cylinder(radius=3, height=30, sections=16).export(tmp_path / "pin.stl")
+    assert [part.name for part in wr.read(file).parts] == ["bottom", "lid", "pin", "bar"]
+    assert wr.flex(wr.read(file)).leaves == ("lid",)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
