@@ -55,6 +55,18 @@ def test_chains_verify_and_hold_the_true_optimum(joint, n):
         assert found.at_most >= value - accuracy
 
 
+@pytest.mark.searches
+def test_a_certificate_takes_no_nearer_bound_away():
+    answer = wr.flex(assemble(row_of([blocks.block("swallowtail", 0.02)] * 2), gap=0.0))
+    assert answer.verdict == "proven"
+    assert answer.at_most <= 1.001 * answer.objective
+    proven = wr.prove(answer, 0.5, certify=True)
+    assert proven.bound.certificate["at_most"] > 1.001 * answer.objective
+    assert proven.verdict == "proven"
+    assert proven.at_most == answer.at_most
+    assert proven.bound.within == pytest.approx(answer.at_most / answer.objective - 1)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["grid", "arrow", "hook", "round", "jigsaw", "revolute", "seed 3", "seed 7"])
 def test_more_certificates_verify(kind):

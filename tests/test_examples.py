@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import trimesh
 from docs_site import live_pages
 
 import wiggleroom as wr
@@ -28,6 +29,14 @@ BLOCKS = {
 }
 ADDING = [name for name in BLOCKS if name.startswith("architecture.md")]
 """Blocks that add to the registries: each in a process of its own, so that other tests do not see what they add."""
+SHOWN = {
+    f"{page.name}-{k + 1}": found
+    for page in PAGES
+    for k, found in enumerate(
+        re.findall(r"```sh\n([^`]*)```(?:(?!```).)*?<!-- prints -->\n```\n(.*?)```", page.read_text(), re.DOTALL)
+    )
+}
+"""Commands in the documentation and what they are said to print; "..." on a line of its own leaves lines out."""
 PATTERNS = {
     "02_chain_of_tees/chain.json": "chain 10 --joint tee --gap 0.01",
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
@@ -167,6 +176,38 @@ def test_what_the_documentation_adds_is_taken(name, beside_examples):
     assert done.returncode == 0, done.stderr
 
 
+def words(text: str) -> list[str]:
+    """Words and numbers, however lines are broken and columns are drawn."""
+    return re.findall(r"[^\s─]+", text)
+
+
+def same(said: str, found: str) -> bool:
+    """Whether two words are alike; numbers may differ by some units of the fourth digit, as between machines."""
+    try:
+        return float(found) == pytest.approx(float(said), rel=5e-4, abs=1e-12)
+    except ValueError:
+        return said == found
+
+
+@pytest.mark.searches
+@pytest.mark.parametrize("name", SHOWN)
+def test_what_the_documentation_shows_is_printed(name, monkeypatch, tmp_path, capsys):
+    (tmp_path / "examples").symlink_to(TOP / "examples")
+    (tmp_path / "docs" / "pictures").mkdir(parents=True)
+    commands, shown = SHOWN[name]
+    for line in commands.splitlines():
+        capsys.readouterr()
+        run(line.partition(" #")[0], monkeypatch, tmp_path)
+    done = capsys.readouterr()
+    found, begin = words(done.out + done.err), 0
+    for part in re.split(r"^ *\.\.\.$", shown, flags=re.MULTILINE):
+        said = words(part)
+        places = range(begin, len(found) - len(said) + 1)
+        at = next((i for i in places if all(map(same, said, found[i:]))), None)
+        assert at is not None, f"{part}\nis not in\n{done.out}{done.err}"
+        begin = at + len(said)
+
+
 @pytest.mark.searches
 def test_assembly_file_in_the_documentation_is_answered(tmp_path):
     page = (TOP / "docs" / "assembly-file.md").read_text()
@@ -176,6 +217,20 @@ def test_assembly_file_in_the_documentation_is_answered(tmp_path):
     answer = wr.flex(wr.read(file))
     assert answer.verdict in ("proven", "optimal")
     assert answer.collision_free
+
+
+def test_assembly_file_in_space_in_the_documentation_is_answered(tmp_path):
+    page = (TOP / "docs" / "in-space.md").read_text()
+    (text,) = re.findall(r"<!-- assembly in space -->\n```json\n(.*?)```", page, re.DOTALL)
+    file = tmp_path / "box.json"
+    file.write_text(text)
+    (tmp_path / "sheet.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="70mm" viewBox="0 0 90 70">'
+        '<rect id="lid" width="80" height="60" fill="none" stroke="black"/></svg>'
+    )
+    trimesh.creation.cylinder(radius=3, height=30, sections=16).export(tmp_path / "pin.stl")
+    assert [part.name for part in wr.read(file).parts] == ["bottom", "lid", "pin", "bar"]
+    assert wr.flex(wr.read(file)).leaves == ("lid",)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -17,6 +17,7 @@ from wiggleroom.schema.results import RESULTS
 
 TOP = Path(__file__).parents[1]
 FRAME = str(TOP / "examples" / "08_peg_in_a_square_hole" / "peg.json")
+LATCH = str(TOP / "examples" / "17_does_it_come_apart" / "sequential.json")
 COMMANDS = {
     "flex": ["flex", FRAME],
     "check": ["check", FRAME],
@@ -24,7 +25,18 @@ COMMANDS = {
     "tighten": ["tighten", FRAME, "--parts", "1"],
     "sweep": ["sweep", FRAME, "--gaps", "0.1,0.2"],
     "sample": ["sample", FRAME, "--spread", "0.02", "--draws", "5"],
+    "check of gaps": ["check", FRAME, "--largest-gap"],
+    "plan": ["plan", LATCH, "--sample", "0.02", "--draws", "5", "--rank", "--smallest-gap"],
+    "gap": ["gap", FRAME, "--at-most", "0.06", "--kerf", "0.1"],
+    "gap that fits": ["gap", FRAME, "--fits", "0.05"],
+    "tolerances": ["tolerances", FRAME, "--tolerances", "TABLE"],
+    "space": ["space", FRAME, "plate", "peg", "--samples", "10"],
+    "parts": ["parts", FRAME],
 }
+PEG = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40">
+<path id="plate" fill="red" fill-rule="evenodd" d="M0 0H40V40H0ZM9.5 9.5V30.5H30.5V9.5Z"/><path id="peg" fill="gray" d="M10 10H30V30H10Z"/>
+</svg>"""
+TABLE = "part,plus,minus\npeg,0.05,0.05\n"
 
 JOINT = str(TOP / "examples" / "43_mortise_and_tenon" / "joint.json")
 LIFT = ["--pull", "rail:+z@120,0,0"]
@@ -67,11 +79,25 @@ def test_what_assemble_writes_keeps_to_its_structure(
 
 @pytest.mark.parametrize("kind", COMMANDS)
 def test_what_a_command_writes_keeps_to_its_structure(kind: str, command: Callable[..., int], tmp_path: Path) -> None:
-    place = tmp_path / "answer.json"
-    command(*COMMANDS[kind], "--json", str(place))
+    place, table = tmp_path / "answer.json", tmp_path / "table.csv"
+    table.write_text(TABLE, encoding="utf-8")
+    command(*(str(table) if word == "TABLE" else word for word in COMMANDS[kind]), "--json", str(place))
     content = json.loads(place.read_text(encoding="utf-8"))
     back = json.loads(msgspec.json.encode(msgspec.convert(content, structure_of(content))))
     assert back == content  # nothing that the structure does not know, nothing lost
+
+
+@pytest.mark.parametrize("kind", COMMANDS)
+def test_what_was_assumed_is_in_the_notes_of_every_answer(
+    kind: str, command: Callable[..., int], tmp_path: Path
+) -> None:
+    drawing, place, table = tmp_path / "peg.svg", tmp_path / "answer.json", tmp_path / "table.csv"
+    drawing.write_text(PEG, encoding="utf-8")
+    table.write_text(TABLE, encoding="utf-8")
+    words = [{FRAME: str(drawing), LATCH: str(drawing), "TABLE": str(table)}.get(word, word) for word in COMMANDS[kind]]
+    asked = () if kind in ("check", "check of gaps", "plan", "space", "parts") else ("--turn", "peg:ccw")
+    command(*words, *asked, "--json", str(place))
+    assert "1 user unit is taken as 1 mm" in json.loads(place.read_text(encoding="utf-8"))["notes"][0]
 
 
 @pytest.mark.parametrize("kind", IN_SPACE)

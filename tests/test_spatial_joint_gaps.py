@@ -16,6 +16,7 @@ from tests.test_spatial import sound, spatial
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.cli import main
 from wiggleroom.drawing.model import Drawing, JointGap
+from wiggleroom.report.solids.spatial_listing import spatial_parts_result
 from wiggleroom.spatial.solids.solid_boolean import centroid_of
 from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_flex import flex_spatial
@@ -43,6 +44,12 @@ def test_a_joint_moves_by_its_own_gap_and_all_others_by_theirs(gap: float) -> No
     for direction, far in (((-1, 0, 0), 0.5), ((1, 0, 0), 0.1), ((0, 0, -1), 0.3)):
         answer = sound(flex_spatial(assembly, SpatialPull("block", direction)))
         assert answer.objective == pytest.approx(far, abs=1e-9)
+
+
+def test_the_list_of_parts_shows_them_as_drawn() -> None:
+    found = spatial_parts_result(spatial(*WALLS, BLOCK, gap=0.2, gaps=[joint("west", "block", 0.5)]))
+    assert {part.name: part.size for part in found.parts}["block"] == (10.0, 10.0, 10.0)
+    assert {part.name: part.volume for part in found.parts}["block"] == pytest.approx(1000.0)
 
 
 @pytest.mark.parametrize("larger", [0.0, 0.1, 0.2])

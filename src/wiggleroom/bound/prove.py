@@ -55,7 +55,8 @@ def prove(
     seconds : float
         The best bound that was found in this time is given, also where it is further away.
     certify : bool
-        Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer.
+        Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer. Its own `at_most` is
+        larger than that of the answer where the answer had a nearer bound already.
     stop : optional
         Anything with `is_set()`; ends it like the time.
     progress : callable, optional
@@ -139,7 +140,6 @@ def prove(
         if answer.at_most <= witness + aim:
             return answer  # the quick bound is as near as was asked for
         return _not_proven(answer, clock, "nothing nearer was found in the time given")
-    share = (most - witness) / abs(witness) if witness else None
     paper = None
     if proof is not None:
         paper = certificate(
@@ -153,6 +153,9 @@ def prove(
             bounding.windows,
             proof,
         )
+    if answer.at_most is not None:
+        most = min(most, answer.at_most)  # what was known before may be nearer than what has a certificate
+    share = (most - witness) / abs(witness) if witness else None
     return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
 
 

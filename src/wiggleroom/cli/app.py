@@ -35,8 +35,9 @@ Say what is fixed and where it is pulled, and get the largest motion as a number
 
 wiggleroom COMMAND --help says what a command takes; with --picture most of them draw their answer.
 
-Lengths are in mm, angles in degrees. Exit codes: 0 answered, 1 check says it comes apart or verify
-that a proof is not verified, 2 bad input or usage, 3 no verdict.
+Lengths are in mm, angles in degrees; turns of --at-most and --limit in rad.
+Exit codes: 0 answered; 1 check says that it comes apart, or verify that a proof
+is not verified; 2 bad input or usage; 3 no verdict.
 """
 
 

@@ -40,8 +40,9 @@ def assemble(
 ) -> int:
     """Put the parts of a flat cutting sheet together: plates in space, or without --thickness a puzzle in the plane.
 
-    Examples: wiggleroom assemble box.svg --thickness 3 --picture box.png -o box.json
-    wiggleroom assemble puzzle.svg -o puzzle.json
+    Example: wiggleroom assemble box.svg --thickness 3 --picture box.png -o box.json
+
+    Example: wiggleroom assemble puzzle.svg -o puzzle.json
 
     Exit code 0: every panel is placed; 3: some are not, what is placed is written all the same. Whether the result is
     sure is said: it is only where everything fits and nothing else does as well. Without --thickness parts stay in the

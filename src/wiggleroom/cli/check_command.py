@@ -35,7 +35,7 @@ def check(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
     largest_gap
         Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides; wiggleroom gap --holds
         asks that alone.

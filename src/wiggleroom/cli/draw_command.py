@@ -66,7 +66,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
     json
         Write the list as JSON to this file; - is stdout, which then holds nothing else.
     force

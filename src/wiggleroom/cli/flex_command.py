@@ -44,8 +44,9 @@ def flex(
     With --thickness a drawing is a cutting sheet: its plates are put together in space first, as wiggleroom assemble
     does, and the question is answered only where that is sure (else exit 3).
 
-    Examples: wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture moved.svg
-    wiggleroom flex box.svg --thickness 3 --gap 0.1 --fix bottom --pull lid:+z
+    Example: wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture moved.svg
+
+    Example: wiggleroom flex box.svg --thickness 3 --gap 0.1 --fix bottom --pull lid:+z
 
     Parameters
     ----------

@@ -37,7 +37,8 @@ class QuestionOptions:
     unit
         Unit of the drawing, in place of the file's.
     flatten
-        Largest distance between a curve and the straight edges that stand for it [mm], at every gap. By default gap/50.
+        Largest distance between a curve and the straight edges that stand for it [mm], at every gap. By default gap/50, and
+        without a gap 1e-4 of the median part.
     fix
         Parts that stand, by name: A,B, or by a point of the part in mm: @12,30. May repeat.
     pull

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import RESULTS, QuestionOptions, read
+from wiggleroom.cli.options import RESULTS, Many, QuestionOptions, read
 from wiggleroom.cli.outputs import FilmOutputs, command_line, tell
 from wiggleroom.cli.running import TimeLimit
 from wiggleroom.verdict import Separability
@@ -22,7 +22,7 @@ def plan(
     asked: QuestionOptions = _NONE_ASKED,
     outputs: FilmOutputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
-    target: tuple[str, ...] = (),
+    target: Many = (),
     gravity: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     sample: float | None = None,
     draws: int = 200,
@@ -47,13 +47,15 @@ def plan(
     file
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     target
-        Parts that are to leave: --target A,B. By default all that can.
+        Parts that are to leave: A,B. May repeat. By default all that can.
     gravity
         Where loose parts fall, as -y or 0.6,-0.8: every step then says whom to hold by hand so that none does.
     sample
         Also say how many draws go together when the gap round every part varies by this standard deviation [mm].
-    draws, seed
-        How many assemblies are drawn by lot, and of which lot.
+    draws
+        Of --sample: assemblies drawn at random.
+    seed
+        Of --sample: same seed, same draws.
     rank
         Also say whose gap gives the narrowest steps more room.
     smallest_gap

@@ -65,8 +65,14 @@ def write_certificate(answer: Answer, path: Path) -> None:
 
     from wiggleroom.cli.say import note
     from wiggleroom.files import write_whole
+    from wiggleroom.report.results.answer_words import rounded_up
 
     if answer.bound is None or answer.bound.certificate is None:
         note(f"no certificate: nothing was proven, {path} is not written")
-    else:
-        write_whole(path, json.dumps(answer.bound.certificate) + "\n")
+        return
+    paper = answer.bound.certificate
+    write_whole(path, json.dumps(paper) + "\n")
+    if answer.at_most is not None and paper["at_most"] > answer.at_most * (1 + 1e-9):
+        note(
+            f"{path}: proves at most {rounded_up(paper['at_most'])}; the nearer bound of the answer has no certificate"
+        )

@@ -64,17 +64,19 @@ def space(
         from wiggleroom.report.free_space.space_report import space_table
 
         show(space_table(found, judged))
-    _write(found, judged, outputs, command_line())
+    _write(found, judged, outputs, command_line(), assembly.drawing.notes)
     return 0
 
 
-def _write(found: FreeSpace, judged: SampledAccuracy | None, outputs: PictureOutputs, command: str) -> None:
+def _write(
+    found: FreeSpace, judged: SampledAccuracy | None, outputs: PictureOutputs, command: str, notes: tuple[str, ...]
+) -> None:
     """JSON and picture, where they are asked for."""
     from wiggleroom.cli.outputs import write_picture, write_result
     from wiggleroom.report.free_space.space_report import space_result
 
     if outputs.json is not None:
-        write_result(space_result(found, judged, command), outputs.json)
+        write_result(space_result(found, judged, command, notes), outputs.json)
     if outputs.picture is not None:
         if ending(outputs.picture) == PAGE:
             from wiggleroom.report.page.pages import page_of_space as show

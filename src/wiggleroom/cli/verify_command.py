@@ -78,7 +78,11 @@ def _compared(found: Verified, claim: Claim, drawn: Specification) -> int:
     for line in unstated(claim, drawn):
         print(f"stated by the certificate only: {line}")  # noqa: T201
     print(  # noqa: T201
-        f"checked: {found.bodies} bodies, {found.pairs} pairs that hold each other, {found.chords} chords, "
-        f"{found.programs} linear programs"
+        f"checked: {found.bodies} bodies, {_counted(found.pairs, 'pair')} that hold each other, "
+        f"{_counted(found.chords, 'chord')}, {_counted(found.programs, 'linear program')}"
     )
     return PROVEN
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
+import msgspec
 from msgspec import Meta, Struct
 
-from wiggleroom.schema.fields import Command, Degrees, Pair, Point, Ring
+from wiggleroom.schema.fields import Command, Degrees, Notes, Pair, Point, Ring
 
 
 class CellEntry(Struct):
@@ -48,4 +49,5 @@ class SpaceResult(Struct, tag_field="format", tag="wiggleroom.space/1", kw_only=
     cells: list[CellEntry]
     slices: list[SliceEntry]
     audit: AuditEntry | None
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command

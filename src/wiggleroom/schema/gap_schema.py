@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.schema.fields import AtMost, Command, InSpace, Mm, Objective, PathChecked, Percent
+from wiggleroom.schema.fields import AtMost, Command, InSpace, Mm, Notes, Objective, PathChecked, Percent
 from wiggleroom.verdict import Certainty, Verdict
 
 
@@ -43,6 +44,7 @@ class GapResult(Struct, tag_field="format", tag="wiggleroom.gap/1", kw_only=True
         Meta(description="how far outward the cut lies from the drawn line, so that this gap comes out [mm]"),
     ] = UNSET
     trials: list[GapTrial]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -87,4 +89,5 @@ class TolerancesResult(Struct, tag_field="format", tag="wiggleroom.tolerances/1"
     certainty: Certainty
     stopped: bool
     contributions: Annotated[list[ContributionEntry], Meta(description="the largest first")]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from wiggleroom.schema.fields import (
@@ -57,6 +58,7 @@ class SpatialFlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_
     solver: str
     rounds: Rounds
     seconds: StageSeconds
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -108,6 +110,7 @@ class SpatialCheckResult(Struct, tag_field="format", tag="wiggleroom.check/1", k
     gap: Mm
     largest_gap: SpatialLargestGapEntry | UnsetType = UNSET
     seconds: Seconds
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,7 +71,9 @@ def volume(space: FreeSlices) -> float:
     return float(np.trapezoid([s.area for s in space.slices], np.degrees([s.angle for s in space.slices])))
 
 
-def space_result(space: FreeSpace, judged: SampledAccuracy | None, command: str) -> SpaceResult:
+def space_result(
+    space: FreeSpace, judged: SampledAccuracy | None, command: str, notes: Sequence[str] = ()
+) -> SpaceResult:
     """Everything `space --json` says; lengths in mm, angles in degrees."""
     walls = np.diff(np.concatenate([[0], np.cumsum(space.cells.is_wall)])[space.cells.row])
     a, b = space.parts
@@ -90,6 +93,7 @@ def space_result(space: FreeSpace, judged: SampledAccuracy | None, command: str)
         audit=None
         if judged is None
         else AuditEntry(judged.samples, judged.free, judged.accepted, judged.unsafe, judged.lost),
+        notes=list(notes),
         command=command,
     )
 

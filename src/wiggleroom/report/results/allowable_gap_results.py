@@ -50,6 +50,7 @@ def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None
             )
             for t in found.trials
         ],
+        notes=list(found.assembly.drawing.notes),
         command=command,
     )
 

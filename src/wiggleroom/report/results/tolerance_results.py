@@ -46,6 +46,7 @@ def tolerances_result(found: WorstCase, command: str = "") -> TolerancesResult:
             )
             for c, share in zip(found.contributions, found.percent.tolist(), strict=True)
         ],
+        notes=list(found.nominal.assembly.drawing.notes),
         command=command,
     )
 
@@ -96,7 +97,7 @@ def tolerances_sure(found: WorstCase) -> list[tuple[str, str]]:
     else:
         said.append(("best", f"{_moves(found.tightest)}, every outline as far out as allowed"))
     sums = f"sum {number(found.first_order)} {what}, root of squares {number(found.root_sum_square)} {what}"
-    said.append(("to first", f"order: {sums.rstrip()}"))
+    said.append(("1st order", sums.rstrip()))
     if found.limit is not None:
         kept = "kept" if found.keeps else "not kept"
         sure = "proven" if found.certainty is Certainty.PROVEN else "searched"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,9 +53,9 @@ def draw_spatial_parts(assembly: SpatialAssembly, path: Path) -> None:
 
 
 def _entries(assembly: SpatialAssembly) -> list[SpatialPartListing]:
-    """All parts as drawn: the gap is not taken off."""
+    """All parts as drawn: no gap is taken off, of a single joint neither."""
     found = []
-    drawn = assemble_spatial(assembly.drawing, gap=0.0).made
+    drawn = assemble_spatial(replace(assembly.drawing, gaps=()), gap=0.0).made
     for part, made, at in zip(assembly.parts, drawn, assembly.reference, strict=True):
         size = np.ptp(made.surface.vertices @ part.R.T, axis=0).round(9)
         found.append(

@@ -42,6 +42,7 @@ def spatial_flex_result(answer: SpatialAnswer) -> SpatialFlexResult:
         solver=answer.solver,
         rounds=answer.rounds,
         seconds={stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
+        notes=list(answer.assembly.drawing.notes),
         command=answer.command,
     )
 
@@ -56,6 +57,7 @@ def spatial_check_result(
         gap=found.assembly.gap,
         largest_gap=UNSET if border is None else _largest_gap(border),
         seconds=round(found.seconds, 4),
+        notes=list(found.assembly.drawing.notes),
         command=command,
     )
 
