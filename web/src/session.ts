@@ -4,10 +4,11 @@ import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
+import { forgetFile, isLink, keepDesign, keepFile, keepRecent, keptDesign, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
+import { leavingAbout } from "./leaving.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import { assembled, forgetSheet, laid, ofSheet } from "./sheetState.ts";
@@ -15,6 +16,8 @@ import * as state from "./state.ts";
 
 let socket: Socket | null = null;
 const asked = new Map<number, { kind: Kind; design: Design }>();
+/** Of a reply whose request is not known: never the present one. */
+const UNKNOWN: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
 let quick: { id: number; since: number; again: boolean } | null = null;
 /** The newest request of the drag under way; what was answered to the ones before it is shown too. */
 let drag: { id: number; wanted: Wanted } | null = null;
@@ -32,7 +35,7 @@ export function start(): void {
   url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
   url.search = `?token=${encodeURIComponent(token())}`;
   socket = new Socket(url.href, { reply: hear, line: heardLine });
-  addEventListener("hashchange", () => linked() && location.reload()); // a link that was put into this tab's address
+  addEventListener("hashchange", () => isLink() && location.reload()); // a link that was put into this tab's address
   follow();
 }
 
@@ -92,7 +95,7 @@ export function ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false):
     return 0;
   }
   if ("design" in body) asked.set(id, { kind, design: body.design as Design });
-  for (const old of asked.keys()) if (old < id - 500) asked.delete(old);
+  for (const [old, one] of asked) if (one.kind === kind && old < id - 500) asked.delete(old); // a moving hand asks hundreds of times while a study goes on
   setRunning(kind, true);
   return id;
 }
@@ -117,7 +120,10 @@ function askFlex(): void {
   const wanted = design.peek();
   endDrag();
   setRunning("bound", false); // the server leaves it too
-  if (!asks(wanted)) {
+  const asking = asks(wanted);
+  const other = asking ? "shape" : "flex";
+  if (state.running.peek().has(other)) cancel(other); // what it would tell is of a design before
+  if (!asking) {
     state.answer.value = null;
     showRest();
     ask("shape", { design: wanted });
@@ -179,7 +185,15 @@ export function back(): void {
   else showRest();
 }
 
-export function openFile(name: string, bytes: Uint8Array): void {
+/** Opens a file that was chosen or dropped; a folder cannot be read. */
+export async function openPicked(file: File): Promise<void> {
+  const bytes = await file.arrayBuffer().catch(() => null);
+  if (bytes) return openFile(file.name, new Uint8Array(bytes));
+  state.unopened.value = [`${file.name}: cannot be read; choose one file, not a folder`];
+  state.sheetOpen.value = true;
+}
+
+function openFile(name: string, bytes: Uint8Array): void {
   const most = state.hello.peek()?.limits.upload_mb ?? 20;
   if (bytes.length > most * 1e6) {
     state.unopened.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
@@ -201,8 +215,10 @@ let pendingFile: Opening | null = null;
 let file: Opening | null = null;
 let again = false;
 
-export function save(what: SaveWhat, of: "flex" | "check" | "plan" = "flex"): void {
-  ask("save", { design: design.peek(), what, of });
+/** Saves the answer to the present design, or the film that is shown, whichever design that is of. */
+export function save(what: SaveWhat): void {
+  const film = leavingAbout();
+  ask("save", { design: film?.design ?? design.peek(), what, of: film?.reply.kind ?? "flex" });
 }
 
 /** The address that leads to this design. */
@@ -240,13 +256,13 @@ function take(reply: Reply, paths: Frames[]): void {
   const earlier = reply.kind === "drag" && reply.id !== drag?.id; // than where the hand is now
   const beside = reply.kind === "flex" && isBeside(reply.id);
   if ("id" in reply && settled && reply.kind !== "step" && !earlier && !beside) setRunning(requestOf(reply), false);
-  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id)?.design ?? design.peek(), paths });
+  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id)?.design ?? UNKNOWN, paths });
   const still = (of: Reply): boolean => state.current(about(of)); // the design is still the one that was asked about
   switch (reply.kind) {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
     case "opened": return opened(reply);
-    case "shape": reshaped(reply); shaped = about(reply).design; state.findings.value = []; return;
+    case "shape": return still(reply) ? restShaped(reply) : undefined;
     case "flex": return flexed(about(reply), beside);
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return still(reply) ? showMode(0) : undefined;
@@ -274,6 +290,13 @@ function reshaped({ rings, solids, shown }: { rings?: Opened["parts"][number]["r
   outlines = shown ?? outlines;
   if (solids) state.solids.value = solids;
   else if (rings) state.rings.value = rings;
+}
+
+/** Outlines of the present design, of which nothing is asked. */
+function restShaped(reply: Extract<Reply, { kind: "shape" }>): void {
+  reshaped(reply);
+  shaped = design.peek();
+  state.findings.value = [];
 }
 
 /** Whether an answer was told by a search in idle time, or before a study. */
@@ -413,8 +436,19 @@ function opened(reply: Opened): void {
   showRest(false);
   kept.value = null;
   const mine = keptDesign(reply);
+  leftOut(reply.name);
   begin(mine?.design ?? read, mine?.history);
 }
+
+/** Says that the design of the link in the address is not the one that is shown. */
+function leftOut(name: string): void {
+  if (!isLink()) return;
+  const link = linked();
+  if (link && link.name !== name) return otherFile(link.name);
+  leaveLink();
+  state.notice.value = link ? `The link is about another version of ${name}: its design is left out.` : "The link is not whole: the design that it carries is left out.";
+}
+const otherFile = (name: string): void => void (state.notice.value = `The link carries a design for ${name}: open that file.`);
 
 function reopen(): void {
   again = state.drawing.peek() !== null;
@@ -422,7 +456,7 @@ function reopen(): void {
   if (link?.sample) return openAs({ name: link.sample, sample: true });
   const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
   if (link && before) return openAs("data" in before ? { name: before.name, data: before.data } : before);
-  if (link) state.notice.value = `The link carries a design for ${link.name ?? "a drawing"}: open that file.`;
+  if (link) otherFile(link.name);
   else if (before) ask("open", (file = before as Opening));
 }
 
@@ -442,7 +476,7 @@ function failed(of: string, lines: Finding[]): void {
     if (again) return askFlex(); // it failed for a design that has been changed since
     state.waiting.value = false;
     state.answer.value = null;
-    if (shown.peek().what !== "drag") showRest();
+    if (shown.peek().what !== "drag" || !state.dragged.peek()) showRest();
   }
   if (of === "drag") {
     drag = null;
