@@ -22,9 +22,7 @@ let quick: { id: number; since: number; again: boolean } | null = null;
 /** The newest request of the drag under way; what was answered to the ones before it is shown too. */
 let drag: { id: number; wanted: Wanted } | null = null;
 type Wanted = Requests["drag"];
-/** The design whose outlines are shown; null while they are as drawn. */
-let shaped: Design | null = null;
-/** Their name. */
+/** Name of the outlines that are shown. */
 let outlines = "";
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
@@ -57,6 +55,7 @@ export function follow(): void {
     keepDesign(opened, now, history());
     untracked(() => {
       if (reviewed) state.findings.value = state.findings.peek().filter((one) => !changed(one.about, reviewed!, now));
+      else if (state.trouble.peek() !== "line" && !ofSheet(state.trouble.peek())) state.findings.value = []; // of a question about the design before
       reviewed = now;
       preview(now.gap);
       askFlex();
@@ -142,7 +141,7 @@ function askFlex(): void {
 export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
   if (!socket?.ready) return away();
   const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
-  leads(wanted, sameShape());
+  leads(wanted, state.shapedNow.peek());
   const before = state.dragging.peek();
   if (before?.part !== part || before.grip !== grip) state.dragging.value = { part, grip };
   const goesOn = drag !== null && drag.wanted.part === part && drag.wanted.design === wanted.design;
@@ -156,15 +155,21 @@ function leads({ part, grip, target }: Wanted, shaped: boolean): void {
   if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
 }
 
-/** Whether the outlines shown are those of the present design. */
-function sameShape(): boolean {
-  const now = design.peek();
-  return shaped !== null && (shaped === now || shapeOf(shaped) === shapeOf(now));
+/** Whether a part can move at all; says so where it cannot. */
+function movable(part: string): boolean {
+  const stands = design.peek().fixed.includes(part);
+  if (stands) state.notice.value = `${part} is fixed: it does not move`;
+  return !stands;
 }
-const shapeOf = ({ gap, extra, glue }: Design): string => JSON.stringify([gap, extra, glue]);
+
+/** Asks for every freedom that is left, of one part or of all. */
+export function askModes(part?: string): void {
+  if (!part || movable(part)) ask("wiggle", { design: design.peek(), ...(part && { part }) });
+}
 
 /** Asks where the chosen part can be brought by the point where it was pressed. */
 export function askReach(part: string): void {
+  if (!movable(part)) return;
   const i = state.indexOf.peek().get(part)!;
   const grip = state.pressed.peek() ?? (state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point);
   ask("reach", { design: design.peek(), part, grip });
@@ -295,7 +300,7 @@ function reshaped({ rings, solids, shown }: { rings?: Opened["parts"][number]["r
 /** Outlines of the present design, of which nothing is asked. */
 function restShaped(reply: Extract<Reply, { kind: "shape" }>): void {
   reshaped(reply);
-  shaped = design.peek();
+  state.shaped.value = design.peek();
   state.findings.value = [];
 }
 
@@ -308,7 +313,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>, beside: bo
   if (quick?.id === reply.id) quick = null;
   if (beside && about.design !== design.peek()) return;
   reshaped(reply);
-  shaped = about.design;
+  state.shaped.value = about.design;
   const same = questionOf(about.design) === question.peek();
   if (same && paths[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(paths[0]), atMost: reply.at_most });
   if (about.design === design.peek()) {
@@ -359,14 +364,14 @@ function bounded(about: state.About<Extract<Reply, { kind: "bound" }>>): void {
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
   if (!drag) return;
   reshaped(about.reply);
-  shaped = about.design;
+  state.shaped.value = about.design;
   if (about.design !== design.peek() || !about.paths[0]) return;
   const before = state.dragged.peek()?.reply;
   if (!about.reply.settled && before?.part === about.reply.part) about.reply.blocking = before.blocking; // until it is known anew
   state.dragged.value = about;
   show({ what: "drag", frames: about.paths[0], label: "dragged", back: false }, false);
   if (about.reply.settled && about.reply.id === drag.id) lead.value = null; // the truth is there
-  else leads(drag.wanted, sameShape());
+  else leads(drag.wanted, state.shapedNow.peek());
 }
 
 export function showMode(which: number): void {
@@ -430,7 +435,7 @@ function opened(reply: Opened): void {
   state.solids.value = reply.solids ?? null;
   state.outlined.value = new Set();
   state.exploded.value = 0;
-  shaped = null;
+  state.shaped.value = null;
   outlines = "";
   state.drawing.value = reply;
   showRest(false);

@@ -1,7 +1,7 @@
 /** What can be done with the chosen part. */
 
 import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pulledNames, setExtras, settle, toggleFixed, togglePull, toggleTwist, unglue } from "../design.ts";
-import { ask, askReach } from "../session.ts";
+import { askModes, askReach } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
 import { along, farOf, place, playing, shown, turnOf } from "../motion.ts";
 import { isTwist } from "../protocol.ts";
@@ -10,10 +10,6 @@ import { chooseMany, lassoing } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
-
-export function wiggle(part?: string): void {
-  ask("wiggle", part ? { design: design.peek(), part } : { design: design.peek() });
-}
 
 export function glueOrNot(name: string): void {
   if (groupOf(name)) unglue(name);
@@ -36,7 +32,7 @@ export function Selection() {
       <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
-      <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => wiggle(name)}>Wiggle</Button>
+      <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => askModes(name)} disabled={fixedNames.value.has(name)}>Wiggle</Button>
       <Button icon="reach" label="Show where it can be brought" keyName="R" onClick={() => askReach(name)} disabled={fixedNames.value.has(name)} pressed={reached(name)}>Reach</Button>
       <ExtraGap name={name} />
     </div>
