@@ -182,6 +182,8 @@ def test_a_film_of_an_earlier_design_is_saved_as_the_film_that_is_seen(browser: 
 
 def test_what_a_question_about_a_design_before_complained_of_is_gone(browser: Any, peg: Served) -> None:
     with visiting(browser, peg) as page:
+        late = Late(page, set())
+        page.goto(address(peg))
         answered(page, "peg moves 1 mm")
         page.get_by_role("button", name="Do not ask for peg").click()
         page.locator("#answer", has_text="nothing asked").wait_for()
@@ -198,6 +200,14 @@ def test_what_a_question_about_a_design_before_complained_of_is_gone(browser: An
         page.locator(".findings").wait_for()
         page.keyboard.press("Control+z")
         page.locator(".findings").wait_for(state="hidden")
+        page.keyboard.press("Control+Shift+z")
+        late.kinds = {"failed"}
+        page.locator(".stage canvas").press("w")
+        until(page, lambda: len(late.held) > 0, "no complaint")
+        page.keyboard.press("Control+z")
+        late.go()
+        page.locator(".notices", has_text="of an earlier design").wait_for()
+        assert page.locator(".findings").count() == 0
 
 
 def test_a_free_space_says_of_which_pair_it_is(browser: Any) -> None:

@@ -42,6 +42,7 @@ export function listen(): void {
 function act(event: KeyboardEvent): boolean {
   const { key } = event;
   if (state.atStart.peek()) return key === "Escape" && !(state.atStart.value = false);
+  if (!state.drawing.peek() && !"?o".includes(key)) return false;
   const name = state.selected.peek();
   const tabAt = Number(key) - 1;
   if (key in ARROWS) return arrow(ARROWS[key]!, event.shiftKey);

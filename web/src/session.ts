@@ -285,7 +285,7 @@ function take(reply: Reply, paths: Frames[]): void {
     case "assembled": assembled.value = reply; if (ofSheet(state.trouble.value)) state.findings.value = []; return;
     case "lay": laid.value = reply; return;
     case "saved": return download(reply);
-    case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
+    case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said), asked.get(reply.id)?.design);
   }
 }
 
@@ -474,7 +474,11 @@ function worker(now: "ready" | "lost" | "restarted"): void {
 /** A line about nothing in particular. */
 const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [] });
 
-function failed(of: string, lines: Finding[]): void {
+function failed(of: string, lines: Finding[], about?: Design): void {
+  if (about && about !== design.peek() && !["flex", "shape", "drag"].includes(of)) {
+    state.notice.value = `of an earlier design: ${lines.map((one) => one.words).join("; ")}`;
+    return;
+  }
   if (of === "flex") {
     const again = quick?.again;
     quick = null;
