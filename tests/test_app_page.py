@@ -105,6 +105,9 @@ def test_what_cannot_be_asked_is_said_in_plain_lines(page: Visit) -> None:
     assert page.ask("drag", part="peg", grip=[15, 15], target=[0, 0])["findings"] == [found[0]]
     page.design = {"gap": 40.0, "fixed": ["frame"], "goals": [{"part": "peg", "direction": [1, 0]}]}
     assert "smaller gap" in page.ask("shape")["findings"][0]
+    for gap, words in ((1e10, "gap must be 1000000000 or less"), (-1, "gap must be 0 or more")):
+        page.design = {"gap": gap}
+        assert page.ask("shape")["findings"][0].endswith(words)
 
 
 def test_commands_say_what_is_on_screen(

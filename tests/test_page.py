@@ -298,7 +298,7 @@ def test_the_ranking_colours_the_parts_and_sorts_the_table(browser: Any) -> None
         gap = page.get_by_label("gap, mm", exact=True)
         gap.fill(str(0.9 * float(gap.input_value())))
         page.keyboard.press("Enter")
-        page.get_by_text("ranked for an earlier design").wait_for()
+        page.get_by_text("ranked for an earlier design").first.wait_for()
         x, y = still(page)
         until(page, lambda: colour(page, x - 16, y - 6) == before, "colours of an earlier design stay")
 

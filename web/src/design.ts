@@ -2,6 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import { type Design, type Goal, type Goals, isTwist } from "./protocol.ts";
+import { own } from "./words.ts";
 
 /** Of what is open: 3 for an assembly in space. */
 export const dimension = signal<2 | 3>(2);
@@ -131,20 +132,13 @@ export function unglue(name: string): void {
   change({ glue: rest });
 }
 
-export function setExtra(name: string, value: number, merge = ""): void {
-  const extra = { ...design.value.extra };
-  if (value === 0) delete extra[name];
-  else extra[name] = value;
-  change({ extra }, merge);
-}
+/** Extra gap round a part [mm]. */
+export const extraOf = (name: string): number => own(design.value.extra, name) ?? 0;
 
-export function setExtras(names: readonly string[], value: number): void {
-  const extra = { ...design.value.extra };
-  for (const name of names) {
-    if (value === 0) delete extra[name];
-    else extra[name] = value;
-  }
-  change({ extra });
+/** The same extra gap round some parts. */
+export function setExtras(names: readonly string[], value: number, merge = ""): void {
+  const others = Object.entries(design.value.extra).filter(([name]) => !names.includes(name));
+  change({ extra: Object.fromEntries(value === 0 ? others : [...others, ...names.map((name) => [name, value] as const)]) }, merge);
 }
 
 /** Text that is the same for designs that differ in the gap alone. */

@@ -88,7 +88,23 @@ export function keptFile(): Opening | null {
 export const mark = (of: Opened): string => `${of.name}|${of.gap}|${of.parts.length}|${of.size.join(",")}`;
 
 /** What an address says after its #: a design, of a sample or of the drawing with that mark. */
-interface Linked { name?: string; mark: string; design: Design; sample?: string }
+interface Linked { name: string; mark: string; design: Design; sample?: string }
+
+const isText = (one: unknown): boolean => typeof one === "string";
+const all = (list: unknown, each: (one: unknown) => boolean): boolean => Array.isArray(list) && list.every(each);
+const numbers = (list: unknown): boolean => all(list, Number.isFinite);
+
+/** Whether something is a design: what was kept or linked may come from another version of the page, or from any hand. */
+export function isDesign(one: unknown): one is Design {
+  const { gap, extra, fixed, glue, goals } = Object(one) as Record<string, unknown>;
+  return Number.isFinite(gap) && (gap as number) >= 0 && extra instanceof Object && numbers(Object.values(extra)) && all(fixed, isText)
+    && all(glue, (group) => all(group, isText)) && (isText(goals) || all(goals, isGoal));
+}
+
+function isGoal(one: unknown): boolean {
+  const { part, direction, point, turn, w } = Object(one) as Record<string, unknown>;
+  return isText(part) && [direction, point, turn, w].every((said) => said == null || numbers(said) || (said === turn && isText(said)));
+}
 
 /** Address of this page that carries the design; whoever opens it needs the same file, unless it is a sample. */
 export function linkTo(of: Opened, design: Design, sample?: string): string {
@@ -97,15 +113,22 @@ export function linkTo(of: Opened, design: Design, sample?: string): string {
   return `${location.origin}/#state=${data}`;
 }
 
+export const isLink = (): boolean => /[#&]state=/.test(location.hash);
+
+/** What the link in the address says; null where there is none, or where it is not whole. */
 export function linked(): Linked | null {
   const data = /[#&]state=([\w-]+)/.exec(location.hash)?.[1];
   if (!data) return null;
   try {
-    return JSON.parse(new TextDecoder().decode(fromBase64(data.replaceAll("-", "+").replaceAll("_", "/")))) as Linked;
+    const told = JSON.parse(new TextDecoder().decode(fromBase64(data.replaceAll("-", "+").replaceAll("_", "/")))) as Linked;
+    return isText(told.name) && isText(told.mark) && isDesign(told.design) ? told : null;
   } catch {
     return null;
   }
 }
+
+/** From now on what is set in the page counts. */
+export const leaveLink = (): void => history.replaceState(null, "", location.pathname);
 
 const MAX_STEPS = 40;
 interface KeptDesign { mark: string; design: Design; history?: History }
@@ -119,9 +142,9 @@ export function keepDesign(of: Opened, design: Design, { past, future }: History
 export function keptDesign(of: Opened): { design: Design; history?: History } | null {
   const told = linked();
   if (told?.mark === mark(of)) {
-    history.replaceState(null, "", location.pathname); // from now on what is set here counts
-    return told;
+    leaveLink();
+    return { design: told.design };
   }
   const kept = JSON.parse(read("design") ?? "null") as KeptDesign | null;
-  return kept && kept.mark === mark(of) ? kept : null;
+  return kept && kept.mark === mark(of) && isDesign(kept.design) && [kept.history?.past, kept.history?.future].every((list) => all(list, isDesign)) ? kept : null;
 }

@@ -3,13 +3,13 @@
 import { design, goals, inSpace, redo, setGoal, settle, toggleFixed, togglePull, toggleTwist, undo } from "./design.ts";
 import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point, type Triple } from "./protocol.ts";
-import { askDrag, askReach, back, cancel, setGap } from "./session.ts";
+import { askDrag, askModes, askReach, back, cancel, setGap } from "./session.ts";
 import { fitAll, solidView, view, zoomBy } from "./stage/camera.ts";
 import { keep, kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
 import { degrees } from "./words.ts";
-import { glueOrNot, seePast, stepOf, wiggle } from "./chrome/Selection.tsx";
+import { glueOrNot, seePast, stepOf } from "./chrome/Selection.tsx";
 import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
@@ -42,6 +42,7 @@ export function listen(): void {
 function act(event: KeyboardEvent): boolean {
   const { key } = event;
   if (state.atStart.peek()) return key === "Escape" && !(state.atStart.value = false);
+  if (!state.drawing.peek() && !"?o".includes(key)) return false;
   const name = state.selected.peek();
   const tabAt = Number(key) - 1;
   if (key in ARROWS) return arrow(ARROWS[key]!, event.shiftKey);
@@ -64,7 +65,7 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * stepOf(design.peek().gap));
   else if (key === "o") document.getElementById("file")?.click();
   else if (key === "s") document.querySelector<HTMLElement>(".savebutton")?.click();
-  else if (key === "w") wiggle(name ?? undefined);
+  else if (key === "w") askModes(name ?? undefined);
   else if (!name) return false;
   else if (key === "r") askReach(name);
   else if (key === "t" && inSpace()) toggleTwist(name);

@@ -4,10 +4,11 @@ import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
+import { forgetFile, isLink, keepDesign, keepFile, keepRecent, keptDesign, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
+import { leavingAbout } from "./leaving.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import { assembled, forgetSheet, laid, ofSheet } from "./sheetState.ts";
@@ -15,13 +16,13 @@ import * as state from "./state.ts";
 
 let socket: Socket | null = null;
 const asked = new Map<number, { kind: Kind; design: Design }>();
+/** Of a reply whose request is not known: never the present one. */
+const UNKNOWN: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
 let quick: { id: number; since: number; again: boolean } | null = null;
 /** The newest request of the drag under way; what was answered to the ones before it is shown too. */
 let drag: { id: number; wanted: Wanted } | null = null;
 type Wanted = Requests["drag"];
-/** The design whose outlines are shown; null while they are as drawn. */
-let shaped: Design | null = null;
-/** Their name. */
+/** Name of the outlines that are shown. */
 let outlines = "";
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
@@ -32,7 +33,7 @@ export function start(): void {
   url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
   url.search = `?token=${encodeURIComponent(token())}`;
   socket = new Socket(url.href, { reply: hear, line: heardLine });
-  addEventListener("hashchange", () => linked() && location.reload()); // a link that was put into this tab's address
+  addEventListener("hashchange", () => isLink() && location.reload()); // a link that was put into this tab's address
   follow();
 }
 
@@ -54,6 +55,7 @@ export function follow(): void {
     keepDesign(opened, now, history());
     untracked(() => {
       if (reviewed) state.findings.value = state.findings.peek().filter((one) => !changed(one.about, reviewed!, now));
+      else if (state.trouble.peek() !== "line" && !ofSheet(state.trouble.peek())) state.findings.value = []; // of a question about the design before
       reviewed = now;
       preview(now.gap);
       askFlex();
@@ -92,7 +94,7 @@ export function ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false):
     return 0;
   }
   if ("design" in body) asked.set(id, { kind, design: body.design as Design });
-  for (const old of asked.keys()) if (old < id - 500) asked.delete(old);
+  for (const [old, one] of asked) if (one.kind === kind && old < id - 500) asked.delete(old); // a moving hand asks hundreds of times while a study goes on
   setRunning(kind, true);
   return id;
 }
@@ -117,7 +119,10 @@ function askFlex(): void {
   const wanted = design.peek();
   endDrag();
   setRunning("bound", false); // the server leaves it too
-  if (!asks(wanted)) {
+  const asking = asks(wanted);
+  const other = asking ? "shape" : "flex";
+  if (state.running.peek().has(other)) cancel(other); // what it would tell is of a design before
+  if (!asking) {
     state.answer.value = null;
     showRest();
     ask("shape", { design: wanted });
@@ -136,7 +141,7 @@ function askFlex(): void {
 export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
   if (!socket?.ready) return away();
   const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
-  leads(wanted, sameShape());
+  leads(wanted, state.shapedNow.peek());
   const before = state.dragging.peek();
   if (before?.part !== part || before.grip !== grip) state.dragging.value = { part, grip };
   const goesOn = drag !== null && drag.wanted.part === part && drag.wanted.design === wanted.design;
@@ -150,15 +155,21 @@ function leads({ part, grip, target }: Wanted, shaped: boolean): void {
   if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
 }
 
-/** Whether the outlines shown are those of the present design. */
-function sameShape(): boolean {
-  const now = design.peek();
-  return shaped !== null && (shaped === now || shapeOf(shaped) === shapeOf(now));
+/** Whether a part can move at all; says so where it cannot. */
+function movable(part: string): boolean {
+  const stands = design.peek().fixed.includes(part);
+  if (stands) state.notice.value = `${part} is fixed: it does not move`;
+  return !stands;
 }
-const shapeOf = ({ gap, extra, glue }: Design): string => JSON.stringify([gap, extra, glue]);
+
+/** Asks for every freedom that is left, of one part or of all. */
+export function askModes(part?: string): void {
+  if (!part || movable(part)) ask("wiggle", { design: design.peek(), ...(part && { part }) });
+}
 
 /** Asks where the chosen part can be brought by the point where it was pressed. */
 export function askReach(part: string): void {
+  if (!movable(part)) return;
   const i = state.indexOf.peek().get(part)!;
   const grip = state.pressed.peek() ?? (state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point);
   ask("reach", { design: design.peek(), part, grip });
@@ -179,7 +190,15 @@ export function back(): void {
   else showRest();
 }
 
-export function openFile(name: string, bytes: Uint8Array): void {
+/** Opens a file that was chosen or dropped; a folder cannot be read. */
+export async function openPicked(file: File): Promise<void> {
+  const bytes = await file.arrayBuffer().catch(() => null);
+  if (bytes) return openFile(file.name, new Uint8Array(bytes));
+  state.unopened.value = [`${file.name}: cannot be read; choose one file, not a folder`];
+  state.sheetOpen.value = true;
+}
+
+function openFile(name: string, bytes: Uint8Array): void {
   const most = state.hello.peek()?.limits.upload_mb ?? 20;
   if (bytes.length > most * 1e6) {
     state.unopened.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
@@ -201,8 +220,10 @@ let pendingFile: Opening | null = null;
 let file: Opening | null = null;
 let again = false;
 
-export function save(what: SaveWhat, of: "flex" | "check" | "plan" = "flex"): void {
-  ask("save", { design: design.peek(), what, of });
+/** Saves the answer to the present design, or the film that is shown, whichever design that is of. */
+export function save(what: SaveWhat): void {
+  const film = leavingAbout();
+  ask("save", { design: film?.design ?? design.peek(), what, of: film?.reply.kind ?? "flex" });
 }
 
 /** The address that leads to this design. */
@@ -240,13 +261,13 @@ function take(reply: Reply, paths: Frames[]): void {
   const earlier = reply.kind === "drag" && reply.id !== drag?.id; // than where the hand is now
   const beside = reply.kind === "flex" && isBeside(reply.id);
   if ("id" in reply && settled && reply.kind !== "step" && !earlier && !beside) setRunning(requestOf(reply), false);
-  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id)?.design ?? design.peek(), paths });
+  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id)?.design ?? UNKNOWN, paths });
   const still = (of: Reply): boolean => state.current(about(of)); // the design is still the one that was asked about
   switch (reply.kind) {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
     case "opened": return opened(reply);
-    case "shape": reshaped(reply); shaped = about(reply).design; state.findings.value = []; return;
+    case "shape": return still(reply) ? restShaped(reply) : undefined;
     case "flex": return flexed(about(reply), beside);
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return still(reply) ? showMode(0) : undefined;
@@ -264,7 +285,7 @@ function take(reply: Reply, paths: Frames[]): void {
     case "assembled": assembled.value = reply; if (ofSheet(state.trouble.value)) state.findings.value = []; return;
     case "lay": laid.value = reply; return;
     case "saved": return download(reply);
-    case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
+    case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said), asked.get(reply.id)?.design);
   }
 }
 
@@ -276,6 +297,13 @@ function reshaped({ rings, solids, shown }: { rings?: Opened["parts"][number]["r
   else if (rings) state.rings.value = rings;
 }
 
+/** Outlines of the present design, of which nothing is asked. */
+function restShaped(reply: Extract<Reply, { kind: "shape" }>): void {
+  reshaped(reply);
+  state.shaped.value = design.peek();
+  state.findings.value = [];
+}
+
 /** Whether an answer was told by a search in idle time, or before a study. */
 const isBeside = (id: number): boolean => (asked.get(id)?.kind ?? "flex") !== "flex";
 
@@ -285,7 +313,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>, beside: bo
   if (quick?.id === reply.id) quick = null;
   if (beside && about.design !== design.peek()) return;
   reshaped(reply);
-  shaped = about.design;
+  state.shaped.value = about.design;
   const same = questionOf(about.design) === question.peek();
   if (same && paths[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(paths[0]), atMost: reply.at_most });
   if (about.design === design.peek()) {
@@ -336,14 +364,14 @@ function bounded(about: state.About<Extract<Reply, { kind: "bound" }>>): void {
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
   if (!drag) return;
   reshaped(about.reply);
-  shaped = about.design;
+  state.shaped.value = about.design;
   if (about.design !== design.peek() || !about.paths[0]) return;
   const before = state.dragged.peek()?.reply;
   if (!about.reply.settled && before?.part === about.reply.part) about.reply.blocking = before.blocking; // until it is known anew
   state.dragged.value = about;
   show({ what: "drag", frames: about.paths[0], label: "dragged", back: false }, false);
   if (about.reply.settled && about.reply.id === drag.id) lead.value = null; // the truth is there
-  else leads(drag.wanted, sameShape());
+  else leads(drag.wanted, state.shapedNow.peek());
 }
 
 export function showMode(which: number): void {
@@ -407,14 +435,25 @@ function opened(reply: Opened): void {
   state.solids.value = reply.solids ?? null;
   state.outlined.value = new Set();
   state.exploded.value = 0;
-  shaped = null;
+  state.shaped.value = null;
   outlines = "";
   state.drawing.value = reply;
   showRest(false);
   kept.value = null;
   const mine = keptDesign(reply);
+  leftOut(reply.name);
   begin(mine?.design ?? read, mine?.history);
 }
+
+/** Says that the design of the link in the address is not the one that is shown. */
+function leftOut(name: string): void {
+  if (!isLink()) return;
+  const link = linked();
+  if (link && link.name !== name) return otherFile(link.name);
+  leaveLink();
+  state.notice.value = link ? `The link is about another version of ${name}: its design is left out.` : "The link is not whole: the design that it carries is left out.";
+}
+const otherFile = (name: string): void => void (state.notice.value = `The link carries a design for ${name}: open that file.`);
 
 function reopen(): void {
   again = state.drawing.peek() !== null;
@@ -422,7 +461,7 @@ function reopen(): void {
   if (link?.sample) return openAs({ name: link.sample, sample: true });
   const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
   if (link && before) return openAs("data" in before ? { name: before.name, data: before.data } : before);
-  if (link) state.notice.value = `The link carries a design for ${link.name ?? "a drawing"}: open that file.`;
+  if (link) otherFile(link.name);
   else if (before) ask("open", (file = before as Opening));
 }
 
@@ -435,14 +474,18 @@ function worker(now: "ready" | "lost" | "restarted"): void {
 /** A line about nothing in particular. */
 const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [] });
 
-function failed(of: string, lines: Finding[]): void {
+function failed(of: string, lines: Finding[], about?: Design): void {
+  if (about && about !== design.peek() && !["flex", "shape", "drag"].includes(of)) {
+    state.notice.value = `of an earlier design: ${lines.map((one) => one.words).join("; ")}`;
+    return;
+  }
   if (of === "flex") {
     const again = quick?.again;
     quick = null;
     if (again) return askFlex(); // it failed for a design that has been changed since
     state.waiting.value = false;
     state.answer.value = null;
-    if (shown.peek().what !== "drag") showRest();
+    if (shown.peek().what !== "drag" || !state.dragged.peek()) showRest();
   }
   if (of === "drag") {
     drag = null;

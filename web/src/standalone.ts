@@ -38,6 +38,7 @@ export function unpack(): boolean {
     return { gap, objective, verdict, end: one && objective !== null ? end(one.path) : null, atMost: at_most ?? null };
   });
   state.rings.value = rest;
+  state.shaped.value = design.peek();
   if (known.length === 0) {
     showRest(false);
     if (!calm()) showEscape(0);
@@ -50,6 +51,7 @@ export function unpack(): boolean {
       return showRest();
     }
     state.rings.value = outlines ? standing(outlines) : rest;
+    state.shaped.value = design.value;
     state.answer.value = about(flex, [path]);
     magnify(reachOf(path));
     showAnswer(path, flex.leaves.length > 0);

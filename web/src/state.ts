@@ -31,6 +31,11 @@ export const atStart = signal(false);
 
 export const drawing = signal<Opened | null>(null);
 export const rings = signal<Ring[][]>([]);
+/** The design whose outlines are shown; null while they are as drawn. */
+export const shaped = signal<Design | null>(null);
+/** Whether they are those of the present design. */
+export const shapedNow = computed(() => shaped.value !== null && (shaped.value === design.value || shapeOf(shaped.value) === shapeOf(design.value)));
+const shapeOf = ({ gap, extra, glue }: Design): string => JSON.stringify([gap, extra, glue]);
 /** Parts in space as they are made. */
 export const solids = signal<Solids | null>(null);
 export const names = computed(() => drawing.value?.parts.map((part) => part.name) ?? []);

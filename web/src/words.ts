@@ -28,6 +28,9 @@ export function ask(goal: Goal): string {
   return `${goal.part} along w = (${(goal.w ?? []).map((v) => number(v, 3)).join(", ")})`;
 }
 
+/** What a record says of a name; parts may be called as what every object has. */
+export const own = <T>(record: Readonly<Record<string, T>>, name: string): T | undefined => (Object.hasOwn(record, name) ? record[name] : undefined);
+
 /** Of some things the one whose number is nearest to another one. */
 export function nearestBy<T>(some: readonly T[], of: (one: T) => number, to: number): T | undefined {
   return some.reduce<T | undefined>((best, one) => (best === undefined || Math.abs(of(one) - to) < Math.abs(of(best) - to) ? one : best), undefined);
@@ -46,10 +49,13 @@ export function short(name: string, most = 24): string {
   return signs.length <= most ? name : `${signs.slice(0, most / 2 - 1).join("")}…${signs.slice(-most / 2).join("")}`;
 }
 
+/** A name in a line of words: what is written from right to left keeps the numbers after it where they belong. */
+export const inLine = (name: string, most?: number): string => (/[\p{Script=Hebrew}\p{Script=Arabic}\p{Script=Syriac}\p{Script=Thaana}\p{Script=Nko}]/u.test(name) ? `\u2068${short(name, most)}\u2069` : short(name, most));
+
 /** Names in a row, the rest counted. */
 export function few(names: readonly string[], most = 6): string {
   const more = names.length - most;
-  return names.slice(0, most).map((name) => short(name)).join(", ") + (more > 0 ? ` and ${more} more` : "");
+  return names.slice(0, most).map((name) => inLine(name)).join(", ") + (more > 0 ? ` and ${more} more` : "");
 }
 
 /** Round numbers from `low` to `high`, about `count` of them. */

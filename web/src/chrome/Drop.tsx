@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { openFile } from "../session.ts";
+import { openPicked } from "../session.ts";
 import { Start } from "./Start.tsx";
 import { atStart, standalone, drawing, line, opening } from "../state.ts";
 
@@ -20,11 +20,11 @@ export function Drop() {
     const leave = (event: DragEvent): void => {
       if (event.relatedTarget === null) over.value = false;
     };
-    const drop = async (event: DragEvent): Promise<void> => {
+    const drop = (event: DragEvent): void => {
       event.preventDefault();
       over.value = false;
       const file = event.dataTransfer?.files[0];
-      if (file) openFile(file.name, new Uint8Array(await file.arrayBuffer()));
+      if (file) void openPicked(file);
     };
     addEventListener("dragover", enter, { signal: gone.signal });
     addEventListener("dragleave", leave, { signal: gone.signal });

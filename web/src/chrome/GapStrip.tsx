@@ -199,5 +199,5 @@ export function unitOf(): string {
 
 function curveWords(edge: readonly (number | undefined)[] | null): string {
   const known = solved.value.map((one) => `${number(one.gap)}: ${one.objective === null ? "comes free" : number(one.objective)}`);
-  return `largest motion against gap, mm: ${known.join("; ") || "nothing solved yet"}${edge ? `. Comes free ${edge[0] === edge[1] ? "at" : `between ${number(edge[0]!)} and`} ${number(edge[1]!)}` : ""}`;
+  return `largest motion${unitOf() && `, ${unitOf()},`} against gap, mm: ${known.join("; ") || "nothing solved yet"}${edge ? `. Comes free ${edge[0] === edge[1] ? "at" : `between ${number(edge[0]!)} and`} ${number(edge[1]!)}` : ""}`;
 }

@@ -18,6 +18,7 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
   const take = (): void => {
     if (!box.current) return; // it has gone with what it was about
     const given = box.current.value.trim();
+    if (given === text) return; // the value itself may have more digits
     const typed = Number(given.replace(",", "."));
     if (!Number.isFinite(typed) || (given === "" && !none) || (min !== undefined && typed < min)) {
       notice.value = `${label}: “${given}” is not ${min === undefined ? "a number" : `a number of ${min} or more`}; it stays ${text || none}${text && unit ? ` ${unit}` : ""}`;

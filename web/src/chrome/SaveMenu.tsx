@@ -5,8 +5,8 @@ import { dimension } from "../design.ts";
 import type { SaveWhat } from "../protocol.ts";
 import { copy } from "../save.ts";
 import { link, save } from "../session.ts";
-import { leavingOf } from "../leaving.ts";
-import { answer, can, checked, drawing, planned, running } from "../state.ts";
+import { leavingAbout } from "../leaving.ts";
+import { answer, can, current, drawing, running } from "../state.ts";
 import { Button } from "./Button.tsx";
 
 interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true; of?: 2 | 3 }
@@ -36,10 +36,10 @@ export function SaveMenu() {
     addEventListener("pointerdown", outside);
     return () => removeEventListener("pointerdown", outside);
   }, [open]);
-  const escape = leavingOf();
+  const film = leavingAbout();
   const pick = (what: SaveWhat): void => {
     setOpen(false);
-    save(what, escape ?? "flex");
+    save(what);
     root.current?.querySelector("button")?.focus();
   };
   const keys = (event: KeyboardEvent): void => {
@@ -56,7 +56,7 @@ export function SaveMenu() {
       root.current?.querySelector("button")?.focus();
     } else if (to !== undefined) items[(to + items.length) % items.length]?.focus();
   };
-  const command = (escape === "plan" ? planned : escape ? checked : answer).value?.reply.command;
+  const command = (film ?? (current(answer.value) ? answer.value : null))?.reply.command;
   return (
     <div class="menu" ref={root} onKeyDown={keys}>
       <Button icon="save" label="Save" keyName="S" onClick={() => setOpen(!open)} disabled={!drawing.value} pressed={open} class="savebutton">
@@ -64,11 +64,11 @@ export function SaveMenu() {
       </Button>
       {open && (
         <div class="popup" role="menu" aria-label="Save">
-          {CHOICES.filter(({ what, of }) => (what !== "stills" || escape === "plan") && (of ?? dimension.value) === dimension.value).map(({ what, words, ending, needs, asked }) => {
+          {CHOICES.filter(({ what, of }) => (what !== "stills" || film?.reply.kind === "plan") && (of ?? dimension.value) === dimension.value).map(({ what, words, ending, needs, asked }) => {
             const missing = needs !== undefined && !can(needs);
             return (
               <button
-                key={what} type="button" role="menuitem" disabled={missing || (asked && !answer.value && !escape)} onClick={() => pick(what)}
+                key={what} type="button" role="menuitem" disabled={missing || (asked && !answer.value && !film)} onClick={() => pick(what)}
                 title={missing ? `needs the extra ${needs}: pip install '.[${needs}]'` : undefined}
               >
                 <span>{words}</span><kbd>{ending}</kbd>

@@ -1,20 +1,15 @@
 /** What can be done with the chosen part. */
 
-import { design, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pulledNames, setExtra, setExtras, settle, toggleFixed, togglePull, toggleTwist, unglue } from "../design.ts";
-import { ask, askReach } from "../session.ts";
+import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pulledNames, setExtras, settle, toggleFixed, togglePull, toggleTwist, unglue } from "../design.ts";
+import { askModes, askReach } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
-import { farOf, turnOf } from "../motion.ts";
+import { along, farOf, place, playing, shown, turnOf } from "../motion.ts";
 import { isTwist } from "../protocol.ts";
-import { endMotion } from "../stage/SolidStage.tsx";
-import { standalone, drawing, extent, gluing, indexOf, many, outlined, reach, selected } from "../state.ts";
+import { standalone, drawing, extent, gluing, indexOf, many, names, outlined, reach, selected } from "../state.ts";
 import { chooseMany, lassoing } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
-
-export function wiggle(part?: string): void {
-  ask("wiggle", part ? { design: design.peek(), part } : { design: design.peek() });
-}
 
 export function glueOrNot(name: string): void {
   if (groupOf(name)) unglue(name);
@@ -37,7 +32,7 @@ export function Selection() {
       <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
-      <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => wiggle(name)}>Wiggle</Button>
+      <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => askModes(name)} disabled={fixedNames.value.has(name)}>Wiggle</Button>
       <Button icon="reach" label="Show where it can be brought" keyName="R" onClick={() => askReach(name)} disabled={fixedNames.value.has(name)} pressed={reached(name)}>Reach</Button>
       <ExtraGap name={name} />
     </div>
@@ -62,7 +57,8 @@ export function seePast(name: string): void {
 }
 
 function InSpace({ name }: { name: string }) {
-  const motion = endMotion.value;
+  const { frames } = shown.value;
+  const motion = frames && frames.n === names.value.length ? along(frames, place.value, new Float32Array(7 * frames.n)) : null;
   const i = indexOf.value.get(name)!;
   const far = motion ? farOf(motion, i, 7) : 0;
   const turned = motion ? (turnOf(motion, i, 7) * 180) / Math.PI : 0;
@@ -71,7 +67,7 @@ function InSpace({ name }: { name: string }) {
   const twisted = goals.value.some((goal) => goal.part === name && isTwist(goal));
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
-      <Who name={name} note={moved || "at rest"} />
+      <Who name={name} note={playing.value ? "" : moved || "at rest"} />
       <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name) && !twisted}>Pull</Button>
       <Button icon="twist" label="Twist this part" keyName="T" onClick={() => toggleTwist(name)} pressed={twisted}>Twist</Button>
@@ -87,7 +83,7 @@ const reached = (name: string): boolean => reach.value !== null && reach.value.d
 /** What can be done with many parts at once. */
 function Several({ names }: { names: string[] }) {
   const fixed = names.filter((one) => fixedNames.value.has(one));
-  const gap = design.value.extra[names[0]!] ?? 0;
+  const gap = extraOf(names[0]!);
   return (
     <div class="selection" role="toolbar" aria-label={`${names.length} parts`}>
       <span class="name" title={names.join(", ")}>{names.length} parts</span>
@@ -104,10 +100,10 @@ function Several({ names }: { names: string[] }) {
 
 /** The gap of one part: a slider with its box in step; to the left of the middle the part fits tighter than the others. */
 function ExtraGap({ name }: { name: string }) {
-  const extra = design.value.extra[name] ?? 0;
+  const extra = extraOf(name);
   const step = stepOf(design.value.gap || extent.value.radius / 50);
   const most = 10 * step * Math.max(1, Math.ceil(Math.abs(extra) / (10 * step) - 1e-9));
-  const slide = (value: number): void => setExtra(name, Number((Math.round(value / step) * step).toPrecision(6)), `extra ${name}`);
+  const slide = (value: number): void => setExtras([name], Number((Math.round(value / step) * step).toPrecision(6)), `extra ${name}`);
   return (
     <div class="extra" title="extra gap around this part alone">
       <span aria-hidden="true">extra gap</span>
@@ -115,7 +111,7 @@ function ExtraGap({ name }: { name: string }) {
         type="range" min={-most} max={most} step={step} value={extra} aria-label={`extra gap around ${name}`} aria-valuetext={`${number(extra)} mm`}
         onInput={(event) => slide(Number(event.currentTarget.value))} onPointerDown={settle} onPointerUp={settle} onBlur={settle}
       />
-      <NumberBox value={extra} step={step} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} />
+      <NumberBox value={extra} step={step} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtras([name], value)} />
     </div>
   );
 }

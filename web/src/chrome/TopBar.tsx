@@ -2,7 +2,7 @@
 
 import { useRef } from "preact/hooks";
 import { canRedo, canUndo, redo, undo } from "../design.ts";
-import { openFile } from "../session.ts";
+import { openPicked } from "../session.ts";
 import { isDark, setTheme, theme } from "../stage/colours.ts";
 import { atStart, standalone, drawing, helpOpen, line, workerState } from "../state.ts";
 import { Button } from "./Button.tsx";
@@ -14,7 +14,7 @@ export function TopBar() {
   const box = useRef<HTMLInputElement>(null);
   const take = async (): Promise<void> => {
     const file = box.current?.files?.[0];
-    if (file) openFile(file.name, new Uint8Array(await file.arrayBuffer()));
+    if (file) await openPicked(file);
     if (box.current) box.current.value = "";
   };
   return (

@@ -4,12 +4,13 @@ import { computed } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
 import { asks, change, design, goals, inSpace, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
 import { type Cell, type ContactEntry, type Finding, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
-import { answer, current, standalone, dragged, drawing, extent, findings, highlit, names, selected, tab } from "../state.ts";
+import { answer, standalone, dragged, drawing, extent, findings, highlit, names, selected, tab } from "../state.ts";
 import { columns, end, farOf, shown, turnOf } from "../motion.ts";
 import { ask, degrees, few, number, short, towards } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Explain, FORCE } from "../chrome/Meaning.tsx";
+import { AsOf } from "./AsOf.tsx";
 import { Command } from "./Command.tsx";
 import { mend } from "./Findings.tsx";
 import { Section } from "./Section.tsx";
@@ -25,7 +26,7 @@ export function Answer() {
       <Gap />
       {about && (
         <>
-          {!current(about) && <p class="quiet" role="status">These are of the answer before.</p>}
+          <AsOf about={about} />
           {about.reply.leaves.length > 0 && <Section title="Leaves"><p>{few(about.reply.leaves, 12)}</p></Section>}
           {["mode", "escape"].includes(shown.value.what) ? <p class="quiet">What holds the answer is listed while the answer is shown.</p> : <><Held /><Moved /></>}
           <Command text={about.reply.command} />

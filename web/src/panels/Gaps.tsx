@@ -2,11 +2,11 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { design, fixedNames, groupOf, pulledNames, setExtra } from "../design.ts";
+import { design, extraOf, fixedNames, groupOf, pulledNames, setExtras } from "../design.ts";
 import { ask } from "../session.ts";
 import { answer, current, drawing, names as allNames, many, ranking, selected } from "../state.ts";
 import { chooseMany, chooseToo } from "../stage/lasso.ts";
-import { number, short } from "../words.ts";
+import { number, own, short } from "../words.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
 import { stepOf } from "../chrome/Selection.tsx";
@@ -44,11 +44,11 @@ export function Gaps() {
   useEffect(() => {
     table.current?.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest" });
   }, [chosen]);
-  const matters = (name: string): number => about?.reply.parts[name]?.mm_per_mm ?? 0;
+  const matters = (name: string): number => (about && own(about.reply.parts, name)?.mm_per_mm) ?? 0;
   const names = allNames.value.filter((name) => name.toLowerCase().includes(wanted.value.toLowerCase()));
   const sign = down.value ? -1 : 1;
   if (column.value === "name") names.sort((a, b) => sign * a.localeCompare(b, undefined, { numeric: true }));
-  if (column.value === "extra") names.sort((a, b) => sign * ((design.value.extra[a] ?? 0) - (design.value.extra[b] ?? 0)));
+  if (column.value === "extra") names.sort((a, b) => sign * (extraOf(a) - extraOf(b)));
   if (column.value === "matters") names.sort((a, b) => sign * (matters(a) - matters(b)));
   const values = about ? Object.values(about.reply.parts).map((one) => Math.abs(one.mm_per_mm)) : [];
   const largest = Math.max(...values, 1e-12);
@@ -87,8 +87,8 @@ export function Gaps() {
                   {groupOf(name) && <span class="quiet"> glued</span>}
                 </button>
               </div></td>
-              <td><NumberBox value={design.value.extra[name] ?? 0} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} /></td>
-              {about && <td class="bar" title={share(about.reply.per, about.reply.parts[name])}><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
+              <td><NumberBox value={extraOf(name)} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtras([name], value)} /></td>
+              {about && <td class="bar" title={share(about.reply.per, own(about.reply.parts, name))}><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
             </tr>
           ))}
         </tbody>

@@ -1,6 +1,6 @@
 /** Whose gap matters, of parts and of joints, where nothing can be set: on a page that carries its ranking. */
 
-import { coloured, ranking } from "../state.ts";
+import { coloured, current, ranking, standalone } from "../state.ts";
 import { number } from "../words.ts";
 import { Section } from "./Section.tsx";
 import { Table } from "./Table.tsx";
@@ -41,6 +41,7 @@ export function Joints() {
   const { joints, per } = about.reply;
   return (
     <Section title="Which joint's gap matters most">
+      {!standalone.value && !current(about) && <p class="quiet">ranked for an earlier design</p>}
       <Table columns={["joint", per, "%"]} rows={joints.map((one) => [one.parts, one.mm_per_mm, one.percent])} bar={1} />
     </Section>
   );

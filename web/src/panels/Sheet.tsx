@@ -6,7 +6,7 @@ import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
 import * as sheet from "../sheet.ts";
 import { drawing, running } from "../state.ts";
-import { few } from "../words.ts";
+import { few, number } from "../words.ts";
 import { Command } from "./Command.tsx";
 import { Section } from "./Section.tsx";
 
@@ -37,10 +37,12 @@ export function Sheet() {
 }
 
 function Found() {
-  const { headline, certainty, doubts, joints, panels, notes } = sheet.assembled.value!;
+  const { headline, certainty, doubts, joints, panels, notes, thickness, burn } = sheet.assembled.value!;
+  const other = thickness !== sheet.thickness.value || burn !== (sheet.burn.value ?? burn);
   const left = panels.filter(({ state }) => state !== "placed");
   return (
     <Section title="What was found">
+      {other && <p class="quiet" role="status">These are of a thickness of {number(thickness)} mm and a burn of {number(burn)} mm; Assemble takes the other.</p>}
       <p class="verdict" data-verdict={certainty === "sure" ? "interlocked" : ""} role="status" id="assembled">{headline}</p>
       {doubts.length > 0 && <ul class="rows" aria-label="why it is not sure">{doubts.map((doubt) => <li key={doubt}>{doubt}</li>)}</ul>}
       {left.length > 0 && (

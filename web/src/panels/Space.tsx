@@ -3,12 +3,12 @@
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames } from "../design.ts";
-import { end, shown } from "../motion.ts";
+import { along, place, shown } from "../motion.ts";
 import { ask } from "../session.ts";
 import { isDark } from "../stage/colours.ts";
 import { answer, standalone, current, drawing, extent, indexOf, names, selected, space } from "../state.ts";
 import type { SpaceView } from "../space3d.ts";
-import { nearestBy, number } from "../words.ts";
+import { nearestBy, number, short } from "../words.ts";
 import { Run } from "../chrome/Run.tsx";
 import { Command } from "./Command.tsx";
 import { relative } from "./relative.ts";
@@ -79,7 +79,7 @@ function Body() {
   const parts = drawing.value!.parts;
   const frames = shown.value.frames;
   const now = standalone.value !== null || current(about); // else the parts are in another free space
-  const state = now && frames && frames.n === parts.length ? relative(parts, a, b, end(frames), about.reply.pivot) : about.reply.state;
+  const state = now && frames && frames.n === parts.length ? relative(parts, a, b, along(frames, place.value, new Float32Array(frames.data.length / frames.k)), about.reply.pivot) : about.reply.state;
   useEffect(() => {
     let gone = false;
     which.value = nearest(slices, state[2]);
@@ -105,6 +105,7 @@ function Body() {
   const plain = (value: number, least: number): string => number(Math.abs(value) < least ? 0 : value, 3);
   return (
     <>
+      {!standalone.value && <p class="strong pair">{short(b)} against {short(a)}</p>}
       <div class="space3d" ref={box} role="group" aria-label={`free space of ${b} against ${a}, turns from ${number(about.reply.range_deg[0], 3)} to ${number(about.reply.range_deg[1], 3)} degrees`} />
       {failed.value && <p class="quiet">{failed.value}</p>}
       {now && <p class="quiet now">now: {plain(state[0], shift)}, {plain(state[1], shift)} mm, {plain(state[2], NO_TURN)}°</p>}

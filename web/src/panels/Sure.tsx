@@ -6,6 +6,7 @@ import { ask } from "../session.ts";
 import { answer, bound, standalone, can, checked, current, hello, planned, proof } from "../state.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
+import { AsOf } from "./AsOf.tsx";
 import { Section } from "./Section.tsx";
 import { Terms } from "./Terms.tsx";
 
@@ -14,7 +15,7 @@ export function Sure() {
   return (
     <>
       {(about || !standalone.value) && <Section title="How sure is it">
-        {about ? <Terms all={about.reply.sure.map(withBound)} /> : <p class="quiet">No answer yet.</p>}
+        {about ? <><AsOf about={about} /><Terms all={about.reply.sure.map(withBound)} /></> : <p class="quiet">No answer yet.</p>}
       </Section>}
       {planned.value && current(planned.value) && <Section title="How sure is the plan"><Terms all={planned.value.reply.sure} /></Section>}
       {checked.value && (standalone.value || current(checked.value)) && <Section title="How sure is it whether it comes apart"><Terms all={checked.value.reply.sure} /></Section>}
@@ -25,7 +26,7 @@ export function Sure() {
 
 /** What was worked out beside the answer, afterwards, where the answer itself has no bound. */
 function withBound([term, words]: [string, string]): [string, string] {
-  const beside = bound.value && current(bound.value) && answer.value?.reply.at_most === null ? bound.value.reply.words : "";
+  const beside = bound.value && current(bound.value) && current(answer.value) && answer.value?.reply.at_most === null ? bound.value.reply.words : "";
   return term === "at most" && beside ? [term, `${beside.replace(/^at most /, "")}, a quick bound`] : [term, words];
 }
 

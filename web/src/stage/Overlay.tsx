@@ -4,7 +4,7 @@ import { useRef } from "preact/hooks";
 import { design, goals, setGoal, settle } from "../design.ts";
 import { factor, shown } from "../motion.ts";
 import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
-import { standalone, drawing, extent, indexOf, pointed, reach, selected } from "../state.ts";
+import { standalone, drawing, extent, indexOf, pointed, reach, selected, shaped, shapedNow, unsure } from "../state.ts";
 import { lassoed } from "./lasso.ts";
 import { size, view } from "./camera.ts";
 import { ends, long, picked, shortest } from "./measure.ts";
@@ -66,7 +66,9 @@ function Measure() {
   const segment = other ? (shortest(one!, other).map(screen) as [Point, Point]) : null;
   const [a, b] = some.map((feature) => ends(feature, 1));
   const far = b ? long(shortest(a!, b)) : 0;
-  const words = b ? (far < TOUCHING * extent.value.radius ? "they touch" : `${number(far, 4)} mm`) : "";
+  const guess = unsure.value || shown.value.what === "between" || (shaped.value !== null && !shapedNow.value); // parts are not as they are drawn
+  const unmade = shaped.value ? "" : " as drawn"; // no gap is taken off
+  const words = !b || guess ? "" : (far < TOUCHING * extent.value.radius ? "they touch" : `${number(far, 4)} mm`) + unmade;
   const middle: Point | null = segment && [(segment[0][0] + segment[1][0]) / 2, (segment[0][1] + segment[1][1]) / 2];
   return (
     <g class="measure">

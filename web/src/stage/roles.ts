@@ -2,16 +2,18 @@
 
 import { computed } from "@preact/signals";
 import { fixedNames, pulledNames } from "../design.ts";
+import { leavingStep } from "../leaving.ts";
 import { shown } from "../motion.ts";
-import { type About, answer, standalone, checked, coloured, current, dragged, names, pointed, ranking, space as pair, studies, tab, tinted } from "../state.ts";
+import { own } from "../words.ts";
+import { type About, answer, standalone, coloured, current, dragged, names, pointed, ranking, space as pair, studies, tab, tinted } from "../state.ts";
 
 export type Role = "neutral" | "pulled" | "fixed" | "leaves" | "lit";
 
 /** Shares 0..1 of the importance of the parts; null while the ranking is not shown. */
 export const blame = computed<Float32Array | null>(() => {
-  const of = tab.value === "gaps" ? blamed() : tab.value === "vary" ? varied() : tab.value === "study" ? standalone.value?.tints?.values : undefined;
-  if (!of || !coloured.value) return null;
-  const values = names.value.map((name) => Math.abs(of[name] ?? 0));
+  const shares = tab.value === "gaps" ? blamed() : tab.value === "vary" ? varied() : tab.value === "study" ? standalone.value?.tints?.values : undefined;
+  if (!shares || !coloured.value) return null;
+  const values = names.value.map((name) => Math.abs(own(shares, name) ?? 0));
   const most = Math.max(...values, 1e-12);
   return Float32Array.from(values, (v) => v / most);
 });
@@ -29,15 +31,9 @@ function blamed(): Record<string, number> | undefined {
   return parts && Object.fromEntries(Object.entries(parts).map(([name, one]) => [name, one.mm_per_mm]));
 }
 
-/** Parts that leave in the step that is shown. */
-function escaping(): string[] {
-  const about = checked.value;
-  return about?.reply.escapes[about.paths.indexOf(shown.value.frames!)]?.parts ?? [];
-}
-
 export const roles = computed<Role[]>(() => {
   const leaving = new Set(
-    shown.value.what === "escape" ? escaping() : (answer.value?.reply.leaves ?? []),
+    shown.value.what === "escape" ? (leavingStep()?.parts ?? []) : (answer.value?.reply.leaves ?? []),
   );
   const pressed = new Set(pointed.value?.parts ?? []);
   const held = new Set(shown.value.what === "drag" ? (dragged.value?.reply.blocking ?? []) : []);

@@ -206,6 +206,8 @@ def plain_finding(text: str, lists: Mapping[str, str] = MappingProxyType({})) ->
     if found := re.match(r"Expected `(.*?)`, got `(.*?)`", text):
         wanted = [_WORDS.get(word.strip(), word.strip()) for word in found.group(1).split("|") if "null" not in word]
         return f"{place} must be {' or '.join(wanted)}, not {_WORDS.get(found.group(2), found.group(2))}"
+    if found := re.match(r"Expected `\w+` (>=|<=) ([-+.\de]+)$", text):
+        return f"{place} must be {float(found.group(2)):.12g} or {'more' if found.group(1) == '>=' else 'less'}"
     if found := re.match(r"Object contains unknown field `(.*?)`", text):
         return f'field "{found.group(1)}" is not known here; leave it out or correct its name'
     if found := re.match(r"Object missing required field `(.*?)`", text):
