@@ -171,6 +171,8 @@ def test_a_film_of_an_earlier_design_is_saved_as_the_film_that_is_seen(browser: 
         gap = float(page.get_by_label("gap, mm", exact=True).input_value())
         set_gap(page, str(2 * gap))
         page.locator(".result.old").wait_for()
+        page.locator("#answer[data-settled=true]").wait_for()
+        settled(page, lambda: page.locator("#answer").inner_text())  # an answer that comes ends a film
         page.get_by_role("button", name="Play the path out of").first.click()
         page.locator(".facts", has_text="of an earlier design").wait_for()
         page.get_by_role("button", name="Save").click()

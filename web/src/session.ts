@@ -456,6 +456,7 @@ function leftOut(name: string): void {
 const otherFile = (name: string): void => void (state.notice.value = `The link carries a design for ${name}: open that file.`);
 
 function reopen(): void {
+  if (pendingFile) return openAs(pendingFile); // it was chosen before the line was there, or as it broke
   again = state.drawing.peek() !== null;
   const link = file ? null : linked();
   if (link?.sample) return openAs({ name: link.sample, sample: true });
