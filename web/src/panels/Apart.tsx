@@ -1,10 +1,10 @@
 /** Whether it comes apart, and the paths out as films. */
 
 import { useSignal } from "@preact/signals";
-import { design, fixedNames, inSpace } from "../design.ts";
+import { change, design, fixedNames, inSpace } from "../design.ts";
 import { shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
-import { ask, setGap, showEscape } from "../session.ts";
+import { ask, showEscape } from "../session.ts";
 import { standalone, checked, current, limit, many, planned, running, selected } from "../state.ts";
 import { few } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
@@ -59,7 +59,7 @@ function LargestGap() {
       {about && (
         <div class={current(about) ? "result" : "result old"}>
           <p class="strong">{about.reply.words}</p>
-          {about.reply.holds !== null && about.reply.parts_at !== null && <p><Button label="Use the largest gap that holds" onClick={() => setGap(about.reply.holds!)} class="small">Use it</Button></p>}
+          {about.reply.holds !== null && about.reply.parts_at !== null && <p><Button label="Use the largest gap that holds" onClick={() => change({ gap: about.reply.holds! })} class="small">Use it</Button></p>}
           {!current(about) && <p class="quiet">said of an earlier design</p>}
           <Command text={about.reply.command} />
         </div>

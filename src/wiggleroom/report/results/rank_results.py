@@ -93,7 +93,8 @@ BY = {"duals": "the forces that hold the answer", "differences": "answers with e
 
 def ranking_sure(ranking: Ranking) -> list[tuple[str, str]]:
     """How sure the ranking is: a word and a sentence each."""
-    said = [("by", f"{ranking.by}: {BY[ranking.by]}; extra gap moves a part's own outline inward by half of it")]
+    boundary = "faces" if dimension(ranking.answer.assembly) == 3 else "outline"
+    said = [("by", f"{ranking.by}: {BY[ranking.by]}; extra gap moves a part's own {boundary} inward by half of it")]
     if not ranking.unique.all():
         said.append(("unique", ranking_unique(ranking)))
     if ranking.virtual > 1e-6:
