@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 import shutil
 import signal
 from collections.abc import Callable, Iterator
@@ -97,6 +98,17 @@ def served() -> Iterator[Any]:
 def page(served: Any) -> Iterator[Any]:
     """A page without a browser."""
     with served.visit() as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def peg(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """The server of the page with a peg in its hole open."""
+    from tests.test_page import PEG, serving
+
+    path = tmp_path_factory.mktemp("peg") / "peg.json"
+    path.write_text(json.dumps(PEG))
+    with serving(path) as one:
         yield one
 
 

@@ -57,14 +57,6 @@ def serving(path: Path | None) -> Iterator[Served]:
         one.close()
 
 
-@pytest.fixture(scope="module")
-def peg(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    path = tmp_path_factory.mktemp("peg") / "peg.json"
-    path.write_text(json.dumps(PEG))
-    with serving(path) as one:
-        yield one
-
-
 @contextmanager
 def visiting(browser: Any, served: Served, **how: Any) -> Iterator[Any]:
     """A page of its own; whatever it complains about fails the test, and so does any word to another address."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +21,6 @@ AT_ONCE = """([x, y, times]) => {
     const canvas = document.querySelector('.stage canvas');
     for (let i = 0; i < times; i++) canvas.dispatchEvent(new PointerEvent('pointermove',
         {pointerId: 1, clientX: x + 5 + i % 40, clientY: y + i % 7, pointerType: 'mouse', bubbles: true})); }"""
-COPIED = "Object.defineProperty(navigator, 'clipboard', {value: {writeText: async (t) => { window.copied = t; }}})"
-
-
-@pytest.fixture(scope="module")
-def peg(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    path = tmp_path_factory.mktemp("peg") / "peg.json"
-    path.write_text(json.dumps(PEG))
-    with serving(path) as one:
-        yield one
 
 
 def address(served: Served, link: str = "") -> str:
