@@ -54,12 +54,12 @@ function mix(a: Float32Array, from: number, b: Float32Array, to: number, w: numb
 }
 
 /** Motion at a place `t` in 0..1 along the frames, written into `out`. */
-export function along(frames: Frames, t: number, out: Float32Array): Float32Array {
+export function along(frames: Frames, t: number, out?: Float32Array): Float32Array {
   const { k, n, data } = frames;
   const width = columns(frames);
   const x = Math.min(Math.max(t, 0), 1) * (k - 1);
   const low = Math.min(Math.floor(x), Math.max(k - 2, 0));
-  return mix(data, low * n * width, data, Math.min(low + 1, k - 1) * n * width, x - low, width, out);
+  return mix(data, low * n * width, data, Math.min(low + 1, k - 1) * n * width, x - low, width, out ?? new Float32Array(n * width));
 }
 
 /** Last frame alone. */

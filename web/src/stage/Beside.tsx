@@ -37,7 +37,7 @@ function paintKept(g: CanvasRenderingContext2D, { about, shapes, roles }: Kept):
   const ratio = g.canvas.width / size.peek().width;
   const path = about.paths[0]!;
   const at = place.peek();
-  const motion = along(path, at, new Float32Array(3 * path.n));
+  const motion = along(path, at);
   const scene = {
     shapes, names: names.peek(), roles, blame: null, motion, of: "answer", factor: factor(), chosen: NONE, hovered: -1, held: NONE, colours: colours(),
   };

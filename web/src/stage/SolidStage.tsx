@@ -131,7 +131,7 @@ export function SolidStage() {
 }
 
 /** Motion that is shown at its end: of a part, where something is shown. */
-export const endMotion = computed(() => {
+const endMotion = computed(() => {
   const { frames } = shown.value;
   return frames && frames.n === state.names.value.length ? end(frames) : null;
 });

@@ -30,6 +30,16 @@ SURE_VIOLATION = 1e-7
 
 
 @njit(**COMPILED_CALLERS_ONLY)
+def offset_from_edge(x, y, edge, e):
+    """Vector to a point from the nearest point of an edge, and where that is, 0 at the start of the edge and 1 at its end."""
+    ax, ay = edge[e, 0], edge[e, 1]
+    ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
+    t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
+    t = min(max(t, 0.0), 1.0)
+    return x - ax - t * ex, y - ay - t * ey, t
+
+
+@njit(**COMPILED_CALLERS_ONLY)
 def edges_within(x, y, radius, edge, disc, kid, stack, out):
     """Fill `out` with edges no further than `radius` from a point, and return how many; it ends where there is no more room."""
     found, count = 0, 1
@@ -46,11 +56,7 @@ def edges_within(x, y, radius, edge, disc, kid, stack, out):
             count += 2
             continue
         e = kid[node, 1]
-        ax, ay = edge[e, 0], edge[e, 1]
-        ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
-        t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
-        t = min(max(t, 0.0), 1.0)
-        qx, qy = x - ax - t * ex, y - ay - t * ey
+        qx, qy, _ = offset_from_edge(x, y, edge, e)
         if qx * qx + qy * qy > radius * radius:
             continue
         out[found] = e

@@ -11,22 +11,17 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
-from wiggleroom.freespace.subdivision.box_relaxation import MAX_EDGES, edges_within, signed_line_distance
+from wiggleroom.freespace.subdivision.box_relaxation import (
+    MAX_EDGES,
+    edges_within,
+    offset_from_edge,
+    signed_line_distance,
+)
 
 STACK_SIZE = 96
 """Room for the nodes that wait while a tree is walked."""
 MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 """States of a box; TINY is mixed and not split any more."""
-
-
-@njit(**COMPILED_CALLERS_ONLY)
-def offset_from_edge(x, y, edge, e):
-    """Vector to a point from the nearest point of an edge, and where that is, 0 at the start of the edge and 1 at its end."""
-    ax, ay = edge[e, 0], edge[e, 1]
-    ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
-    t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
-    t = min(max(t, 0.0), 1.0)
-    return x - ax - t * ex, y - ay - t * ey, t
 
 
 @njit(**COMPILED_CALLERS_ONLY)
