@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing import read_drawing
 from wiggleroom.errors import InputError
 
@@ -66,6 +67,10 @@ JSON_CASES = {
     "no material": (assembly(parts=[{"name": "a"}]), "none of them"),
     "two materials": (part(shape="s"), '"shape" and "outline"'),
     "unknown shape": (assembly(parts=[{"name": "a", "shape": "s"}]), 'shape "s" is not among'),
+    "unknown field of an outline": (
+        part(outline=None, outlines=[{"outline": TRIANGLE}, {"outline": TRIANGLE, "hole": []}]),
+        'part "a": field "hole" is not known in outlines',
+    ),
     "shape of nothing": (assembly(shapes={"s": {}}), 'shape "s": must have either'),
     "empty outlines": (assembly(parts=[{"name": "a", "outlines": []}]), '"outlines" is empty'),
     "huge coordinates": (part(outline=[[0, 0], [1e12, 0], [1, 1]]), "beyond 1e+09 mm"),
@@ -170,6 +175,26 @@ def test_assembly(tmp_path, case):
     assert said in findings[0]
     assert all(finding.startswith("x.json: ") for finding in findings)
     assert len(findings) == 1
+
+
+@pytest.mark.parametrize(
+    ("outline", "words"),
+    [
+        ([[0, 0], [4, 4], [4, 0], [0, 4]], "crosses itself at (2, 2)"),
+        ([[0, 0], [4, 0], [1, 0], [3, 0]], "without area"),
+    ],
+)
+@pytest.mark.parametrize("shared", [False, True])
+def test_an_outline_that_encloses_nothing_is_named_by_its_part(tmp_path, outline, words, shared):
+    path = tmp_path / "x.json"
+    own = {"shape": "s"} if shared else {"outline": outline}
+    made = {"parts": [{"name": "a", **own}]} | ({"shapes": {"s": {"outline": outline}}} if shared else {})
+    path.write_text(assembly(**made))
+    with pytest.raises(InputError) as caught:
+        assemble(read_drawing(path))
+    assert len(caught.value.findings) == 1
+    assert 'part "a" ' in caught.value.findings[0]
+    assert words in caught.value.findings[0]
 
 
 @pytest.mark.parametrize("case", SVG_CASES)

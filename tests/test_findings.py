@@ -102,7 +102,10 @@ def test_several_outlines_of_one_part_count_as_one():
         (Part("p", (SQUARE,), at=(0, np.nan, 0)), "lies at (0, nan, 0)"),
         (Part("p", (SQUARE,), at=(0, 1e30, 0)), "lies at"),
         (Part("p", (SQUARE,), offset=np.inf), "offset inf"),
-        (Part("p", (Region(SQUARE.outer, (SQUARE.outer[::-1] + 9.0,)),)), "a hole outside its outline"),
+        (
+            Part("p", (Region(SQUARE.outer, (SQUARE.outer[::-1] + 9.0,)),)),
+            "a hole outside its outline at (9, 11): holes lie inside",
+        ),
     ],
 )
 def test_outlines_that_cannot_be_used(part, words):

@@ -26,7 +26,7 @@ from wiggleroom.assembly.loops import (
 )
 from wiggleroom.assembly.mitre import offset_ring, resolved
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap, Part, Points, Region
-from wiggleroom.drawing.outlines.rings import extents_and_areas
+from wiggleroom.drawing.outlines.rings import extents
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ def outline_shapes(drawing: Drawing) -> OutlineShapes:
     rings, region = region_rings([r for p in chosen for r in p.regions])
     owner = np.repeat(np.arange(len(chosen)), [len(p.regions) for p in chosen])
     sizes, index = np.zeros(len(chosen)), np.array(region)
-    np.maximum.at(sizes, owner, extents_and_areas([r.outer for p in chosen for r in p.regions])[0].max(axis=1))
+    np.maximum.at(sizes, owner, extents([r.outer for p in chosen for r in p.regions]).max(axis=1))
     loops = _oriented(cleaned(chained(rings), sizes[owner[index]]), index)
     return OutlineShapes(np.array(shape), first, loops, index, owner)
 

@@ -105,11 +105,13 @@ def _reason(reason: str) -> str:
     if match is None:
         return f"has an outline that cannot be used: {reason.lower()}"
     what, x, y = match.groups()
+    once = "an outline runs once round its part"
     words = {
-        "Self-intersection": "crosses itself",
-        "Ring Self-intersection": "touches itself",
-        "Hole lies outside shell": "has a hole outside its outline",
-        "Holes are nested": "has a hole inside a hole",
-        "Interior is disconnected": "is cut in two by its holes",
+        "Self-intersection": ("crosses itself", once),
+        "Ring Self-intersection": ("touches itself", once),
+        "Hole lies outside shell": ("has a hole outside its outline", "holes lie inside"),
+        "Holes are nested": ("has a hole inside a hole", "holes lie apart"),
+        "Interior is disconnected": ("is cut in two by its holes", "make the pieces parts of their own"),
     }
-    return f"{words.get(what, what.lower())} at ({float(x):.6g}, {float(y):.6g}): an outline runs once round its part"
+    wrong, right = words.get(what, (what.lower(), once))
+    return f"{wrong} at ({float(x):.6g}, {float(y):.6g}): {right}"

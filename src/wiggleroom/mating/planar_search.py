@@ -224,8 +224,7 @@ def grow_body(
         chosen = best[0]
         rivals = [c for c in best[1:] if _conflict(work, chosen, c)]
         if rivals:
-            others = dict.fromkeys(names[c.row] for c in rivals)
-            doubts.append(f'"{names[chosen.row]}" fits in more than one way, or {first_names([*others])} as well there')
+            doubts.append(_doubt(names, chosen.row, [c.row for c in rivals]))
         newest = chosen.row
         body[newest] = _pressed_on(work, body, chosen)
         left = left - {newest}
@@ -267,6 +266,15 @@ def _conflict(work: PlanarSearch, one: _Candidate, other: _Candidate) -> bool:
         return True
     cores = [moved(work.cores[c.row], c.pose) for c in (one, other)]
     return bool(cores[0].intersects(cores[1]))
+
+
+def _doubt(names: tuple[str, ...], row: int, rivals: list[int]) -> str:
+    """Why the place of a part is not sure: it has rivals of its own, others have, or both."""
+    ways = ["in more than one way"] if row in rivals else []
+    others = [names[other] for other in dict.fromkeys(rivals) if other != row]
+    if others:
+        ways.append(f"where {first_names(others)} would fit as well")
+    return f'"{names[row]}" fits {", and ".join(ways)}'
 
 
 def _pressed_on(work: PlanarSearch, body: dict[int, PlanarPose], chosen: _Candidate) -> PlanarPose:

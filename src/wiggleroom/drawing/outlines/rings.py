@@ -33,18 +33,16 @@ def signed_area(ring: Points) -> float:
     return float(0.5 * (x[:-1] @ y[1:] - y[:-1] @ x[1:]))  # the last edge ends at 0, 0
 
 
-def extents_and_areas(rings: list[Points]) -> tuple[Points, NDArray[np.float64]]:
-    """Width and height (k, 2) [mm] of many rings of at least three corners each, and their signed areas (k,) [mm2].
+def extents(rings: list[Points]) -> Points:
+    """Width and height (k, 2) [mm] of many rings of at least one corner each.
 
     Examples
     --------
-    >>> extents_and_areas([np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])])
-    (array([[2., 1.]]), array([1.]))
+    >>> extents([np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])])
+    array([[2., 1.]])
     """
     count = np.array([len(ring) for ring in rings])
-    found = [_extents_and_areas(np.concatenate(rings[some]), count[some]) for some in _at_once(count)]
-    extents, areas = (np.concatenate(column) for column in zip(*found, strict=True))
-    return extents, areas
+    return np.concatenate([_extents(np.concatenate(rings[some]), count[some]) for some in _at_once(count)])
 
 
 def _at_once(count: NDArray[np.int64]) -> list[slice]:
@@ -53,14 +51,10 @@ def _at_once(count: NDArray[np.int64]) -> list[slice]:
     return [slice(low, high) for low, high in pairwise([0, *cuts.tolist(), len(count)])]
 
 
-def _extents_and_areas(points: Points, count: NDArray[np.int64]) -> tuple[Points, NDArray[np.float64]]:
+def _extents(points: Points, count: NDArray[np.int64]) -> Points:
     """The same of rings one after the other."""
     first = np.cumsum(count) - count
-    extents = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
-    after = np.arange(1, len(points) + 1)
-    after[first + count - 1] = first
-    x, y = (points - np.repeat(points[first], count, axis=0)).T
-    return extents, np.add.reduceat(x * y[after] - y * x[after], first) / 2
+    return np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
 
 
 def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:

@@ -16,7 +16,7 @@ import numpy as np
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
 from wiggleroom.drawing.outlines.naming import is_printable
-from wiggleroom.drawing.outlines.rings import are_clean, clean_ring, extents_and_areas
+from wiggleroom.drawing.outlines.rings import are_clean, clean_ring, extents
 from wiggleroom.drawing.readers.assembly_schema import (
     FORMAT,
     FileEntry,
@@ -277,13 +277,10 @@ class _PlanarReader(EntryReader[FileEntry]):
         return Pull(entry.part, entry.direction or (0.0, 0.0), point, entry.weight)
 
     def _whole_size(self, parts: list[Part]) -> None:
-        rings = {
+        outer = {
             id(region): region.outer for part in parts for region in part.regions
         }  # a shape may be there many times
-        extents, areas = extents_and_areas(list(rings.values()))
-        size = float(extents.max())
+        size = float(extents(list(outer.values())).max())
         size = max(size, *(float(np.ptp([part.at[k] for part in parts])) for k in (0, 1)))
         if size < SMALLEST:
             self._say("", f"is {size:.3g} mm large; it must be at least {SMALLEST:g} mm")
-        elif not areas.all():
-            self._say("", "has an outline without area; every outline must enclose one")

@@ -209,7 +209,8 @@ def plain_finding(text: str, lists: Mapping[str, str] = MappingProxyType({})) ->
     if found := re.match(r"Expected `\w+` (>=|<=) ([-+.\de]+)$", text):
         return f"{place} must be {float(found.group(2)):.12g} or {'more' if found.group(1) == '>=' else 'less'}"
     if found := re.match(r"Object contains unknown field `(.*?)`", text):
-        return f'field "{found.group(1)}" is not known here; leave it out or correct its name'
+        here = "here" if place == "it" else f"in {place}"
+        return f'field "{found.group(1)}" is not known {here}; leave it out or correct its name'
     if found := re.match(r"Object missing required field `(.*?)`", text):
         return f'field "{found.group(1)}" is missing; it is needed' + ("" if place == "it" else f" in {place}")
     if found := re.match(r"Invalid enum value '(.*?)'", text):
