@@ -16,6 +16,7 @@ from tests.oracle import blocks, chain
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import JointGap
+from wiggleroom.report.results.study_results import searched_less
 from wiggleroom.sensitivity.gap_distribution import wilson
 
 
@@ -172,6 +173,17 @@ def test_swallowtails_come_apart_where_they_are_known_to() -> None:
     assert 0.0595 < found.lost[0] < found.lost[1] < 0.0607
     assert found.lost[1] - found.lost[0] < 1e-3 * found.lost[1]
     assert [s.verdict == "unbounded" for s in found.steps] == [False, False, False, True]
+
+
+@pytest.mark.searches
+def test_a_sweep_says_where_it_searched_for_other_optima() -> None:
+    """At the first gap and the assembly's own; not a word where all gaps were searched, nor where none was."""
+    found = wr.sweep(wr.patterns.chain(4, joint="tee", gap=0.02), [0.01, 0.02, 0.03])
+    assert [step.answer.search is not None for step in found.steps] == [True, True, False]
+    (said,) = searched_less(found)
+    assert said.startswith("other optima were searched for at 0.01 and 0.02 mm; ")
+    assert searched_less(replace(found, steps=found.steps[:2])) == []
+    assert searched_less(replace(found, steps=found.steps[2:])) == []
 
 
 def test_a_sweep_can_be_stopped() -> None:

@@ -326,14 +326,15 @@ def _in_place_of(lower: Answer, smaller: Answer) -> Answer:
 
 
 def _larger(one: Answer, other: Answer) -> Answer:
-    """The answer with the larger motion, of which that of the second is checked; the first where nothing can go on from the second."""
+    """The answer with the larger motion, of which that of the second, a search, is checked; the first where nothing can go on from it."""
     if (
         one.objective is None
         or other.path != PathState.CHECKED
         or (other.objective is not None and not can_be_ranked(other))
     ):
         return one
-    return other if other.objective is None or other.objective > one.objective else one
+    better = other.objective is None or other.objective > one.objective
+    return other if better else replace(one, search=other.search)
 
 
 def study_of(

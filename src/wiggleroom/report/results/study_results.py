@@ -144,8 +144,8 @@ def sweep_table(found: Sweep) -> Group:
         rate = "" if s.objective is None or s.gap == 0 else number(s.objective / s.gap, 3)
         most = [] if not proven else ["" if s.at_most is None else rounded_up(s.at_most)]
         rows.add_row(number(s.gap), value, *most, rate, str(s.verdict))
-    said = [Text(lost_sentence(found)), *([Text(band_sentence(found))] if proven else [])]
-    return Group(Text(goals_text(found.goals, 3), style="bold"), Text(), rows, Text(), *said)
+    said = [lost_sentence(found), *([band_sentence(found)] if proven else []), *searched_less(found)]
+    return Group(Text(goals_text(found.goals, 3), style="bold"), Text(), rows, Text(), *map(Text, said))
 
 
 def has_band(found: Sweep) -> bool:
@@ -160,6 +160,22 @@ def band_sentence(found: Sweep) -> str:
     without = sum(s.at_most is None for s in ends)
     said = f"proven: at these gaps no motion is more than {rounded_up(100 * max(shares, default=0.0))} % above the one found"
     return said + (f"; {without} of {len(ends)} gaps have no bound" if without else "")
+
+
+def searched_less(found: Sweep) -> list[str]:
+    """Say at which gaps other optima were searched for, where that is not all: there a direct question may find more."""
+    ends = [s for s in found.steps if s.answer is not None and s.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)]
+    searched = [s for s in found.steps if s.answer is not None and s.answer.search is not None]
+    if not searched or all(s in searched for s in ends):
+        return []
+    at = _listed([number(s.gap) for s in searched])
+    return [
+        f"other optima were searched for at {at} mm; other gaps go on from smaller ones: flex --gap may find more there"
+    ]
+
+
+def _listed(words: list[str]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def lost_sentence(found: Sweep) -> str:
