@@ -241,8 +241,6 @@ class _GlobalSearch:
         found = self._run(search, self.tree.states[state].step.start)
         if found is None or search.stopped:
             return None, None
-        if search.unlimited and self._escape(found.start()) is None:
-            return None, None  # nothing is gained where others have gone
         known = self.tree.known(found.motion)
         if known is not None or not search.checked_path(found).sure:
             return None, known
