@@ -103,11 +103,11 @@ def _openings(body: RingBody) -> list[Opening]:
     found = []
     for surface in body.surfaces:
         middle, normal = _faces(surface)
-        for i, j in itertools.combinations(range(len(middle)), 2):
-            across = middle[j] - middle[i]
-            width = float(np.linalg.norm(across))
-            if normal[i] @ across > FACING * width and -normal[j] @ across > FACING * width:
-                found.append(Opening(middle[[i, j]]))
+        for i in range(len(middle) - 1):
+            across = middle[i + 1 :] - middle[i]
+            width = FACING * np.linalg.norm(across, axis=1)
+            ahead = (across @ normal[i] > width) & (np.einsum("kd,kd->k", across, -normal[i + 1 :]) > width)
+            found += [Opening(middle[[i, j]]) for j in i + 1 + np.flatnonzero(ahead)]
     return sorted(found, key=lambda opening: opening.width)[:MAX_OPENINGS]
 
 
