@@ -107,7 +107,7 @@ def _openings(body: RingBody) -> list[Opening]:
             across = middle[i + 1 :] - middle[i]
             width = FACING * np.linalg.norm(across, axis=1)
             ahead = (across @ normal[i] > width) & (np.einsum("kd,kd->k", across, -normal[i + 1 :]) > width)
-            found += [Opening(middle[[i, j]]) for j in i + 1 + np.flatnonzero(ahead)]
+            found += [Opening(middle[[i, j]]) for j in (i + 1 + np.flatnonzero(ahead)).tolist()]
     return sorted(found, key=lambda opening: opening.width)[:MAX_OPENINGS]
 
 
