@@ -6,6 +6,7 @@ FOLDER` compiles for every processor of this platform into a folder that a wheel
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import tempfile
@@ -13,6 +14,17 @@ from contextlib import suppress
 from pathlib import Path
 
 from wiggleroom.errors import MissingExtraError
+
+_BARS = [[-6, -6, -1, 6, -4, 1], [-6, 4, -1, 6, 6, 1], [-6, -4, -1, -4, 4, 1], [4, -4, -1, 6, 4, 1]]
+_OPEN_BARS = [
+    [0, -1, -6, 2, 1, 6],
+    [2, -1, 4, 12, 1, 6],
+    [2, -1, -6, 12, 1, -4],
+    [10, -1, 0.5, 12, 1, 4],
+    [10, -1, -4, 12, 1, -0.5],
+]
+OPEN_RING = [{"name": "eye", "boxes": _BARS, "fixed": True}, {"name": "hook", "boxes": _OPEN_BARS}]
+"""A closed square ring, and one that stands in it, whose opening is half as wide as the bars are thick."""
 
 
 def compile_kernels() -> None:
@@ -40,7 +52,7 @@ def in_the_plane() -> None:
 
 
 def in_space() -> None:
-    """The largest motion of a burr, and that it does not come apart."""
+    """The largest motion of a burr, that it does not come apart, and that an open ring stays in a closed one."""
     from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
     from wiggleroom.questions import check, flex
     from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
@@ -49,6 +61,7 @@ def in_space() -> None:
     burr = assemble_spatial(read_spatial(SPATIAL_SAMPLES["burr"].text()))
     flex(burr)
     check(burr)
+    check(assemble_spatial(read_spatial(json.dumps({"format": "wiggleroom/2", "parts": OPEN_RING}))))
 
 
 def of_a_sheet() -> None:

@@ -24,6 +24,7 @@ from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
 from wiggleroom.spatial.linking_number import CurveGraph, curve_graph, linked
+from wiggleroom.spatial.open_rings import RingBody, held_by_opening
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
 from wiggleroom.spatial.solids.convex import ConvexPiece
 from wiggleroom.spatial.solids.spatial_model import Surface
@@ -137,7 +138,19 @@ class PairwiseConfinement:
         first, second = (self._parts(unit) for unit in (one, two))
         if any((min(p, q), max(p, q)) in self.ready.grouping.bodies.ignored for p in first for q in second):
             return False
-        return linked(self._curves(one), self._curves(two))
+        if linked(self._curves(one), self._curves(two)):
+            return True
+        mine, theirs = self._ring(one), self._ring(two)
+        return held_by_opening(mine, theirs, self.stop) or held_by_opening(theirs, mine, self.stop)
+
+    def _ring(self, unit: list[int]) -> RingBody:
+        """Pieces, surfaces and closed curves of some bodies at rest."""
+        assembly = self.ready.assembly
+        surfaces = []
+        for k in self._parts(unit):
+            part, surface = assembly.parts[k], assembly.made[k].surface
+            surfaces.append(Surface(surface.vertices @ part.R.T + part.at, surface.faces))
+        return RingBody(self._framed(unit, np.eye(3), np.zeros(3))[0], surfaces, self._curves(unit))
 
     def _curves(self, unit: list[int]) -> CurveGraph:
         """Closed curves in some bodies at rest."""
