@@ -19,6 +19,8 @@ from wiggleroom.verdict import Separability
 
 RELATIVE_TOLERANCE = 1e-3
 """Both sides end no further apart than this share of the gap."""
+UNDECIDED_TOLERANCE = 2.5e-4
+"""Where gaps in between stay undecided, each side ends no further from these than this share of the gap."""
 BOXES_PER_GAP, QUESTIONS_PER_GAP = 40_000, 40
 """Of `check`, at every gap that is tried."""
 MIN_GAP_SHARE = 1e-4
@@ -160,15 +162,29 @@ def _bracket(assembly: Any, at: Callable[[float], str], known: Callable[[str], l
         high = max(begin, 2 * low)
         while at(high) not in NOT_HELD:
             high *= 2
-        _narrow(at, low, high, NOT_HELD)
-        low = max(known("interlocked"))
-        above = [g for bad in (*NOT_HELD, "unknown") for g in known(bad) if g > low]
-        _narrow(at, low, min(above), {*NOT_HELD, "unknown"})
+        _narrow(at, low, high, NOT_HELD, RELATIVE_TOLERANCE)
+        _narrow_held(at, known, RELATIVE_TOLERANCE)
+        undecided = [g for g in known("unknown") if max(known("interlocked")) < g < _least_not_held(known)]
+        if undecided:
+            _narrow(at, max(undecided), _least_not_held(known), NOT_HELD, UNDECIDED_TOLERANCE)
+            _narrow_held(at, known, UNDECIDED_TOLERANCE)
 
 
-def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str]) -> None:
+def _narrow_held(at: Callable[[float], str], known: Callable[[str], list[float]], tolerance: float) -> None:
+    """Narrow the interval between the largest gap that interlocks and the next one that is not known to."""
+    low = max(known("interlocked"))
+    above = [g for bad in (*NOT_HELD, "unknown") for g in known(bad) if g > low]
+    _narrow(at, low, min(above), {*NOT_HELD, "unknown"}, tolerance)
+
+
+def _least_not_held(known: Callable[[str], list[float]]) -> float:
+    """Smallest gap that is known not to hold."""
+    return min(g for bad in NOT_HELD for g in known(bad))
+
+
+def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str], tolerance: float) -> None:
     """Halve the interval between a gap that is not `bad` and one that is, until it is narrow enough."""
-    while high - low > RELATIVE_TOLERANCE * high:
+    while high - low > tolerance * high:
         middle = (low + high) / 2
         if at(middle) in bad:
             high = middle

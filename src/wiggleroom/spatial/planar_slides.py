@@ -151,10 +151,11 @@ def _slabs(shadows: Sequence[tuple[float, float, shapely.Geometry]], margin: flo
     """Free translations at some distance from those that are blocked."""
     bounds = np.array([[0.0, 0, 0, 0], *(blocked.bounds for _, _, blocked in shadows if not blocked.is_empty)])
     around = shapely.box(*(bounds.min(axis=0)[:2] - size / 10), *(bounds.max(axis=0)[2:] + size / 10))
-    return [
-        _Slab(low, high, _polygons(shapely.difference(around, blocked.buffer(margin, join_style="mitre"))))
-        for low, high, blocked in shadows
-    ]
+    with np.errstate(invalid="ignore"):  # buffers of slivers raise the flag; every path is checked afterwards
+        return [
+            _Slab(low, high, _polygons(shapely.difference(around, blocked.buffer(margin, join_style="mitre"))))
+            for low, high, blocked in shadows
+        ]
 
 
 def _levels(heights: Floats, near: float, sloping: bool, clearance: float) -> list[float]:
