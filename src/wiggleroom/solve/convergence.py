@@ -35,6 +35,7 @@ class ConvergenceMonitor:
     mu: float = 0.0
     infeasible: float = 0.0
     infeasibility_ratio: float = 0.0
+    imbalance_ratio: float = 0.0
     feasible: tuple[Floats, float, Floats | None] | None = None
     path: list[Floats] = field(default_factory=list)
     inner: tuple[Floats, float, Floats | None] = field(init=False)
@@ -86,7 +87,8 @@ class ConvergenceMonitor:
             if dual_displacement > settings.dual_error_floor * whole
             else 0.0
         )
-        self.infeasibility_ratio = max(self.infeasible, wrong, dual_error) / gap if gap > 0 else 0.0
+        self.infeasibility_ratio = max(self.infeasible, wrong) / gap if gap > 0 else 0.0
+        self.imbalance_ratio = dual_error / gap if gap > 0 else 0.0
         self.error = max(gap, self.infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:

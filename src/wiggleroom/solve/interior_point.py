@@ -89,7 +89,7 @@ def solve(
 
     def predictor_corrector(state: Iterate, dual_residual: Floats, least: float) -> bool:
         step = predictor_corrector_step(
-            state, matrix, retraction, dual_residual, watch.mu, watch.infeasibility_ratio, least
+            state, matrix, retraction, dual_residual, watch.mu, watch.infeasibility_ratio, watch.imbalance_ratio, least
         )
         if step is not None:
             take_step(state, step.capped(farthest), retraction, watch.infeasible)

@@ -58,6 +58,8 @@ class Settings:
         Of one step in all, and for the sake of a longer step.
     max_infeasibility_ratio : float in (0, 1)
         Feasibility falls behind where it exceeds this share of complementarity.
+    decrement_weight : float > 0
+        So many Newton decrements are what the dual residual may still bring, if that is less than its work along the whole motion.
     stride_growth, max_stride : float > 1
         Full steps in a row that a shift keeps short are tried so much longer each time, up to the second multiple.
     max_halvings : int
@@ -104,6 +106,7 @@ class Settings:
     max_factorisations: int = 16
     max_lengthenings: int = 5
     max_infeasibility_ratio: float = 0.3
+    decrement_weight: float = 3.0
     stride_growth: float = 4.0
     max_stride: float = 4096.0
     max_halvings: int = 5
@@ -128,10 +131,20 @@ LARGE_SETTINGS = replace(SETTINGS, max_centring=1.0, dual_error_allowance=SETTIN
 VERY_LARGE_PROGRAM = 100_000
 """Programs of more variables need more iterations to move their bodies than the barrier parameter takes to fall."""
 VERY_LARGE_SETTINGS = replace(LARGE_SETTINGS, moving_centring=0.7)
+FULL_SHIFT_PROGRAM = 200_000
+"""Up to so many variables the first shift for a longer step is `longer_step_shift`."""
 
 
 def settings_for(variables: int) -> Settings:
-    """Parameters for a program of `variables` variables."""
+    """Parameters for a program of `variables` variables.
+
+    The least curvature falls with the square of their count, and with it the shift that keeps a step short enough.
+    """
     if variables > VERY_LARGE_PROGRAM:
-        return VERY_LARGE_SETTINGS
+        share = min(1.0, (FULL_SHIFT_PROGRAM / variables) ** 2)
+        return replace(
+            VERY_LARGE_SETTINGS,
+            longer_step_shift=share * SETTINGS.longer_step_shift,
+            min_kept_shift=share * SETTINGS.min_kept_shift,
+        )
     return LARGE_SETTINGS if variables > LARGE_PROGRAM else SETTINGS

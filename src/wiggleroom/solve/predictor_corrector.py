@@ -12,7 +12,7 @@ from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import SETTINGS, settings_for
 from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, newton
-from wiggleroom.solve.row_operations import corrector_goal, gap_after, stepped_slacks
+from wiggleroom.solve.row_operations import corrector_goal, dot, gap_after, stepped_slacks
 
 Floats = NDArray[np.float64]
 
@@ -59,21 +59,26 @@ def predictor_corrector_step(
     dual_residual: Floats,
     mu: float,
     infeasibility_ratio: float,
+    imbalance_ratio: float,
     least: float,
 ) -> NewtonStep | None:
     """The next step, and with it the barrier parameter.
 
-    The predictor aims at mu = 0. The next mu is centring times mu, at least `least`, where centring is
-    (mu after the predictor / mu)^3; where feasibility falls behind complementarity it is no less than the ratio of the two, up to
-    `max_centring`, and after a step that raised the objective much no less than `moving_centring`. The corrector then aims at the next mu.
-    The diagonal is strengthened until the matrix is positive definite and the step is not too short.
+    The predictor aims at mu = 0. The next mu is centring times mu, at least `least`, where centring is (mu after the predictor / mu)^3;
+    where feasibility or balance falls behind complementarity it is no less than the ratio of the two, up to `max_centring`, and after a
+    step that raised the objective much no less than `moving_centring`. The corrector then aims at the next mu. The diagonal is strengthened
+    until the matrix is positive definite and the step is not too short.
 
-    Source: Mehrotra 1992; both lower limits of the centring are ours.
+    `imbalance_ratio` is the work of the dual residual along the whole motion so far: early this tells how far bodies still go, at the end
+    of a long motion it says far too much. There the Newton decrement, what the residual would bring in the quadratic model, takes its place
+    where it is less. A strengthened diagonal makes that too small, so it counts without one alone.
+
+    Source: Mehrotra 1992; the lower limits of the centring are ours. Newton decrement: Boyd and Vandenberghe 2004, section 9.5.
     """
     s, lam, at = state.s, state.lam, state.at
     settings = settings_for(len(state.u))
     data = at.condensed(lam / s, lam, retraction.balance(dual_residual, at), 1.0 / state.unit)
-    shift = MIN_SHIFT if state.shift <= SETTINGS.min_kept_shift else state.shift / SETTINGS.shift_decay
+    shift = MIN_SHIFT if state.shift <= settings.min_kept_shift else state.shift / SETTINGS.shift_decay
     found, goal = None, np.empty_like(s)
     for attempt in range(SETTINGS.max_factorisations):
         if not matrix.update(data, shift + state.proximal_weight):
@@ -84,8 +89,13 @@ def predictor_corrector_step(
         predictor = newton(state, matrix, dual_residual, goal)
         gap = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal_step, predictor.dual_step)
         centring = (gap / max(len(s), 1) / mu) ** 3 if mu > 0 else 0.0
-        if infeasibility_ratio > SETTINGS.max_infeasibility_ratio:  # feasibility must not fall behind complementarity
-            centring = max(centring, min(settings.max_centring, infeasibility_ratio))
+        behind = imbalance_ratio
+        if behind > SETTINGS.max_infeasibility_ratio and shift <= MIN_SHIFT:
+            decrement = dot(dual_residual, matrix.solve(dual_residual))
+            behind = min(behind, SETTINGS.decrement_weight * decrement / (mu * len(s)))
+        behind = max(behind, infeasibility_ratio)
+        if behind > SETTINGS.max_infeasibility_ratio:  # feasibility must not fall behind complementarity
+            centring = max(centring, min(settings.max_centring, behind))
         if state.growth > settings.min_growth:
             centring = max(centring, settings.moving_centring)
         next_mu = max(centring * mu, least)
@@ -97,7 +107,7 @@ def predictor_corrector_step(
         found = NewtonStep.to_boundary(direction, shift)
         if found.primal_step > SETTINGS.min_step_length or attempt >= SETTINGS.max_lengthenings:
             break
-        shift = max(SETTINGS.shift_growth * shift, SETTINGS.longer_step_shift)
+        shift = max(SETTINGS.shift_growth * shift, settings.longer_step_shift)
     stuck = found is not None and found.shift > SETTINGS.hopeless_shift and found.primal_step < SETTINGS.min_step_length
     return None if stuck else found
 
