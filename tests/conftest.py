@@ -104,7 +104,7 @@ def page(served: Any) -> Iterator[Any]:
 @pytest.fixture(scope="module")
 def peg(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """The server of the page with a peg in its hole open."""
-    from tests.test_page import PEG, serving
+    from tests.browser_page import PEG, serving
 
     path = tmp_path_factory.mktemp("peg") / "peg.json"
     path.write_text(json.dumps(PEG))

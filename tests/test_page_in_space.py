@@ -18,8 +18,8 @@ from PIL import Image
 
 import wiggleroom as wr
 from tests.app_client import Served
+from tests.browser_page import answered, visiting
 from tests.page_waits import LATER, faded, plays, settled
-from tests.test_page import answered, visiting
 from wiggleroom.app.open_requests import opened
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.serve_command import first_request

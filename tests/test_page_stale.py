@@ -12,10 +12,12 @@ from typing import Any
 import pytest
 
 from tests.app_client import TOKEN, Served
+from tests.browser_page import PEG, Late, answered, at_rest, canvas, foot, pixels_per_mm, serving, visiting
 from tests.page_waits import LATER, settled, until
-from tests.test_page import EXAMPLES, PEG, Late, answered, at_rest, canvas, foot, pixels_per_mm, serving, visiting
 
 pytestmark = pytest.mark.slow
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 AT_ONCE = """([x, y, times]) => {
     const canvas = document.querySelector('.stage canvas');
