@@ -127,7 +127,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
-    """Open an answer's report; every message and every request but that for the file is a failure."""
+    """Open an answer's report; every message but those of graphics drivers and every request but that for the file is a failure."""
     trouble: list[str] = []
     pages = []
 
@@ -136,7 +136,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
         page_of = browser.new_page(**how)
         page_of.set_default_timeout(1000 * PATIENCE)
         page_of.on("pageerror", lambda e: trouble.append(str(e)))
-        page_of.on("console", lambda m: trouble.append(m.text))
+        page_of.on("console", lambda m: None if "GL Driver Message" in m.text else trouble.append(m.text))
         page_of.on("request", lambda r: trouble.append(r.url) if not r.url.endswith("report.html") else None)
         page_of.goto((tmp_path / "report.html").as_uri())
         pages.append(page_of)
