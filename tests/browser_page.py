@@ -46,8 +46,8 @@ def accessible(page: Any) -> None:
 
 @contextmanager
 def serving(path: Path | None) -> Iterator[Served]:
-    drawing = None if path is None else wr.read(str(path)).drawing
-    one = Served(None if path is None or drawing is None else first_open(path, drawing, None, None, None))
+    first = None if path is None else first_open(path, wr.read(str(path)).drawing, None, None, None)
+    one = Served(None if first is None else lambda: first)
     try:
         yield one
     finally:
