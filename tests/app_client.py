@@ -7,7 +7,7 @@ import json
 import struct
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -23,7 +23,7 @@ TOKEN = "a-token-for-tests"
 class Served:
     """A server on a port of its own."""
 
-    def __init__(self, first: bytes | None = None) -> None:
+    def __init__(self, first: Callable[[], bytes] | None = None) -> None:
         self.listening = listen(0)
         self.port = self.listening.getsockname()[1]
         self.page = Page(self.port, TOKEN, first)

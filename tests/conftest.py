@@ -45,15 +45,29 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.xfail(reason=reason, raises=AssertionError, strict=True))
 
 
-@pytest.fixture(autouse=True)
-def from_rest_only(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Climb from rest alone, in tests that are not marked `searches`: going on beyond the nearest optimum would take most of their time."""
-    if "searches" in request.keywords:
-        return
+@pytest.fixture(scope="session", autouse=True)
+def from_rest_only() -> Iterator[dict[str, Any]]:
+    """Climb from rest alone, also in what modules work out once: going on beyond the nearest optimum would take most of the time.
+
+    What does go on, by its name.
+    """
     from wiggleroom import flex_walls
 
-    monkeypatch.setattr(flex_walls, "_in_own_frame", lambda *_: None)
-    monkeypatch.setattr(flex_walls, "_searched", lambda climb, query, _: flex_walls._answer(climb, query))
+    searching = {name: getattr(flex_walls, name) for name in ("_in_own_frame", "_searched")}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(flex_walls, "_in_own_frame", lambda *_: None)
+        patch.setattr(flex_walls, "_searched", lambda climb, query, _: flex_walls._answer(climb, query))
+        yield searching
+
+
+@pytest.fixture(autouse=True)
+def searches_where_marked(
+    request: pytest.FixtureRequest, from_rest_only: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Search as `flex` does in tests that are marked `searches`."""
+    if "searches" in request.keywords:
+        for name, search in from_rest_only.items():
+            monkeypatch.setattr(f"wiggleroom.flex_walls.{name}", search)
 
 
 @pytest.fixture
@@ -104,7 +118,7 @@ def page(served: Any) -> Iterator[Any]:
 @pytest.fixture(scope="module")
 def peg(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """The server of the page with a peg in its hole open."""
-    from tests.test_page import PEG, serving
+    from tests.browser_page import PEG, serving
 
     path = tmp_path_factory.mktemp("peg") / "peg.json"
     path.write_text(json.dumps(PEG))
@@ -127,7 +141,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
-    """Open an answer's report; every message and every request but that for the file is a failure."""
+    """Open an answer's report; every message but those of graphics drivers and every request but that for the file is a failure."""
     trouble: list[str] = []
     pages = []
 
@@ -136,7 +150,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
         page_of = browser.new_page(**how)
         page_of.set_default_timeout(1000 * PATIENCE)
         page_of.on("pageerror", lambda e: trouble.append(str(e)))
-        page_of.on("console", lambda m: trouble.append(m.text))
+        page_of.on("console", lambda m: None if "GL Driver Message" in m.text else trouble.append(m.text))
         page_of.on("request", lambda r: trouble.append(r.url) if not r.url.endswith("report.html") else None)
         page_of.goto((tmp_path / "report.html").as_uri())
         pages.append(page_of)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 import numba
 import numpy as np
@@ -84,8 +85,8 @@ class Ground:
             if np.hypot(*(self.at[j] - self.at[i] + motion[j, :2] - motion[i, :2])) > reach + within:
                 continue
             for a, b, one, other in ((i, j, p, q), (j, i, q, p)):
-                corner = _placed(one, self.at[a], motion[a])
-                edges = _placed(other, self.at[b], motion[b], edges=True)
+                corner = _placed(_edges(one)[:, 0], self.at[a], motion[a])
+                edges = _placed(_edges(other), self.at[b], motion[b])
                 found, away, normal = _close(corner, edges, within)
                 row = np.zeros((len(found), n, 3))
                 for k, sign in ((a, 1), (b, -1)):
@@ -101,15 +102,18 @@ class Ground:
         return relative_motion(self.at[i], self.at[j], motions[:, i], motions[:, j]), np.hypot(*apart.T) < reach
 
 
-def _placed(shape: shapely.Polygon, at: np.ndarray, move: np.ndarray, edges: bool = False) -> np.ndarray:
-    """Corners (k, 2), or edges (k, 2, 2) with material on their left, after a motion."""
-    c, s = np.cos(move[2]), np.sin(move[2])
+@lru_cache(maxsize=1000)
+def _edges(shape: shapely.Polygon) -> np.ndarray:
+    """Edges (k, 2, 2) with material on their left; they begin at every corner once."""
     made = shapely.orient_polygons(shape)
-    rings = [
-        shapely.get_coordinates(r) @ np.array([[c, s], [-s, c]]) + at + move[:2]
-        for r in (made.exterior, *made.interiors)
-    ]
-    return np.concatenate([np.stack([r[:-1], r[1:]], axis=1) if edges else r[:-1] for r in rings])
+    rings = [shapely.get_coordinates(r) for r in (made.exterior, *made.interiors)]
+    return np.concatenate([np.stack([r[:-1], r[1:]], axis=1) for r in rings])
+
+
+def _placed(points: np.ndarray, at: np.ndarray, move: np.ndarray) -> np.ndarray:
+    """Points (..., 2) after a motion."""
+    c, s = np.cos(move[2]), np.sin(move[2])
+    return points @ np.array([[c, s], [-s, c]]) + (at + move[:2])
 
 
 @numba.njit(cache=True)

@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import shlex
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -332,11 +333,31 @@ def test_a_bound_lies_above_the_answer(page: Visit) -> None:
     ],
 )
 def test_what_is_saved_is_what_it_says(page: Visit, what: str, begins: bytes) -> None:
-    if page.design.get("fixed") != ["b1"]:
-        page.open("chain.json", chain())
+    page.open("chain.json", chain())
     reply = page.ask("save", what=what)
     assert base64.b64decode(reply["data"]).startswith(begins)
     assert reply["name"].startswith("chain")
+
+
+@pytest.mark.searches
+@pytest.mark.parametrize("searched", [False, True])
+def test_the_command_in_a_saved_answer_gives_that_answer(
+    page: Visit, searched: bool, tmp_path: Path, command: Callable[..., int]
+) -> None:
+    made = wr.patterns.chain(8, joint="tee", gap=0.02)
+    file, out = tmp_path / "chain.json", tmp_path / "answer.json"
+    file.write_text(write_assembly(made.drawing))
+    page.open("chain.json", file.read_bytes(), path=str(file))
+    page.ask("flex")
+    if searched:
+        page.ask("rank")
+    saved = json.loads(base64.b64decode(page.ask("save", what="json")["data"]))
+    assert ("--search" in saved["command"]) is not searched
+    assert ("search" in saved) is searched
+    assert command(*shlex.split(saved["command"])[1:], "--json", out) == 0
+    found = json.loads(out.read_text())
+    assert found["objective"] == pytest.approx(saved["objective"], rel=1e-8)
+    assert found.get("search") == saved.get("search")
 
 
 def test_a_saved_cut_is_the_outline_with_the_gap_applied(page: Visit, tmp_path: Path) -> None:

@@ -23,6 +23,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served, Visit
 from wiggleroom.app import websocket_limits as patient
+from wiggleroom.cli.options import QuestionOptions
+from wiggleroom.cli.serve_command import FirstRequest
 from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 CHAIN = write_assembly(wr.patterns.chain(2, joint="tee", gap=0.02).drawing).encode()
@@ -274,12 +276,8 @@ def test_what_cannot_be_served_is_said_in_one_line(served: Served, tmp_path: Pat
 
 
 def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
-    from wiggleroom.cli.options import QuestionOptions
-    from wiggleroom.cli.serve_command import first_request
-
     (tmp_path / "chain.json").write_bytes(CHAIN)
-    first = first_request(str(tmp_path / "chain.json"), QuestionOptions(gap=0.03, pull=("b2:-x",)))
-    served = Served(first)
+    served = Served(FirstRequest(str(tmp_path / "chain.json"), QuestionOptions(gap=0.03, pull=("b2:-x",))))
     try:
         for _ in range(2):  # a page, and the same page reloaded
             with served.visit() as one:
@@ -293,6 +291,47 @@ def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
         assert reply["objective"] == pytest.approx(truth.objective, rel=1e-9)
     finally:
         served.close()
+
+
+def test_a_page_that_is_loaded_again_is_about_the_file_as_it_now_is(tmp_path: Path) -> None:
+    file = tmp_path / "chain.json"
+    file.write_bytes(CHAIN)
+    served = Served(FirstRequest(str(file), QuestionOptions()))
+    wider = write_assembly(wr.patterns.chain(3, joint="tee", gap=0.05).drawing)
+    try:
+        for content, parts in ((None, 2), (wider, 3), (wider[:40], 0), (CHAIN.decode(), 2)):
+            if content is not None:
+                file.write_text(content)
+            with served.visit() as one:
+                told = one.next()
+                if parts:
+                    assert (told["kind"], len(told["parts"])) == ("opened", parts)
+                else:
+                    assert (told["kind"], told["of"]) == ("failed", "open")
+                    assert "chain.json" in told["findings"][0]
+    finally:
+        served.close()
+
+
+def test_files_that_a_file_names_are_read_again_when_they_change(tmp_path: Path) -> None:
+    file, sheet = tmp_path / "tray.json", tmp_path / "sheet.svg"
+    panel = {"name": "panel", "outline": "sheet.svg#panel", "thickness": 3, "at": [0, 0, 9]}
+    plain = {"name": "ground", "boxes": [[0, 0, 0, 9, 9, 3]], "fixed": True}
+    file.write_text(json.dumps({"format": "wiggleroom/2", "parts": [plain, panel]}))
+    drawn = (
+        "<svg xmlns='http://www.w3.org/2000/svg' width='90mm' height='90mm' viewBox='0 0 90 90'>"
+        "<rect id='panel' width='{}' height='9'/></svg>"
+    )
+    sheet.write_text(drawn.format(9))
+    first = FirstRequest(str(file), QuestionOptions())
+    before = first()
+    assert first() is before
+    sheet.write_text(drawn.format(10))
+    (now,) = json.loads(first())["beside"].values()
+    assert base64.b64decode(now) == sheet.read_bytes()
+    sheet.unlink()
+    with pytest.raises(wr.InputError, match=r"sheet\.svg"):
+        first()
 
 
 def test_processes_may_not_take_all_memory() -> None:
@@ -321,14 +360,11 @@ TRAY = {
 
 @pytest.mark.parametrize("space", [False, True])
 def test_pages_begin_with_gaps_of_joints_and_pairs_to_ignore(tmp_path: Path, space: bool) -> None:
-    from wiggleroom.cli.options import QuestionOptions
-    from wiggleroom.cli.serve_command import first_request
-
     file = tmp_path / ("tray.json" if space else "chain.json")
     file.write_bytes(json.dumps(TRAY).encode() if space else CHAIN)
     part, gap_of = ("block", "block,east:0.7") if space else ("b2", "b1,b2:0.03")
     asked = QuestionOptions(gap=0.2 if space else None, gap_of=(gap_of,), ignore=("west,block",) if space else ())
-    served = Served(first_request(str(file), replace(asked, pull=(f"{part}:+x",))))
+    served = Served(FirstRequest(str(file), replace(asked, pull=(f"{part}:+x",))))
     try:
         with served.visit() as one:
             one.design = one.until(0, "opened")["design"]

@@ -16,6 +16,7 @@ pytest.importorskip("manifold3d")
 from benchmarks.sheet_drawings import Design, box, designs, egg_crate, shelf, stool
 from benchmarks.sheet_judge import judge, rotation
 
+from tests.prism_sheets import prism, regular
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.congruence import PanelIsometries, congruent
@@ -312,28 +313,9 @@ def test_walls_meet_at_the_angle_of_the_base_below_them(tmp_path: Path) -> None:
     assert {min(angle, 180 - angle) for angle in beside} == {72, 36}
 
 
-def prism(sides: int, apothem: float, height: float, t: float) -> list[shapely.Polygon]:
-    """Base and walls of a prism: fingers t sin a long whose middles lie t tan(a/2) cos(a) / 2 behind where the middle planes cross."""
-    turn = 2 * np.pi / sides
-    base = shapely.Polygon(
-        [apothem / np.cos(turn / 2) * np.array([np.cos(k * turn), np.sin(k * turn)]) for k in range(sides)]
-    )
-    half = (apothem - t / 2) * np.tan(turn / 2) - t * np.tan(turn / 2) * np.cos(turn) / 2
-    low, high = half - t * np.sin(turn) / 2, half + t * np.sin(turn) / 2
-    wall = shapely.box(-high, t, low, height)
-    for v in range(10, int(height) - 10, 12):
-        wall = wall.union(shapely.box(low, v, high, v + 6)).difference(shapely.box(-high, v, -low, v + 6))
-    for u in (-14.0, -2.0, 10.0):
-        wall = wall.union(shapely.box(u, 0, u + 6, t))
-        for k in range(sides):
-            notch = shapely.box(apothem - t, u, apothem + 1, u + 6)
-            base = base.difference(affinity.rotate(notch, (k + 0.5) * turn, origin=(0, 0), use_radians=True))
-    return [base, *[wall] * sides]
-
-
 def test_poses_count_as_likely_whose_angle_asks_for_fingers_as_long_as_they_are() -> None:
     """Walls of a pentagon turn by 72 degrees and stand square on the base, though lengths differ by less than a laser is off by."""
-    panels = prism(5, 43.0, 80.0, 3.0)
+    panels = [*prism(regular(5, 43.0), 80.0, 3.0).panels.values()]
     plates = plates_of([f"p{k}" for k in range(6)], panels, [3.0] * 6, 0.0)
     poses = PairPoseTable(PanelSet(plates), whole=True)
     walls, base = poses.between(1, 2), poses.between(0, 1)
@@ -344,7 +326,7 @@ def test_poses_count_as_likely_whose_angle_asks_for_fingers_as_long_as_they_are(
 
 
 def test_slanted_ends_of_an_edge_are_not_compared() -> None:
-    panels = prism(5, 43.0, 80.0, 3.0)
+    panels = [*prism(regular(5, 43.0), 80.0, 3.0).panels.values()]
     base, wall = plates_of(["base", "wall"], panels[:2], [3.0] * 2, 0.0)
     ends = [edge_ends(base, line) for line in base.lines]
     assert all(each is not None and np.isnan(each).all() for each in ends)

@@ -380,6 +380,8 @@ def test_chains_command_keeps_the_page(tmp_path: Path, monkeypatch, capsys) -> N
 
 @pytest.mark.slow
 def test_command_writes_table_json_page_and_picture(tmp_path: Path, monkeypatch, capsys) -> None:
+    pairs = {name: make for name, make in PAIRS.items() if name != "open wedge"}  # a test of its own works that out
+    monkeypatch.setattr(accuracy, "PAIRS", pairs)
     page, out, svg = tmp_path / "page.md", tmp_path / "out.json", tmp_path / "out.svg"
     page.write_text("# Others wrote this\n")
     words = (
@@ -395,12 +397,12 @@ def test_command_writes_table_json_page_and_picture(tmp_path: Path, monkeypatch,
         str(svg),
     )
     assert run(monkeypatch, *words) == 0
-    assert "open wedge" in capsys.readouterr().out
+    assert "round" in capsys.readouterr().out
     assert page.read_text().startswith("# Others wrote this\n")
     assert "`wiggleroom bench accuracy --samples 500`" in page.read_text()
     record = json.loads(out.read_text())
     rows = [r for r in record["accuracy"] if not r["published"]]
-    assert len(rows) == 4 * len(PAIRS)
+    assert len(rows) == 4 * len(pairs)
     assert all(r["samples"] == 500 for r in rows)
     assert svg.read_text().count('class="mark"') > 2 * len(rows)
 

@@ -119,11 +119,11 @@ print(scipy.linalg.cython_blas.__name__, scipy.spatial._qhull.__name__)
     assert said == ["8.0 []", "True 2.0", "scipy.linalg.cython_blas scipy.spatial._qhull"]
 
 
-def test_a_question_with_a_quick_bound_does_without_the_slow_packages_of_scipy() -> None:
+def test_a_question_in_the_plane_with_a_quick_bound_does_without_what_is_slow_to_load() -> None:
     code = """
 import sys, wiggleroom as wr
 answer = wr.flex(wr.patterns.chain(5))
-packages = {"scipy.linalg", "scipy.spatial", "scipy.special", "scipy.optimize"}
+packages = {"scipy.linalg", "scipy.spatial", "scipy.special", "scipy.optimize", "wiggleroom.spatial.planes"}
 print(answer.at_most is not None, sorted(packages & set(sys.modules)))
 """
     assert run(ROOT.parent, code) == "True []"

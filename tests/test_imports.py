@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Container
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -84,38 +85,44 @@ def named(argument: ast.expr, tree: ast.AST, known: Container[str]) -> set[str]:
     return {name for text in ("", *texts) for name in (begin + text, begin.rstrip(".") + text) if name in known}
 
 
-def wrong(name: str, path: Path, known: Container[str]) -> list[str]:
+def wrong(name: str, imports: set[str]) -> list[str]:
     """Imports of one module that point to the right."""
     own = name.split(".")[1]
     assert own in ORDER, f"{name}: this package has no place in the order"
     allowed = set(ORDER[: ORDER.index(own) + 1])
-    packages = {n.split(".")[1] for n in imported(name, path, known) if n != "wiggleroom"}
+    packages = {n.split(".")[1] for n in imports if n != "wiggleroom"}
     return [f"{name} imports {package}" for package in sorted(packages & set(ORDER) - allowed)]
 
 
 KNOWN = modules(ROOT)
 
 
+@cache
+def imports_of(name: str) -> set[str]:
+    """Modules of the package that one of them imports."""
+    return imported(name, KNOWN[name], KNOWN)
+
+
 @pytest.mark.parametrize("name", sorted(KNOWN.keys() - {"wiggleroom"}))
 def test_a_module_imports_only_from_its_left(name: str) -> None:
-    assert wrong(name, KNOWN[name], KNOWN) == []
+    assert wrong(name, imports_of(name)) == []
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
     """Inside packages too; what a package's own file imports from its modules counts as well."""
-    graph = {name: imported(name, path, KNOWN) for name, path in KNOWN.items() if name != "wiggleroom"}
+    graph = {name: imports_of(name) for name in KNOWN if name != "wiggleroom"}
     TopologicalSorter(graph).prepare()  # raises CycleError with the circle
 
 
 def folders(package: str) -> dict[str, set[str]]:
     """Folders and modules that lie in a package itself, and those of them that each imports from."""
     depth = package.count(".") + 1
-    inside = {name: path for name, path in KNOWN.items() if name.startswith(f"{package}.")}
+    inside = {name for name in KNOWN if name.startswith(f"{package}.")}
     graph: dict[str, set[str]] = {}
-    for name, path in inside.items():
+    for name in inside:
         own = name.split(".")[depth]
         graph.setdefault(own, set()).update(
-            other.split(".")[depth] for other in imported(name, path, inside) if other.split(".")[depth] != own
+            other.split(".")[depth] for other in imports_of(name) & inside if other.split(".")[depth] != own
         )
     return graph
 
@@ -151,7 +158,8 @@ def test_the_walk_sees_every_kind_of_import(tmp_path: Path, line: str) -> None:
     module = tmp_path / "solve" / "bad.py"
     module.write_text(line)
     known = {*KNOWN, "wiggleroom.solve.bad"}
-    assert wrong("wiggleroom.solve.bad", module, known) == ["wiggleroom.solve.bad imports report"]
+    found = imported("wiggleroom.solve.bad", module, known)
+    assert wrong("wiggleroom.solve.bad", found) == ["wiggleroom.solve.bad imports report"]
 
 
 def test_the_walk_sees_circles(tmp_path: Path) -> None:

@@ -18,11 +18,11 @@ from PIL import Image
 
 import wiggleroom as wr
 from tests.app_client import Served
+from tests.browser_page import answered, visiting
 from tests.page_waits import LATER, faded, plays, settled
-from tests.test_page import answered, visiting
 from wiggleroom.app.open_requests import opened
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.serve_command import first_request
+from wiggleroom.cli.serve_command import FirstRequest
 from wiggleroom.report.page.solid_page import page_of_spatial_answer
 from wiggleroom.schema.requests import OpenRequest
 from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
@@ -52,7 +52,7 @@ LID = {
 def lid(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     path = tmp_path_factory.mktemp("lid") / "lid.json"
     path.write_text(json.dumps(LID))
-    one = Served(first_request(str(path), QuestionOptions()))
+    one = Served(FirstRequest(str(path), QuestionOptions()))
     try:
         yield one
     finally:
@@ -223,7 +223,7 @@ def test_an_upload_opens_no_other_file_and_says_so_in_one_line(browser: Any, lid
 
 def test_a_file_that_names_meshes_opens_from_the_command_line(browser: Any) -> None:
     path = EXAMPLES / "45_tetrahedra" / "plate.json"
-    served = Served(first_request(str(path), QuestionOptions(pull=("t3-3:+z",))))
+    served = Served(FirstRequest(str(path), QuestionOptions(pull=("t3-3:+z",))))
     try:
         with visiting(browser, served) as page:
             answered(page, "t3-3 moves 0.3519 mm in +z")
@@ -371,7 +371,7 @@ def test_all_is_in_the_picture_and_fills_it_from_every_side(
         ],
     }
     (tmp_path / "bar.json").write_text(json.dumps(design))
-    one = Served(first_request(str(tmp_path / "bar.json"), QuestionOptions()))
+    one = Served(FirstRequest(str(tmp_path / "bar.json"), QuestionOptions()))
     try:
         with visiting(browser, one) as page:
             answered(page, "block moves 0.4 mm in +x")

@@ -12,7 +12,7 @@ import shapely
 from benchmarks.sheet_drawings import box, egg_crate
 from benchmarks.sheet_judge import judge
 
-from tests.test_page import AXE, accessible, serving, visiting
+from tests.browser_page import AXE, accessible, serving, visiting
 from wiggleroom.mating.assembled_sheet import assemble_sheet
 from wiggleroom.mating.cutting_sheet import read_sheet
 from wiggleroom.mating.hints import read_hints

@@ -8,6 +8,7 @@ import itertools
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from scipy.spatial.transform import Rotation
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
-from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_answer
+from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_answer, page_of_spatial_assembly
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.spatial_path import along_path
 
@@ -98,3 +99,15 @@ def test_parts_with_one_centre_are_apart_in_an_exploded_view(tmp_path: Path) -> 
     lows, highs = (np.array([f(c, axis=0) for c in corners]) + exploded_offsets(burr) for f in (np.min, np.max))
     for i, j in itertools.combinations(range(len(corners)), 2):
         assert ((highs[i] <= lows[j]) | (highs[j] <= lows[i])).any()
+
+
+@pytest.mark.slow
+def test_it_prints_light_and_whole(opened: Any) -> None:
+    pegs = [PEG | {"name": f"peg {k}", "at": [20 * k, 0, 0]} for k in range(60)]
+    at = opened(page_of_spatial_assembly(spatial(*pegs)))
+    at.emulate_media(media="print", color_scheme="dark")
+    assert at.locator("body").evaluate("(body) => getComputedStyle(body).backgroundColor") == "rgb(255, 255, 255)"
+    for one in ("aside", "body"):
+        assert at.locator(one).evaluate("(element) => element.scrollHeight - element.clientHeight") == 0
+    assert not at.locator("#play").is_visible()
+    assert at.get_by_text("peg 59").is_visible()

@@ -14,13 +14,13 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock import Interlock
     from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.search.prepare import Prepared
     from wiggleroom.search.progress import Progress
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
     from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 

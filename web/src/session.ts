@@ -396,6 +396,9 @@ export function showEscape(which: number, about: state.About<CheckReply | PlanRe
   play(true);
 }
 
+/** What a drawing's parts are: its file may have changed while the line was down. */
+const looks = ({ parts, solids }: Opened): string => JSON.stringify([parts, solids]);
+
 function opened(reply: Opened): void {
   state.opening.value = "";
   if (reply.id === 0 && file) return; // a reload: the file that was dropped here comes after
@@ -406,7 +409,7 @@ function opened(reply: Opened): void {
     pendingFile = null;
   }
   const before = state.drawing.peek();
-  if (before && again && mark(before) === mark(reply)) {
+  if (before && again && mark(before) === mark(reply) && looks(before) === looks(reply)) {
     again = false;
     return askFlex(); // the line came back: nothing that was set is lost
   }

@@ -23,6 +23,7 @@ from wiggleroom.report.results.separability import Checked, check_result
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest
+from wiggleroom.sensitivity.perturbation import is_searched
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -87,7 +88,10 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
     if request.of == "plan":
         _write_plan(document.last_plan(design, out), request.what, path, said, out)
         return
-    answer = replace(document.answer(design, out), command=said)
+    answer = document.answer(design, out)
+    if answer.search is None and is_searched(answer.assembly):  # saved before the search in idle time came to an end
+        said = command("flex", document.file, design, ("--search", "0"))
+    answer = replace(answer, command=said)
     if request.what == "json":
         path.write_text(to_json(flex_result(answer)), encoding="utf-8")
     elif request.what == "html":

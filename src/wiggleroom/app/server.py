@@ -26,6 +26,7 @@ from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.app.samples import sample_entries
 from wiggleroom.app.session import Session
 from wiggleroom.app.websocket_limits import LimitedWebSocket
+from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Hello, UploadLimits
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
@@ -77,13 +78,15 @@ class Page:
     port : int
     token : str
         Whoever shows it may ask.
-    first : bytes, optional
-        The `open` of a file that the command was given; every page begins with it.
+    first : callable, optional
+        Gives the `open` of a file that the command was given, as the file now is; every page begins with it. Raises InputError.
     pool : Pool, optional
         Solver processes; the first one may have been begun.
     """
 
-    def __init__(self, port: int, token: str, first: bytes | None = None, pool: Pool | None = None) -> None:
+    def __init__(
+        self, port: int, token: str, first: Callable[[], bytes] | None = None, pool: Pool | None = None
+    ) -> None:
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
         self._token, self._first = token, first
         self._files = files()
@@ -145,7 +148,12 @@ class Page:
         self._pages += 1
         try:
             await send([], encode(hello()))
-            await self._talk(socket, Session(self.pool, send, self._first))
+            first = None
+            try:
+                first = None if self._first is None else await asyncio.to_thread(self._first)
+            except InputError as problem:
+                await send([], encode(failed(0, "open", problem.findings)))
+            await self._talk(socket, Session(self.pool, send, first))
         finally:
             self._pages -= 1
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from wiggleroom.cli.options import QuestionOptions, asked_drawing, read_options
 
 if TYPE_CHECKING:
     import asyncio
+    from collections.abc import Callable
 
     from wiggleroom.app.process import Pool
 
@@ -52,14 +54,14 @@ def serve(
     with asyncio.Runner() as runner:
         runner.run(pool.prepare())  # it loads its libraries while this process reads the drawing
         try:
-            first = None if file is None else first_request(file, asked)
+            first = None if file is None else FirstRequest(file, asked)
             _answer(runner, pool, first, port, browser)
         finally:
             runner.run(pool.close())
     return 0
 
 
-def _answer(runner: asyncio.Runner, pool: Pool, first: bytes | None, port: int, browser: bool) -> None:
+def _answer(runner: asyncio.Runner, pool: Pool, first: Callable[[], bytes] | None, port: int, browser: bool) -> None:
     """Answer pages until Ctrl-C; raises InputError where the port cannot be had."""
     import secrets
 
@@ -84,6 +86,43 @@ def _answer(runner: asyncio.Runner, pool: Pool, first: bytes | None, port: int, 
 
     with listening:
         serve(runner, Page(number, token, first, pool), listening, started)
+
+
+class FirstRequest:
+    """The request that opens a file as it now is: read again where it, or a file that it names, has changed.
+
+    Parameters are those of `first_request`, which is asked at once.
+    """
+
+    def __init__(self, file: str, asked: QuestionOptions) -> None:
+        self._file, self._asked = file, asked
+        self._read()
+
+    def __call__(self) -> bytes:
+        """The request; raises InputError where the file can no longer be read."""
+        if self._changes() != self._seen:
+            self._read()
+        return self._request
+
+    def _read(self) -> None:
+        self._named: list[str] = []
+        before = self._changes()
+        self._request = first_request(self._file, self._asked)
+        self._named = list(json.loads(self._request)["beside"])
+        self._seen = before + self._changes()[1:]
+
+    def _changes(self) -> list[tuple[int, int] | None]:
+        """When the file and those that it names were written, and how long they are; None for one that is not there."""
+        place = Path(self._file)
+        return [_change(place), *(_change(place.parent / name) for name in self._named)]
+
+
+def _change(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
 
 
 def first_request(file: str, asked: QuestionOptions) -> bytes:

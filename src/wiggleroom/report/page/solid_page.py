@@ -56,6 +56,9 @@ td:first-child { overflow-wrap: anywhere; } td label { display: flex; gap: .4rem
 code { font-size: 12px; overflow-wrap: anywhere; }
 @media (max-width: 800px) { body { grid-template-columns: 1fr; height: auto; } main { height: 75vh; }
   aside { border-left: 0; border-top: 1px solid var(--line); } }
+@media print { :root { color-scheme: light; --ink: #1f2933; --quiet: #5b6774; --paper: white; --line: #d9d5cc; }
+  body { display: block; height: auto; } main { height: 120mm; } .bar, td input { display: none; }
+  aside { overflow: visible; border: 0; padding: 0; } tr { break-inside: avoid; } }
 """
 
 
