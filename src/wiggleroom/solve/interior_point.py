@@ -19,7 +19,7 @@ from wiggleroom.solve.carried_multipliers import MIN_CARRIED_SLACK
 from wiggleroom.solve.convergence import ConvergenceMonitor
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.feasibility_restoration import pulled_inside, restore_feasibility
-from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER, SETTINGS, SLACK_TOLERANCE
+from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER, SETTINGS, SLACK_TOLERANCE, settings_for
 from wiggleroom.solve.monotone_barrier import MonotoneBarrier
 from wiggleroom.solve.newton_step import Iterate
 from wiggleroom.solve.predictor_corrector import predictor_corrector_step, take_step
@@ -97,7 +97,7 @@ def solve(
 
     for escapes in range(SETTINGS.max_saddle_escapes + 1):
         state = at_start(begin, mu, SETTINGS.initial_slack, None if escapes else multipliers)
-        status = watch.follow(state, predictor_corrector, SETTINGS.max_iterations)
+        status = watch.follow(state, predictor_corrector, settings_for(len(begin)).max_iterations)
         if status is SolverStatus.FAILED and watch.feasible is not None:
             state = at_start(*watch.feasible[:2], 0.0)
             status = watch.follow(

@@ -130,7 +130,7 @@ LARGE_SETTINGS = replace(SETTINGS, max_centring=1.0, dual_error_allowance=SETTIN
 
 VERY_LARGE_PROGRAM = 100_000
 """Programs of more variables need more iterations to move their bodies than the barrier parameter takes to fall."""
-VERY_LARGE_SETTINGS = replace(LARGE_SETTINGS, moving_centring=0.7)
+VERY_LARGE_SETTINGS = replace(LARGE_SETTINGS, max_iterations=200, moving_centring=0.7)
 FULL_SHIFT_PROGRAM = 200_000
 """Up to so many variables the first shift for a longer step is `longer_step_shift`."""
 
