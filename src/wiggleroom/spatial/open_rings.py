@@ -112,13 +112,15 @@ def _openings(body: RingBody) -> list[Opening]:
 
 
 def _faces(surface: Surface) -> tuple[Floats, Floats]:
-    """Middles (f, 3) [mm] and outward unit normals (f, 3) of the flat faces of a surface."""
+    """Middles (f, 3) [mm] and outward unit normals (f, 3) of the flat faces of a surface that have an area."""
     normal, _, face = face_planes(surface)
     corners = surface.vertices[surface.faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     weighted = area[:, None] * corners.mean(axis=1)
-    middle = np.column_stack([np.bincount(face, along, len(normal)) for along in weighted.T])
-    return middle / np.bincount(face, area, len(normal))[:, None], normal
+    moment = np.column_stack([np.bincount(face, along, len(normal)) for along in weighted.T])
+    total = np.bincount(face, area, len(normal))
+    some = total > 0
+    return moment[some] / total[some, None], normal[some]
 
 
 def _curve_through(body: RingBody, opening: Opening) -> CurveGraph | None:
