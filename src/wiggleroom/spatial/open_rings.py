@@ -105,9 +105,12 @@ def _openings(body: RingBody) -> list[Opening]:
         middle, normal = _faces(surface)
         for i in range(len(middle) - 1):
             across = middle[i + 1 :] - middle[i]
-            width = FACING * np.linalg.norm(across, axis=1)
-            ahead = (across @ normal[i] > width) & (np.einsum("kd,kd->k", across, -normal[i + 1 :]) > width)
-            found += [Opening(middle[[i, j]]) for j in (i + 1 + np.flatnonzero(ahead)).tolist()]
+            width = np.linalg.norm(across, axis=1)
+            least = FACING * width
+            ahead = (across @ normal[i] > least) & (np.einsum("kd,kd->k", across, -normal[i + 1 :]) > least)
+            facing = np.flatnonzero(ahead)
+            nearest = facing[np.argsort(width[facing], kind="stable")[:MAX_OPENINGS]]
+            found += [Opening(middle[[i, j]]) for j in (i + 1 + nearest).tolist()]
     return sorted(found, key=lambda opening: opening.width)[:MAX_OPENINGS]
 
 
