@@ -149,10 +149,11 @@ class Page:
         try:
             await send([], encode(hello()))
             first = None
-            try:
-                first = None if self._first is None else await asyncio.to_thread(self._first)
-            except InputError as problem:
-                await send([], encode(failed(0, "open", problem.findings)))
+            if self._first is not None:
+                try:
+                    first = await asyncio.to_thread(self._first)
+                except InputError as problem:
+                    await send([], encode(failed(0, "open", problem.findings)))
             await self._talk(socket, Session(self.pool, send, first))
         finally:
             self._pages -= 1

@@ -23,7 +23,7 @@ from wiggleroom.errors import Stop
 from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
-from wiggleroom.spatial.linking_number import CurveGraph, curve_graph, linked
+from wiggleroom.spatial.linking_number import curve_graph, linked
 from wiggleroom.spatial.open_rings import RingBody, held_by_opening
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
 from wiggleroom.spatial.solids.convex import ConvexPiece
@@ -86,7 +86,7 @@ class PairwiseConfinement:
     ready: SpatialPrepared
     stop: Stop | None
     _group: list[int] = field(init=False)
-    _graphs: dict[int, CurveGraph] = field(init=False, default_factory=dict)
+    _rings: dict[int, RingBody] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         moves = self.ready.grouping.bodies.moves
@@ -138,25 +138,23 @@ class PairwiseConfinement:
         first, second = (self._parts(unit) for unit in (one, two))
         if any((min(p, q), max(p, q)) in self.ready.grouping.bodies.ignored for p in first for q in second):
             return False
-        if linked(self._curves(one), self._curves(two)):
-            return True
         mine, theirs = self._ring(one), self._ring(two)
-        return held_by_opening(mine, theirs, self.stop) or held_by_opening(theirs, mine, self.stop)
+        return (
+            linked(mine.closed, theirs.closed)
+            or held_by_opening(mine, theirs, self.stop)
+            or held_by_opening(theirs, mine, self.stop)
+        )
 
     def _ring(self, unit: list[int]) -> RingBody:
-        """Pieces, surfaces and closed curves of some bodies at rest."""
-        assembly = self.ready.assembly
-        surfaces = []
-        for k in self._parts(unit):
-            part, surface = assembly.parts[k], assembly.made[k].surface
-            surfaces.append(Surface(surface.vertices @ part.R.T + part.at, surface.faces))
-        return RingBody(self._framed(unit, np.eye(3), np.zeros(3))[0], surfaces, self._curves(unit))
-
-    def _curves(self, unit: list[int]) -> CurveGraph:
-        """Closed curves in some bodies at rest."""
-        known = self._graphs.get(unit[0])
+        """Pieces, surfaces and closed curves of some bodies at rest; worked out once."""
+        known = self._rings.get(unit[0])
         if known is None:
-            known = self._graphs[unit[0]] = curve_graph(self._framed(unit, np.eye(3), np.zeros(3))[0])
+            assembly, surfaces = self.ready.assembly, []
+            for k in self._parts(unit):
+                part, surface = assembly.parts[k], assembly.made[k].surface
+                surfaces.append(Surface(surface.vertices @ part.R.T + part.at, surface.faces))
+            pieces = self._framed(unit, np.eye(3), np.zeros(3))[0]
+            known = self._rings[unit[0]] = RingBody(pieces, surfaces, curve_graph(pieces))
         return known
 
     def _parts(self, unit: list[int]) -> list[int]:
