@@ -16,7 +16,11 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, njit
+from wiggleroom.compiled.vector_operations import larger
 from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, FACE, HIGH_TURN, LOW_TURN
+
+ROWS_AT_ONCE = 1024
+"""Rows whose quotients are worked out at once: they stay in the nearest cache."""
 
 
 @njit(**NO_ALLOCATION)
@@ -135,24 +139,47 @@ def transposed_jacobian_product(g, turn, a, b, row, d, scale, slot, y, out):
         _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
 
 
+@njit(**COMPILED_CALLERS_ONLY)
+def _asked(h, s, lam, goal, share, y):
+    """Fill in (lam * share * (s - h) + goal) / s."""
+    for k in range(len(y)):
+        y[k] = (lam[k] * (share * (s[k] - h[k])) + goal[k]) / s[k]
+
+
 @njit(**NO_ALLOCATION)
-def eliminated_product(g, turn, a, b, row, d, scale, slot, h, s, lam, goal, share, out):
+def eliminated_product(g, turn, a, b, row, d, scale, slot, h, s, lam, goal, share, room, out):
     """Add J^T ((lam * share * (s - h) + goal) / s) to out: what rows ask of the variables once slacks and multipliers are eliminated.
 
-    Of the rows of a corrector hardly any asks for anything.
+    Of the rows of a corrector hardly any asks for anything. `room` is worked in: the quotients of many rows are worked out at once.
     """
+    begin, end = row[0], row[0]
     for p in range(len(a)):
-        fx, fy, ft, idle = 0.0, 0.0, 0.0, True
-        for k in range(row[p], row[p + 1]):
-            asked = lam[k] * (share * (s[k] - h[k])) + goal[k]
-            if asked == 0.0:
-                continue
-            y, idle = asked / s[k], False
-            fx += d[k, 0] * y
-            fy += d[k, 1] * y
-            ft += d[k, 2] * y
-        if not idle:
+        fx, fy, ft, k = 0.0, 0.0, 0.0, row[p]
+        while k < row[p + 1]:
+            if k == end:
+                begin, end = k, min(k + len(room), row[len(a)])
+                _asked(h[begin:end], s[begin:end], lam[begin:end], goal[begin:end], share, room[: end - begin])
+            last = min(end, row[p + 1])
+            for m in range(k, last):
+                y = room[m - begin]
+                fx += d[m, 0] * y
+                fy += d[m, 1] * y
+                ft += d[m, 2] * y
+            k = last
+        if fx != 0.0 or fy != 0.0 or ft != 0.0:
             _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def _eliminated(h, s, lam, goal, share, ds, dlam):
+    """Take share * (s - h) off ds, fill in (goal - lam * ds) / s, and find the largest ratios -ds / s and -dlam / lam, at least 1."""
+    fastest, dual_fastest = 1.0, 1.0
+    for k in range(len(s)):
+        change = ds[k] - share * (s[k] - h[k])
+        other = (goal[k] - lam[k] * change) / s[k]
+        ds[k], dlam[k] = change, other
+        fastest, dual_fastest = larger(fastest, -change / s[k]), larger(dual_fastest, -other / lam[k])
+    return fastest, dual_fastest
 
 
 @njit(**NO_ALLOCATION)
@@ -161,18 +188,11 @@ def eliminated_changes(g, turn, a, b, row, d, scale, slot, u, h, s, lam, goal, s
 
     Returns the largest ratios -ds / s and -dlam / lam, at least 1: the reciprocals of the longest steps.
     """
-    fastest, dual_fastest = 1.0, 1.0
-    for p in range(len(a)):
-        ex, ey, et = _relative_change(p, g, turn, slot[a[p]], slot[b[p]], scale, u)
-        for k in range(row[p], row[p + 1]):
-            change = d[k, 0] * ex + d[k, 1] * ey + d[k, 2] * et - share * (s[k] - h[k])
-            other = (goal[k] - lam[k] * change) / s[k]
-            ds[k], dlam[k] = change, other
-            if -change > fastest * s[k]:
-                fastest = -change / s[k]
-            if -other > dual_fastest * lam[k]:
-                dual_fastest = -other / lam[k]
-    return fastest, dual_fastest
+    jacobian_product(g, turn, a, b, row, d, scale, slot, u, ds)
+    begin, end = row[0], row[len(a)]
+    return _eliminated(
+        h[begin:end], s[begin:end], lam[begin:end], goal[begin:end], share, ds[begin:end], dlam[begin:end]
+    )
 
 
 @njit(**NO_ALLOCATION)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit
+from wiggleroom.compiled.vector_operations import larger
 
 SUM = {**NO_ALLOCATION, "fastmath": {"reassoc"}}
 """For sums, whose terms may then be added several at a time."""
@@ -17,8 +18,7 @@ def step_length(x, dx):
     """Largest step in [0, 1] that keeps x + step * dx >= 0, for x > 0."""
     fastest = 1.0
     for k in range(len(x)):
-        if -dx[k] > fastest * x[k]:
-            fastest = -dx[k] / x[k]
+        fastest = larger(fastest, -dx[k] / x[k])
     return 1.0 / fastest
 
 
@@ -28,16 +28,10 @@ def step_lengths(x, dx, more, shares, out):
     one, two, three = shares[0], shares[1], shares[2]
     fastest, second, third = 1.0, 1.0, 1.0
     for k in range(len(x)):
-        here, change, further = x[k], dx[k], more[k]
-        falls = -change - one * further
-        if falls > fastest * here:
-            fastest = falls / here
-        falls = -change - two * further
-        if falls > second * here:
-            second = falls / here
-        falls = -change - three * further
-        if falls > third * here:
-            third = falls / here
+        change, further = -dx[k] / x[k], -more[k] / x[k]
+        fastest = larger(fastest, change + one * further)
+        second = larger(second, change + two * further)
+        third = larger(third, change + three * further)
     out[0], out[1], out[2] = 1.0 / fastest, 1.0 / second, 1.0 / third
 
 
