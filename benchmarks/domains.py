@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wiggleroom.solve.nested_dissection import dissect
+from wiggleroom.program.nested_dissection import dissect
 
 BLOCK = 3
 NUMBER = 8  # bytes

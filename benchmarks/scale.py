@@ -28,9 +28,9 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.drawing.writers.assembly_writer import write_assembly
+from wiggleroom.program.multifrontal import FrontalPlan
 from wiggleroom.program.sparsity_pattern import pattern
 from wiggleroom.search.prepare import survey
-from wiggleroom.solve.multifrontal import FrontalPlan
 
 GAP = 0.01
 MIN_FACTORISATIONS = 30

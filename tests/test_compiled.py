@@ -108,7 +108,7 @@ from concurrent.futures import ThreadPoolExecutor
 from wiggleroom.compiled.scipy_extensions import qhull
 with ThreadPoolExecutor(4) as threads:
     assert len(set(threads.map(lambda _: qhull().ConvexHull, range(4)))) == 1
-from wiggleroom.solve import multifrontal
+from wiggleroom.program import multifrontal
 cube = np.stack(np.meshgrid(*[[0.0, 2.0]] * 3), -1).reshape(-1, 3)
 print(qhull().ConvexHull(cube).volume, sorted({"scipy.linalg", "scipy.spatial", "scipy.sparse"} & set(sys.modules)))
 import scipy.linalg, scipy.spatial

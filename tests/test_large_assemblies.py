@@ -13,10 +13,10 @@ from wiggleroom.geometry.row_kinds import A_EDGE
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
 from wiggleroom.program.distance_program import build_distances
+from wiggleroom.program.multifrontal import FrontalPlan, Multifrontal
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.multifrontal import FrontalPlan, Multifrontal
 from wiggleroom.solve.row_operations import step_lengths
 
 

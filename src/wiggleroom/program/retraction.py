@@ -9,6 +9,7 @@ motions only.
 from __future__ import annotations
 
 from typing import Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from wiggleroom.program.envelope_cholesky import MAX_ENVELOPE_ROWS, EnvelopeCholesky
 from wiggleroom.program.nonlinear_program import Linearised, Program
 from wiggleroom.program.relative_places import add_shortfalls, pair_differences, predicted_places
+from wiggleroom.program.sparsity_pattern import Pattern
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -31,32 +33,54 @@ class LinearSolver(Protocol):
         """Solution for a right-hand side."""
 
 
-def factorised(row: Ints, column: Ints, entry: Floats, size: int) -> LinearSolver:
-    """Factor of a positive definite matrix, from the entries (E,) of its upper triangle: within the envelope, or of many rows by qdldl."""
+def factorised(row: Ints, column: Ints, entry: Floats, size: int, at: Floats | None = None) -> LinearSolver:
+    """Factor of a positive definite matrix, from the entries (E,) of its upper triangle.
+
+    Of few rows it is within the envelope; of more the multifrontal one where they belong to places `at` (size, 2), else that of qdldl.
+    """
     if size <= MAX_ENVELOPE_ROWS:
         factor = EnvelopeCholesky(row, column, size)
         factor.update(entry, 0.0)
         return factor
+    if at is not None:
+        from wiggleroom.program.multifrontal import FrontalPlan, Multifrontal  # slow to import, and seldom needed
+
+        order = np.lexsort((row, column))
+        indptr = np.concatenate([[0], np.cumsum(np.bincount(column, minlength=size))])
+        fronts = Multifrontal(FrontalPlan(at, indptr, row[order], 1))
+        fronts.update(entry[order], 0.0)
+        return fronts
     import qdldl
     import scipy.sparse as sp  # slow to import, and seldom needed
 
     return qdldl.Solver(sp.csc_matrix((entry, (row, column)), shape=(size, size)), upper=True)
 
 
+def _laplacian(program: Program) -> LinearSolver:
+    """Laplacian of the neighbour graph, fixed bodies grounded."""
+    slot, count = program.slot, len(program.free)
+    i, j = slot[program.cells.a], slot[program.cells.b]
+    both = (i >= 0) & (j >= 0)
+    degree = np.bincount(i[i >= 0], minlength=count) + np.bincount(j[j >= 0], minlength=count)
+    row = np.concatenate([np.arange(count), np.minimum(i, j)[both]])
+    column = np.concatenate([np.arange(count), np.maximum(i, j)[both]])
+    entry = np.concatenate([degree + ANCHOR_WEIGHT, np.full(len(row) - count, -1.0)])
+    return factorised(row, column, entry, count, program.pattern.at)
+
+
+_LAPLACIANS: WeakKeyDictionary[Pattern, LinearSolver] = WeakKeyDictionary()
+"""Laplacians: programs of the same pairs share a pattern, and so this."""
+
+
 class Retraction:
     """Least-squares placement on the neighbour graph of one program."""
 
     def __init__(self, program: Program) -> None:
-        a, b, slot = program.cells.a, program.cells.b, program.slot
-        i, j, count = slot[a], slot[b], len(program.free)
-        both = (i >= 0) & (j >= 0)
-        degree = np.bincount(i[i >= 0], minlength=count) + np.bincount(j[j >= 0], minlength=count)
-        row = np.concatenate([np.arange(count), np.minimum(i, j)[both]])
-        column = np.concatenate([np.arange(count), np.maximum(i, j)[both]])
-        entry = np.concatenate([degree + ANCHOR_WEIGHT, np.full(len(row) - count, -1.0)])
-        self._laplacian = factorised(row, column, entry, count)
+        if program.pattern not in _LAPLACIANS:
+            _LAPLACIANS[program.pattern] = _laplacian(program)
+        self._laplacian = _LAPLACIANS[program.pattern]
         self._program = program
-        self._pairs = a, b, slot
+        self._pairs = program.cells.a, program.cells.b, program.slot
 
     def _placed(self, straight: Floats, q: Floats) -> Floats:
         """Variables with the angles of `straight` (n, 3) in which every pair is seen at q (P, 2) as nearly as can be."""

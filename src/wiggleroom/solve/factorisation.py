@@ -63,7 +63,7 @@ def factor(pattern: SparsePattern) -> Factor:
             pattern.indices.astype(np.int64), np.repeat(np.arange(size), np.diff(pattern.indptr)), size
         )
     if isinstance(pattern, Pattern):
-        from wiggleroom.solve.multifrontal import (  # with what it needs of scipy it is slow to import
+        from wiggleroom.program.multifrontal import (  # with what it needs of scipy it is slow to import
             FrontalPlan,
             Multifrontal,
         )

@@ -18,8 +18,9 @@ from threadpoolctl import ThreadpoolController
 
 from wiggleroom.compiled.jit_options import NO_ALLOCATION, OPTIONS, njit
 from wiggleroom.compiled.scipy_extensions import BLAS, LAPACK, without_packages
+from wiggleroom.compiled.vector_operations import BYTES, add_four, add_one
 from wiggleroom.parallel.batches import THREADS, in_parallel
-from wiggleroom.solve.nested_dissection import EliminationTree, dissect
+from wiggleroom.program.nested_dissection import EliminationTree, dissect
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -55,11 +56,11 @@ class FrontalPlan:
         )  # fmt: skip
         source = np.argsort(owner, kind="stable").astype(np.int32)
         entry = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=nodes))])
-        in_parent = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
+        in_parent, run_end = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
         self.shares, region = _shares(tree)
         place, self.stack = _stack_places(tree.border_start, tree.child, tree.sibling, region, len(self.shares), block)
         self.assembly = (
-            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, self.panel, place, entry, target[source],
+            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, run_end, self.panel, place, entry, target[source],
             source, block,
         )  # fmt: skip
         high = block * np.diff(tree.border_start)
@@ -194,8 +195,8 @@ def _targets(first, border_start, border, place, node_of, row, column, block):
 
 @njit(**OPTIONS)
 def _places_in_parent(first, border_start, border, parent):
-    """Place of every border vertex in the front of its node's parent."""
-    places = np.empty(len(border), np.int64)
+    """Place of every border vertex in the front of its node's parent, and where the run of places that follow each other ends."""
+    places, run_end = np.empty(len(border), np.int64), np.empty(len(border), np.int64)
     for t in range(len(parent)):
         p = parent[t]
         if p < 0:
@@ -209,7 +210,12 @@ def _places_in_parent(first, border_start, border, parent):
                 while border[q] < v:
                     q += 1
                 places[k] = first[p + 1] - first[p] + q - border_start[p]
-    return places
+        end = border_start[t + 1]
+        for k in range(end - 1, border_start[t] - 1, -1):
+            if k + 1 < end and places[k + 1] != places[k] + 1:
+                end = k + 1
+            run_end[k] = end - border_start[t]
+    return places, run_end
 
 
 @njit(**OPTIONS)
@@ -265,11 +271,11 @@ with without_packages(BLAS, LAPACK):
 
 @njit(**OPTIONS)
 def _factorise(
-    nodes, first, border_start, child, sibling, in_parent, panel, place, entry, target, source, block, factor, stack, dpotrf, dtrsm,
-    dsyrk, data, shift, room, number,
+    nodes, first, border_start, child, sibling, in_parent, run_end, panel, place, entry, target, source, block, factor, stack, dpotrf,
+    dtrsm, dsyrk, data, shift, room, number,
 ):  # fmt: skip
     """Factorise some nodes, in order, with `room` for the largest left-over of one; False where a pivot is not positive."""
-    real = np.array([1.0, -1.0])
+    real = np.array([1.0, -1.0, 0.0])
     letter = np.array([76, 78, 82, 84], np.int8)  # L N R T
     L, N, R, T = letter.ctypes.data, letter.ctypes.data + 1, letter.ctypes.data + 2, letter.ctypes.data + 3
     one, minus, at = real.ctypes.data, real.ctypes.data + 8, number.ctypes.data
@@ -283,10 +289,13 @@ def _factorise(
         for c in range(width):
             A[c * tall + c] += shift
         C = room[: high * high]
-        C[:] = 0.0
         c = child[t]
+        kept = one if c >= 0 else real.ctypes.data + 16  # without children nothing stands there yet
+        if c >= 0:
+            C[:] = 0.0
         while c >= 0:
-            _gather(A, C, stack, place[c], in_parent[border_start[c] : border_start[c + 1]], block, width, high, tall)
+            some = slice(border_start[c], border_start[c + 1])
+            _gather(A, C, stack, place[c], in_parent[some], run_end[some], block, width, high, tall)
             c = sibling[c]
         if width > 0:
             number[0], number[1], number[2], number[3] = width, high, tall, max(high, 1)
@@ -296,7 +305,7 @@ def _factorise(
                 return False
             if high > 0:
                 _call11(dtrsm, (R, L, T, N, at + 4, at, one, a, at + 8, a + 8 * width, at + 8))
-                _call10(dsyrk, (L, N, at + 4, at, minus, a + 8 * width, at + 8, one, C.ctypes.data, at + 12))
+                _call10(dsyrk, (L, N, at + 4, at, minus, a + 8 * width, at + 8, kept, C.ctypes.data, at + 12))
         at_stack = place[t]
         for c in range(high):  # its lower triangle, column by column
             for k in range(c * high + c, (c + 1) * high):
@@ -306,23 +315,26 @@ def _factorise(
 
 
 @njit(**NO_ALLOCATION)
-def _gather(A, C, stack, begin, places, block, width, high, tall):
-    """Add what a child leaves over to the front of its parent, lower triangles only."""
-    size, column = block * len(places), begin
-    for J in range(len(places)):
+def _gather(A, C, stack, begin, places, run_end, block, width, high, tall):
+    """Add what a child leaves over to the front of its parent, lower triangles only, one run of places after the other."""
+    count, more = len(places), stack.ctypes.data + BYTES * begin
+    pivots, rest = A.ctypes.data, C.ctypes.data
+    for J in range(count):
         for j in range(block):
             right = block * places[J] + j
-            if right < width:
-                for K in range(J, len(places)):
-                    down = right * tall + block * places[K]
-                    for i in range(j if K == J else 0, block):
-                        A[down + i] += stack[column + block * (K - J) + i - j]
-            else:
-                for K in range(J, len(places)):
-                    down = (right - width) * high + block * places[K] - width
-                    for i in range(j if K == J else 0, block):
-                        C[down + i] += stack[column + block * (K - J) + i - j]
-            column += size - block * J - j
+            top = pivots + BYTES * right * tall if right < width else rest + BYTES * ((right - width) * high - width)
+            k, skipped = J, j
+            while k < count:
+                end = run_end[k]
+                into = top + BYTES * (block * places[k] + skipped)
+                last = more + BYTES * (block * (end - k) - skipped)
+                while last - more >= 4 * BYTES:
+                    add_four(into, more)
+                    into, more = into + 4 * BYTES, more + 4 * BYTES
+                while more < last:
+                    add_one(into, more)
+                    into, more = into + BYTES, more + BYTES
+                k, skipped = end, 0
 
 
 @njit(fastmath=True, **NO_ALLOCATION)
@@ -363,11 +375,14 @@ def _backward(nodes, first, border_start, border, panel, block, factor, x, room)
             q = block * border[border_start[t] + k]
             for i in range(block):
                 below[block * k + i] = x[q + i]
+        front = factor[panel[t] : panel[t + 1]]
+        for c in range(width):  # what needs no other variable of the node: memory is read in order
+            column, total = front[c * tall + width : (c + 1) * tall], 0.0
+            for r in range(high):
+                total += column[r] * below[r]
+            x[at + c] -= total
         for c in range(width - 1, -1, -1):
-            column = factor[panel[t] + c * tall : panel[t] + (c + 1) * tall]
-            total = 0.0
+            column, total = front[c * tall : c * tall + width], 0.0
             for r in range(c + 1, width):
                 total += column[r] * x[at + r]
-            for r in range(high):
-                total += column[width + r] * below[r]
             x[at + c] = (x[at + c] - total) / column[c]
