@@ -19,9 +19,6 @@ from wiggleroom.compiled.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION
 from wiggleroom.compiled.vector_operations import larger
 from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, FACE, HIGH_TURN, LOW_TURN
 
-ROWS_AT_ONCE = 1024
-"""Rows whose quotients are worked out at once: they stay in the nearest cache."""
-
 
 @njit(**NO_ALLOCATION)
 def relative_poses(pose, a, b, g, turn):
@@ -139,34 +136,23 @@ def transposed_jacobian_product(g, turn, a, b, row, d, scale, slot, y, out):
         _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
 
 
-@njit(**COMPILED_CALLERS_ONLY)
-def _asked(h, s, lam, goal, share, y):
-    """Fill in (lam * share * (s - h) + goal) / s."""
-    for k in range(len(y)):
-        y[k] = (lam[k] * (share * (s[k] - h[k])) + goal[k]) / s[k]
-
-
 @njit(**NO_ALLOCATION)
-def eliminated_product(g, turn, a, b, row, d, scale, slot, h, s, lam, goal, share, room, out):
+def eliminated_product(g, turn, a, b, row, d, scale, slot, h, s, lam, goal, share, out):
     """Add J^T ((lam * share * (s - h) + goal) / s) to out: what rows ask of the variables once slacks and multipliers are eliminated.
 
-    Of the rows of a corrector hardly any asks for anything. `room` is worked in: the quotients of many rows are worked out at once.
+    Of the rows of a corrector hardly any asks for anything.
     """
-    begin, end = row[0], row[0]
     for p in range(len(a)):
-        fx, fy, ft, k = 0.0, 0.0, 0.0, row[p]
-        while k < row[p + 1]:
-            if k == end:
-                begin, end = k, min(k + len(room), row[len(a)])
-                _asked(h[begin:end], s[begin:end], lam[begin:end], goal[begin:end], share, room[: end - begin])
-            last = min(end, row[p + 1])
-            for m in range(k, last):
-                y = room[m - begin]
-                fx += d[m, 0] * y
-                fy += d[m, 1] * y
-                ft += d[m, 2] * y
-            k = last
-        if fx != 0.0 or fy != 0.0 or ft != 0.0:
+        fx, fy, ft, idle = 0.0, 0.0, 0.0, True
+        for k in range(row[p], row[p + 1]):
+            asked = lam[k] * (share * (s[k] - h[k])) + goal[k]
+            if asked == 0.0:
+                continue
+            y, idle = asked / s[k], False
+            fx += d[k, 0] * y
+            fy += d[k, 1] * y
+            ft += d[k, 2] * y
+        if not idle:
             _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
 
 

@@ -172,11 +172,7 @@ class Linearised:
 
     def eliminated_product(self, s: Floats, lam: Floats, goal: Floats, share: float) -> Floats:
         """J^T ((lam * share * (s - h) + goal) / s) (3F,): what rows ask of the variables once slacks and multipliers are eliminated."""
-        return self._summed(
-            lambda pairs, out: kernel.eliminated_product(
-                *pairs, self.h, s, lam, goal, share, np.empty(kernel.ROWS_AT_ONCE), out
-            )
-        )
+        return self._summed(lambda pairs, out: kernel.eliminated_product(*pairs, self.h, s, lam, goal, share, out))
 
     def eliminated_changes(
         self, u: Floats, s: Floats, lam: Floats, goal: Floats, share: float
