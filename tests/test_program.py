@@ -13,7 +13,7 @@ from wiggleroom.drawing.model import Closer, Pull, Towards, Translation, Turn, W
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, HIGH_TURN, LOW_TURN
 from wiggleroom.program.objectives import TERMS, objective
-from wiggleroom.program.retraction import Retraction
+from wiggleroom.program.retraction import Retraction, factorised
 
 from .programs import ASSEMBLIES, first_program
 
@@ -280,3 +280,23 @@ def test_half_way_is_the_same_from_both_ends(name):
     np.testing.assert_allclose(retraction.between(u, u) * of.scale, u * of.scale, rtol=0, atol=1e-7)
     off = np.abs(retraction.between(u, v) - (u + v) / 2) * of.scale
     assert off.max() < 0.1
+
+
+def test_laplacians_of_many_bodies_are_solved_alike_whether_it_is_known_where_they_lie():
+    """By fronts, in whatever order the entries stand, and by qdldl."""
+    wide, high = 30, 25
+    at = np.stack(np.meshgrid(np.arange(wide), np.arange(high)), -1).reshape(-1, 2)
+    body, rng = np.arange(wide * high).reshape(high, wide), np.random.default_rng(5)
+    one = np.concatenate([body[:, :-1].ravel(), body[:-1].ravel(), body[:-1, :-1].ravel()])
+    other = np.concatenate([body[:, 1:].ravel(), body[1:].ravel(), body[1:, 1:].ravel()])
+    weight = rng.uniform(0.1, 10.0, len(one))
+    degree = np.bincount(np.concatenate([one, other]), np.concatenate([weight, weight])) + 1e-3
+    row, column = np.concatenate([body.ravel(), one]), np.concatenate([body.ravel(), other])
+    entry, order = np.concatenate([degree, -weight]), rng.permutation(len(one) + body.size)
+    right = rng.standard_normal(body.size)
+    x = factorised(row[order], column[order], entry[order], body.size, at.astype(float)).solve(right)
+    np.testing.assert_allclose(x, factorised(row, column, entry, body.size).solve(right), rtol=1e-9)
+    left = degree * x
+    np.subtract.at(left, one, weight * x[other])
+    np.subtract.at(left, other, weight * x[one])
+    np.testing.assert_allclose(left, right, atol=1e-9)
