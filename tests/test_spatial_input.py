@@ -300,6 +300,33 @@ def test_closed_surfaces_of_one_mesh_are_one_part_as_boxes_are(tmp_path: Path, s
     assert abs(centroid_of(mesh.surface)[0] - centroid_of(same.surface)[0]) < 1e-9
 
 
+def _obj(*bodies: tuple[str, float], faces: str = "") -> str:
+    """Cubes of 2 in an OBJ file, each with lines before it and the x of its middle; a line before the last six of their faces."""
+    lines: list[str] = []
+    for number, (head, x) in enumerate(bodies):
+        cube = trimesh.creation.box((2, 2, 2)).apply_translation((x, 0, 0))
+        sides = ["f {} {} {}".format(*(face + 1 + 8 * number)) for face in cube.faces]
+        lines += [head, *("v {} {} {}".format(*v) for v in cube.vertices), *sides[:6], faces, *sides[6:]]
+    return "\n".join(lines)
+
+
+def test_bodies_of_an_obj_file_are_its_objects(tmp_path: Path) -> None:
+    (tmp_path / "two.obj").write_text(_obj(("o one", 0), ("o two", 9)))
+    with pytest.raises(wr.InputError, match="has 2 bodies; name one as"):
+        read_spatial(write(tmp_path, {"name": "a", "mesh": "two.obj"}))
+    for body, x in (("one", 0), ("two", 9)):
+        drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": f"two.obj#{body}"}))
+        made = made_solid(drawing.parts[0], 0.0)[0]
+        assert made.volume == pytest.approx(8)
+        assert made.centroid == pytest.approx((x, 0, 0), abs=1e-9)
+
+
+def test_an_object_of_two_colours_is_one_body(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("mtllib none.mtl\n" + _obj(("o x\nusemtl red", 0), faces="usemtl blue"))
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.obj"}))
+    assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(8)
+
+
 def _with(faces: np.ndarray, *corners: tuple[float, float, float]) -> trimesh.Trimesh:
     """A cube of 4 with further faces and corners, as they are."""
     cube = trimesh.creation.box((4, 4, 4))

@@ -30,6 +30,8 @@ ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
 OWN_UNIT = {".glb": 1000.0, ".3mf": None}
 """Millimetres to a unit of the formats that say their own; 3MF says it in the file."""
 UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+OBJ: dict[str, Any] = {"split_objects": True, "split_object": True, "group_material": False, "skip_materials": True}
+"""Bodies of an OBJ file are its objects; what is of another colour is none. The second is the first in trimesh 4."""
 STEP = (".step", ".stp")
 """Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
@@ -116,7 +118,7 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
     import trimesh
 
     try:
-        scene = trimesh.load_scene(path, file_type=ending[1:], process=False)
+        scene = trimesh.load_scene(path, file_type=ending[1:], process=False, **(OBJ if ending == ".obj" else {}))
     except Exception as problem:  # the library raises whatever its readers raise
         reason = " ".join(str(problem).split())[:80] or type(problem).__name__
         message = f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again"
