@@ -221,6 +221,8 @@ def _once(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], int]:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
+    if not len(faces):
+        return faces, 0
     ring, first, which = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True)
     lowest = np.argmin(faces, axis=1)
     forward = np.take_along_axis(faces, (lowest[:, None] + 1) % 3, axis=1)[:, 0] == ring[which.ravel(), 1]
