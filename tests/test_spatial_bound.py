@@ -57,6 +57,20 @@ def test_what_moves_in_a_plane_has_a_bound_near_the_motion(axis: int, high: floa
     assert turn.at_most is None or turn.objective <= turn.at_most
 
 
+def test_a_film_in_a_cross_section_leaves_the_bound_as_it_is() -> None:
+    """A film beside the pocket, of which the section keeps less than a billionth of its size."""
+    with_film = dovetail(2, 2.0)
+    film = [[-4, -3, 0, -4 + 8e-9, 5, 2]]
+    pocket, hook = with_film.parts
+    boxes = [box.ravel().tolist() for box in pocket.solid.boxes]
+    again = spatial(
+        {"name": "pocket", "boxes": [*boxes, *film], "fixed": True},
+        {"name": "hook", "boxes": [box.ravel().tolist() for box in hook.solid.boxes], "lock": CYCLE[2]},
+    )
+    pull = wr.Pull("hook", (0.0, 1.0, 0.0))
+    assert wr.flex(again, pull).at_most == pytest.approx(wr.flex(with_film, pull).at_most, rel=1e-6)
+
+
 def test_a_weighted_pull_across_the_plane_counts_only_what_lies_in_it() -> None:
     found = wr.flex(dovetail(2, 1.0), wr.Pull("hook", (0.0, 0.6, 0.8), weight=5.0))
     assert found.objective == pytest.approx(5 * 0.6 * 0.2, abs=1e-5)

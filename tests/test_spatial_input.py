@@ -76,6 +76,22 @@ BAD = {
         text(BOX, BOX | {"name": "b"}, gaps=[{"parts": ["a", "b"], "gap": 0.1}, {"parts": ["b", "a"], "gap": 0.2}]),
         "parts a and b are given 2 times",
     ),
+    "an outline that crosses itself in a joint with a gap of its own": (
+        text(
+            BOX,
+            {"name": "b", "outline": [[0, 0], [4, 4], [4, 0], [0, 6]], "thickness": 3},
+            gaps=[{"parts": ["a", "b"], "gap": 0.1}],
+        ),
+        'part "b" crosses itself at (2.4, 2.4)',
+    ),
+    "a hole outside in a joint with a gap of its own": (
+        text(
+            BOX,
+            {"name": "b", "outline": SQUARE, "holes": [[[90, 0], [91, 0], [91, 1]]], "thickness": 3},
+            gaps=[{"parts": ["a", "b"], "gap": 0.1}],
+        ),
+        'part "b" has a hole outside its outline',
+    ),
     "gap far too large": (text(BOX, gap=1e300), "gap is 1e+300; it must be within 1e+09 mm"),
     "as thick as the world": (
         text({"name": "a", "outline": SQUARE, "thickness": 1e300}),
@@ -282,6 +298,103 @@ def test_closed_surfaces_of_one_mesh_are_one_part_as_boxes_are(tmp_path: Path, s
     assert abs(mesh.volume - volume) < 1e-9
     assert np.allclose(mesh.centroid, same.centroid, atol=1e-9)
     assert abs(centroid_of(mesh.surface)[0] - centroid_of(same.surface)[0]) < 1e-9
+
+
+def _obj(*bodies: tuple[str, float], faces: str = "") -> str:
+    """Cubes of 2 in an OBJ file, each with lines before it and the x of its middle; a line before the last six of their faces."""
+    lines: list[str] = []
+    for number, (head, x) in enumerate(bodies):
+        cube = trimesh.creation.box((2, 2, 2)).apply_translation((x, 0, 0))
+        sides = ["f {} {} {}".format(*(face + 1 + 8 * number)) for face in cube.faces]
+        lines += [head, *("v {} {} {}".format(*v) for v in cube.vertices), *sides[:6], faces, *sides[6:]]
+    return "\n".join(lines)
+
+
+def test_bodies_of_an_obj_file_are_its_objects(tmp_path: Path) -> None:
+    (tmp_path / "two.obj").write_text(_obj(("o one", 0), ("o two", 9)))
+    with pytest.raises(wr.InputError, match="has 2 bodies; name one as"):
+        read_spatial(write(tmp_path, {"name": "a", "mesh": "two.obj"}))
+    for body, x in (("one", 0), ("two", 9)):
+        drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": f"two.obj#{body}"}))
+        made = made_solid(drawing.parts[0], 0.0)[0]
+        assert made.volume == pytest.approx(8)
+        assert made.centroid == pytest.approx((x, 0, 0), abs=1e-9)
+
+
+def test_an_object_of_two_colours_is_one_body(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("mtllib none.mtl\n" + _obj(("o x\nusemtl red", 0), faces="usemtl blue"))
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.obj"}))
+    assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(8)
+
+
+def _with(faces: np.ndarray, *corners: tuple[float, float, float]) -> trimesh.Trimesh:
+    """A cube of 4 with further faces and corners, as they are."""
+    cube = trimesh.creation.box((4, 4, 4))
+    return trimesh.Trimesh(np.vstack([cube.vertices, *corners]), np.vstack([cube.faces, faces]), process=False)
+
+
+_CUBE = trimesh.creation.box((4, 4, 4)).faces
+
+
+@pytest.mark.parametrize(
+    ("mesh", "said"),
+    [
+        (_with(np.array([[0, 1, 8], [1, 0, 8]]), (6.0, 0.0, 0.0)), None),
+        (_with(np.array([[8, 9, 10], [8, 10, 9]]), (9.0, 9.0, 9.0), (10.0, 9.0, 9.0), (9.0, 10.0, 9.0)), None),
+        (_with(_CUBE[:3]), "3 faces were there twice"),
+        (_with(_CUBE[:3, ::-1]), "3 faces were there twice"),
+        (_with(_CUBE[:, ::-1]), "12 faces were there twice"),
+    ],
+    ids=["fin", "loose fin", "three twice", "three both ways", "all both ways"],
+)
+def test_faces_on_each_other_are_one_face_or_none(tmp_path: Path, mesh: trimesh.Trimesh, said: str | None) -> None:
+    mesh.export(tmp_path / "a.ply")
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.ply"}))
+    assert len(drawing.notes) == (said is not None)
+    assert said is None or said in drawing.notes[0]
+    assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(64)
+
+
+def _shells(*shells: tuple[float, float, bool]) -> trimesh.Trimesh:
+    """Cubes by their side, the x of their middle, and whether they look inward."""
+    cubes = [trimesh.creation.box((side, side, side)).apply_translation((x, 0, 0)) for side, x, _ in shells]
+    for cube, (_, _, inward) in zip(cubes, shells, strict=True):
+        if inward:
+            cube.invert()
+    return trimesh.util.concatenate(cubes)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "volume"),
+    [
+        (_shells((4, 0, False), (2, 0, True), (2, 2, False)), 64 - 8 + 4),
+        (_shells((6, 0, False), (4, 0, True), (2, 1.5, False)), 216 - 64 + 8 - 2),
+        (_shells((6, 0, False), (4, 0, True), (2, 1, False)), 216 - 64 + 8),
+        (_shells((6, 0, False), (4, 1, True)), 216 - 64),
+    ],
+    ids=["a body in the wall", "an island in the wall", "an island at the wall", "a hollow that opens"],
+)
+def test_bodies_that_meet_a_hollow_are_one_with_it(tmp_path: Path, mesh: trimesh.Trimesh, volume: float) -> None:
+    mesh.export(tmp_path / "a.ply")
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.ply"}))
+    assert any("overlap or touch; the part is their union" in note for note in drawing.notes)
+    assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(volume)
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        _shells((4, 0, False), (2, 2, True)),
+        _shells((4, 0, False), (2, 9, True)),
+        _shells((9, 0, False), (4, 1, True), (4, -1, True)),
+        _shells((9, 0, False), (4, 0, True), (2, 0, True)),
+    ],
+    ids=["crosses the skin", "lies outside", "crosses another", "lies in another"],
+)
+def test_a_surface_that_looks_inward_is_round_a_hollow_or_refused(tmp_path: Path, mesh: trimesh.Trimesh) -> None:
+    mesh.export(tmp_path / "a.ply")
+    with pytest.raises(wr.InputError, match="a surface that looks inward is not round a hollow"):
+        read_spatial(write(tmp_path, {"name": "a", "mesh": "a.ply"}))
 
 
 @pytest.mark.parametrize(("island", "pieces"), [(0, 1), (1, 2), (2, 3)])

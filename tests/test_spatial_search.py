@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
 from benchmarks.spatial_figures import plate_of_tetrahedra
 
 import wiggleroom as wr
@@ -124,3 +127,32 @@ def test_a_solve_ends_at_a_rough_answer_where_the_program_lacks_rows() -> None:
     assert not rough.curved_down
     assert rough.iterations < whole.iterations
     assert rough.value == pytest.approx(whole.value, rel=0.1)
+
+
+def test_a_wedge_slides_on_below_a_ceiling_of_two_pieces(tmp_path: Path) -> None:
+    """A tenon lifts a wedge to a ceiling, whose pieces meet where the wedge's edge touches it: the edge stops at no seam."""
+    c = 0.3
+    boxes = [
+        [-10, -6, -2, 10, 6, 0], [-10, -6, 0, -3 - c, 6, 12], [3 + c, -6, 0, 10, 6, 12], [-3 - c, -6, 0, 3 + c, -3 - c, 12],
+        [-3 - c, 3 + c, 0, 3 + c, 6, 12], [-10, -6, 16 + 2 * c, 10, 6, 18], [-10, -6, 12, -9, 6, 18], [9, -6, 12, 10, 6, 18],
+    ]  # fmt: skip
+    for name, some in (("post", boxes), ("tenon", [[-3, -3, c, 3, 3, 16]])):
+        solids = [
+            trimesh.convex.convex_hull(np.array(list(itertools.product(*np.reshape(box, (2, 3)).T.tolist()))))
+            for box in some
+        ]
+        whole = trimesh.boolean.union(solids, engine="manifold")  # it is cut over the wall of the mortise
+        whole.export(tmp_path / f"{name}.ply")
+    low, high = 16 + c, 16 + c + 0.2 * c
+    wedge = [[x, y, z] for y in (-2, 2) for x, z in ((-2.5, low), (2.5, low), (-2.5, high), (2.5, low + 0.8 * c))]
+    trimesh.convex.convex_hull(np.array(wedge)).export(tmp_path / "wedge.ply")
+    parts = [
+        {"name": "post", "mesh": "post.ply", "fixed": True},
+        {"name": "tenon", "mesh": "tenon.ply"},
+        {"name": "wedge", "mesh": "wedge.ply"},
+    ]
+    file = tmp_path / "a.json"
+    file.write_text(json.dumps({"format": "wiggleroom/2", "parts": parts}))
+    found = wr.flex(wr.read(file), wr.Pull("tenon", (0.0, 0.0, 1.0)))
+    assert found.objective == pytest.approx(2 * c, abs=1e-5)  # the tenon at the ceiling, the wedge gone aside
+    assert found.path == "checked"

@@ -8,13 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from wiggleroom.assembly.loops import are_valid, chained, placed_regions, region_rings, signed_areas
+from wiggleroom.assembly.loops import SAME, are_valid, chained, cleaned, placed_regions, region_rings, signed_areas
 from wiggleroom.assembly.statements import numbers_text
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import Drawing, Part, Points
 
 NO_AREA = 1e-12
 """An outline with less area than this is a line [square of its longer side]."""
+NARROW = 1e3 * SAME
+"""Outlines with less area are looked at: do corners that are none leave enough others [size of the part times its longer side]."""
 
 
 def sound_parts(drawing: Drawing) -> tuple[list[Part], list[str]]:
@@ -72,6 +74,13 @@ def _useless(parts: Sequence[Part]) -> dict[int, str]:
             flaw = _flaw(rings[r])
             if flaw:
                 found.setdefault(owner[r], flaw)
+        long, size = extent.max(axis=1), np.zeros(len(parts))
+        with np.errstate(over="ignore", invalid="ignore"):
+            np.maximum.at(size, owner, long)
+            narrow = thick & near & (np.abs(signed_areas(loops)) <= NARROW * size[owner] * long)
+        for r in np.flatnonzero(narrow):
+            if cleaned(chained([rings[r]]), size[[owner[r]]]).counts[0] < 3:
+                found.setdefault(owner[r], "has an outline or a hole below a billionth of its size: leave that out")
     return found
 
 

@@ -156,9 +156,9 @@ def assemble_sheet(
     loose = _loose(panel_set, tables[1], bodies, unplaced)
     if loose:
         fits = (
-            "no edge of it fits another panel: it lies"
+            "no edge of it fits one that is still open: it lies"
             if len(loose) == 1
-            else "no edge of theirs fits another panel: they lie"
+            else "no edge of theirs fits one that is still open: they lie"
         )
         doubts.append(f"not placed: {panel_names(names, loose)}; {fits} loose, and a hint ([[plate]]) can say where")
         if len(loose) == len(names):

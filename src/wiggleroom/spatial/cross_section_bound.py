@@ -34,6 +34,8 @@ MAX_SECONDS = 5.0
 """Time for the bound of one cross-section [s]."""
 ROUNDING = 1e-10
 """Corners of cross-sections are rounded to this share of the size, and outlines then moved inward by twice as much."""
+CRUMB = 1e-8
+"""What of a cross-section is narrower than twice this share of the size is left out: less material leaves more room."""
 MARGIN = 1e-9
 """The bound is larger by this share, for rounding."""
 
@@ -152,7 +154,8 @@ class _Sections:
             whole = shapely.union_all(cuts, grid_size=self._grid).buffer(
                 -2 * self._grid, join_style="mitre", mitre_limit=1e3
             )
-            lumps = [p for p in shapely.get_parts(whole) if p.area > 0]
+            crumb = CRUMB * self._assembly.size
+            lumps = [p for p in shapely.get_parts(whole) if not p.buffer(-crumb, join_style="mitre").is_empty]
             regions = tuple(
                 Region(
                     np.array(p.exterior.coords)[:-1],

@@ -21,6 +21,7 @@ from wiggleroom.spatial.planes.separating_plane_program import (
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.planes.undetermined_planes import past_undetermined_planes
 from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_not_among, pairs_that_meet
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_path_check import free_path
@@ -247,6 +248,16 @@ class SpatialSearch:
             program, found = self._solved(mode, limit, end)
             self.iterations += found.iterations
             self.rounds += 1
+            if self.solver != "ipopt" and program.rows <= MAX_ROWS_OF_STARTS:
+                found, more = past_undetermined_planes(
+                    program,
+                    found,
+                    horizon=HORIZON * self.ready.size,
+                    most_turn=limit,
+                    stop=self.stop,
+                    progress=self.tell,
+                )
+                self.iterations += more
             if found.status is SolverStatus.FAILED:
                 done = self._departed(self._checked(program, found))
                 if done.good:

@@ -17,6 +17,7 @@ from wiggleroom.spatial.solids.solid_boolean import (
     is_sound,
     solid_of,
     surface_of,
+    turned_over,
     union_of,
     volume_of,
 )
@@ -29,6 +30,8 @@ ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
 OWN_UNIT = {".glb": 1000.0, ".3mf": None}
 """Millimetres to a unit of the formats that say their own; 3MF says it in the file."""
 UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+OBJ: dict[str, Any] = {"split_objects": True, "split_object": True, "group_material": False, "skip_materials": True}
+"""Bodies of an OBJ file are its objects; what is of another colour is none. The second is the first in trimesh 4."""
 STEP = (".step", ".stp")
 """Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
@@ -39,6 +42,8 @@ MAX_FACES = 200_000
 """And meshes of more faces."""
 MERGED = 1e-6
 """Corners nearer than this share of the size are one."""
+SAME_VOLUME = 1e-9
+"""Volumes that differ by less than this share are those of the same solid."""
 OPEN_SHARE = 0.02
 """Largest share of the edges that may lie at tiny holes that are closed."""
 
@@ -113,7 +118,7 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
     import trimesh
 
     try:
-        scene = trimesh.load_scene(path, file_type=ending[1:], process=False)
+        scene = trimesh.load_scene(path, file_type=ending[1:], process=False, **(OBJ if ending == ".obj" else {}))
     except Exception as problem:  # the library raises whatever its readers raise
         reason = " ".join(str(problem).split())[:80] or type(problem).__name__
         message = f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again"
@@ -181,11 +186,10 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     faces, vertices = merged.ravel()[faces], vertices[first]
     a, b, c = faces.T
     whole = faces[(a != b) & (b != c) & (c != a)]
-    ring = np.sort(whole, axis=1)
-    _, once = np.unique(ring, axis=0, return_index=True)
-    if len(once) < len(whole):
-        notes.append(f"{name}: {len(whole) - len(once)} faces were there twice; each is taken once")
-    mesh = trimesh.Trimesh(vertices, whole[np.sort(once)], process=False)
+    kept, folded = _once(whole)
+    if len(kept) + 2 * folded < len(whole):
+        notes.append(f"{name}: {len(whole) - len(kept) - 2 * folded} faces were there twice; each is taken once")
+    mesh = trimesh.Trimesh(vertices, kept, process=False)
     open_edges = len(trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1))
     if open_edges:
         closed = open_edges <= max(4, OPEN_SHARE * len(mesh.edges_unique)) and mesh.fill_holes()
@@ -208,17 +212,70 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     return surface_of(whole_solid), notes + said
 
 
+def _once(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], int]:
+    """Faces that are there several times taken once, and how many pairs that look opposite ways were taken out.
+
+    Where merged corners fold a sliver flat, its two sides lie on each other and enclose nothing. Such pairs that hang together go where
+    the surface is closed without them; where it is not, they are a side of it that was written both ways.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    if not len(faces):
+        return faces, 0
+    ring, first, which = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True)
+    lowest = np.argmin(faces, axis=1)
+    forward = np.take_along_axis(faces, (lowest[:, None] + 1) % 3, axis=1)[:, 0] == ring[which.ravel(), 1]
+    count = np.bincount(which.ravel(), minlength=len(ring))
+    folded = 2 * np.bincount(which.ravel(), weights=forward, minlength=len(ring)) == count
+    _, edge = np.unique(ring[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=0, return_inverse=True)
+    edges = edge.reshape(-1, 3)
+    among = np.flatnonzero(folded)
+    joins = coo_array(
+        (np.ones(3 * len(among)), (np.repeat(among, 3), edges[among].ravel())), (len(ring), edge.max() + 1)
+    )
+    group = connected_components(joins @ joins.T, directed=False)[1]
+    odd = np.bincount(edges.ravel()) % 2 == 1
+    out = np.zeros(len(ring), dtype=bool)
+    for own in np.unique(group[among]):
+        mine = among[group[among] == own]
+        rim = np.bincount(edges[mine].ravel(), minlength=len(odd)) % 2 == 1
+        out[mine] = 2 * odd[rim].sum() > rim.sum()
+    return faces[np.sort(first[~out])], int(out.sum())
+
+
 def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
-    """One solid of closed surfaces that overlap or share faces, and notes about it; unchanged where some of them are hollows."""
+    """One solid of closed surfaces that overlap or share faces, and notes about it; unchanged where they do neither.
+
+    Raises
+    ------
+    InputError
+        If a surface that looks inward does not lie inside one that looks outward, or meets another such.
+    """
     shells = solid.decompose()
     if len(shells) < 2:
         return solid, []
-    hollow = min(shell.volume() for shell in shells) <= 0
-    whole = solid if hollow else union_of(shells)
+    outer = sorted((shell for shell in shells if shell.volume() > 0), key=lambda shell: float(shell.volume()))
+    hollows = [turned_over(shell) for shell in shells if shell.volume() <= 0]
+    inside: list[list[Any]] = [[] for _ in outer]
+    for hollow in hollows:
+        owner = next((k for k, one in enumerate(outer) if _same_volume((one ^ hollow).volume(), hollow.volume())), None)
+        if owner is not None:  # the smallest, for those inside it have hollows of their own
+            inside[owner].append(hollow)
+    bodies = [one - union_of(own) if own else one for one, own in zip(outer, inside, strict=True)]
+    if not _same_volume(sum(body.volume() for body in bodies), solid.volume()):
+        message = f"{name}: a surface that looks inward is not round a hollow: it lies outside or crosses another; mend the mesh"
+        raise InputError(message)
+    whole = union_of(bodies)
     left = len(connected_solids(whole))
     notes = []
-    if left < len(shells) and not hollow:
+    same = _same_volume(whole.volume(), solid.volume()) and len(whole.decompose()) == len(shells)
+    if not same:
         notes.append(f"{name}: {len(shells)} closed surfaces overlap or touch; the part is their union")
     if left > 1:
         notes.append(f"{name}: has {left} pieces that share no face; they move as one")
-    return whole, notes
+    return (solid if same else whole), notes
+
+
+def _same_volume(one: float, other: float) -> bool:
+    return abs(one - other) <= SAME_VOLUME * abs(other)

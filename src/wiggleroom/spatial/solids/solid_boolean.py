@@ -61,6 +61,12 @@ def surface_of(solid: Any) -> Surface:
     return Surface(np.ascontiguousarray(vertices), np.array(mesh.tri_verts, dtype=np.int64))
 
 
+def turned_over(solid: Any) -> Any:
+    """The same surface looking the other way: a hollow as a solid."""
+    surface = surface_of(solid)
+    return solid_of(Surface(surface.vertices, surface.faces[:, ::-1]))
+
+
 def union_of(solids: Sequence[Any]) -> Any:
     """Union of solids."""
     import manifold3d

@@ -13,7 +13,14 @@ from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.solids.made_solids import made_solid
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import MadeSolid, SpatialAssembly, SpatialDrawing, SpatialGoal, Weight
+from wiggleroom.spatial.solids.spatial_model import (
+    MadeSolid,
+    SpatialAssembly,
+    SpatialDrawing,
+    SpatialGoal,
+    SpatialPart,
+    Weight,
+)
 
 
 def assemble_spatial(
@@ -52,26 +59,39 @@ def assemble_spatial(
     parts = tuple(replace(p, fixed=p.fixed or p.name in fix) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=used_gap, goals=tuple(goals) or drawing.goals)
     wrong += goal_findings(used, used.goals) + _joint_findings(used)
-    patched, findings = ({}, []) if wrong else patched_solids(used)
+    plain: dict[tuple[int, float, float], MadeSolid] = {}
+    for part in parts:
+        key = _solid_key(part, inward)
+        if key not in plain:
+            found, findings = made_solid(part, used_gap, key[2])
+            wrong += [_said(drawing, part, line) for line in findings]
+            if found is not None:
+                plain[key] = found
+    if wrong:
+        raise InputError(wrong)
+    patched, findings = patched_solids(used)
     wrong += [f"{drawing.source or 'assembly'}: {line}" for line in findings]
     made: list[MadeSolid] = []
-    known: dict[tuple[int, str, float, float], MadeSolid] = {}
     for part in parts:
-        further = (inward or {}).get(part.name, 0.0)
-        own = patched.get(part.name)
-        key = (id(part.solid), part.name if own else "", part.offset, further)
-        if key not in known:
-            found, findings = made_solid(part, used_gap, further)
-            if found is not None and own is not None:
-                found, findings = with_joint_gaps(part, found, own, used_gap, further)
-            wrong += [f'{drawing.source or "assembly"}: part "{part.name}" {line}' for line in findings]
-            if found is None:
-                continue
-            known[key] = found
-        made.append(known[key])
+        solid = plain[_solid_key(part, inward)]
+        if part.name in patched:
+            own, findings = with_joint_gaps(part, solid, patched[part.name], used_gap, _solid_key(part, inward)[2])
+            wrong += [_said(drawing, part, line) for line in findings]
+            solid = own or solid
+        made.append(solid)
     if wrong:
         raise InputError(wrong)
     return SpatialAssembly(used, tuple(made))
+
+
+def _solid_key(part: SpatialPart, inward: Mapping[str, float] | None) -> tuple[int, float, float]:
+    """Parts that agree in this are made alike but for gaps of joints: the solid, its offset, and how much further in its faces lie [mm]."""
+    return id(part.solid), part.offset, (inward or {}).get(part.name, 0.0)
+
+
+def _said(drawing: SpatialDrawing, part: SpatialPart, line: str) -> str:
+    """A finding about a part, with the file and the part before it."""
+    return f'{drawing.source or "assembly"}: part "{part.name}" {line}'
 
 
 def _joint_findings(drawing: SpatialDrawing) -> list[str]:
