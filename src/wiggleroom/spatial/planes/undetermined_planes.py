@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
+from wiggleroom.solve.linear_programming import maximise
 from wiggleroom.spatial.planes.separating_plane_newton import CarriedIterate
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, SeparatingPlaneProgram
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
@@ -27,6 +29,8 @@ MAX_TRIED, MAX_ENDS = 6, 8
 """Number of planes that are tried at an end, and of ends after each other, at most."""
 GAINED = 1e-5
 """Other planes lead further where they bring more than this share of the value, or of what a clearance brings."""
+TRUSTED = 0.005
+"""Variables change by no more than this in the linear model [clearances]."""
 
 
 def past_undetermined_planes(
@@ -49,6 +53,8 @@ def past_undetermined_planes(
         for start in undetermined_planes(program, found):
             if stop is not None and stop.is_set():
                 break
+            if not _ascends(program, start.point):
+                continue
             other = SeparatingPlaneSolver(
                 program, inside=True, damped=True, horizon=horizon, most_turn=most_turn, stop=stop, progress=progress
             ).solve(start)
@@ -60,6 +66,25 @@ def past_undetermined_planes(
             break
         found = better
     return found, iterations
+
+
+def _ascends(program: SeparatingPlaneProgram, point: SeparatingPlanePoint) -> bool:
+    """True where a small change raises the objective to first order, by more than `GAINED` of what a clearance brings: a linear program."""
+    at = program.linearise(point)
+    near = np.flatnonzero(at.h < 12 * TRUSTED * np.abs(at.G).max(axis=1))
+    plane = np.repeat(np.arange(program.planes), np.diff(program.row))[near]
+    pair = np.repeat(np.arange(len(program.a)), np.diff(program.plane))[plane]
+    loaded, column = np.unique(plane, return_inverse=True)
+    seen = np.stack([at.seen(unit) for unit in np.eye(len(at.gradient))], axis=2)
+    by_bodies = np.einsum("ki,kiv->kv", at.G[near, :9], seen[pair])
+    by_planes = sp.csr_matrix(
+        (at.G[near, 9:].ravel(), (3 * column.reshape(-1, 1) + np.arange(3)).ravel(), 3 * np.arange(len(near) + 1)),
+        shape=(len(near), 3 * len(loaded)),
+    )
+    cost = np.concatenate([at.gradient, np.zeros(3 * len(loaded))])
+    rows = sp.hstack([sp.csr_matrix(by_bodies), by_planes], format="csr")
+    found = maximise(cost, rows, -at.h[near], np.full(len(cost), TRUSTED))
+    return found.x is None or float(cost @ found.x) > GAINED * np.abs(at.gradient).max()
 
 
 def undetermined_planes(program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Iterator[CarriedIterate]:
