@@ -237,12 +237,12 @@ def test_names_that_every_object_has_are_names_like_others(browser: Any, tmp_pat
         answered(page, "toString")
         page.get_by_role("tab", name="Gaps").click()
         boxes = [page.locator("table.parts").get_by_label(f"extra gap around {name}, mm") for name in names]
-        assert [box.input_value() for box in boxes] == ["0", "0", "0"]
+        until(page, lambda: [box.input_value() for box in boxes] == ["0", "0", "0"], "every box shows its gap")
         boxes[1].fill("0.1")
         boxes[1].press("Enter")
         boxes[0].press("Tab")
         answered(page, "toString")
-        assert [box.input_value() for box in boxes] == ["0", "0.1", "0"]
+        until(page, lambda: [box.input_value() for box in boxes] == ["0", "0.1", "0"], "one has another")
         assert kept_design(page)["design"]["extra"] == {"__proto__": 0.1}
 
 
