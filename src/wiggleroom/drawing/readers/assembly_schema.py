@@ -168,6 +168,10 @@ def decode_sound(source: Source, kind: type[T]) -> T | None:
         return None
 
 
+NUMBERS = re.compile(r'\[[^"{}]*\]')
+"""Arrays without strings and objects, most of a large file: no field stands in them."""
+
+
 def repeated_fields(source: Source) -> list[str]:
     """Findings about fields that one object of a JSON text gives more than once; decoding keeps the last of them unsaid.
 
@@ -188,7 +192,11 @@ def repeated_fields(source: Source) -> list[str]:
             findings.extend(f'{where}: field "{key}" is given twice; leave one out' for key in again)
         return entry
 
-    json.loads(source.text, object_pairs_hook=look, parse_int=float)
+    try:
+        json.loads(NUMBERS.sub("0", source.text), object_pairs_hook=look)
+    except json.JSONDecodeError:  # an array of numbers and objects was cut in two
+        findings.clear()
+        json.loads(source.text, object_pairs_hook=look, parse_int=float)
     return findings
 
 
