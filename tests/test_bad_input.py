@@ -47,6 +47,19 @@ JSON_CASES = {
     "no parts": (assembly(parts=[]), "has no parts"),
     "parts of wrong type": (assembly(parts={"a": 1}), "parts must be a list"),
     "unknown field": (assembly(colour="red"), '"colour" is not known'),
+    "field twice": (assembly(gap=0.1).replace('"gap"', '"gap": 0.2, "gap"'), 'x.json: field "gap" is given twice'),
+    "field of a part twice": (
+        assembly().replace('"fixed": true', '"fixed": true, "fixed": false'),
+        'part "a": field "fixed" is given twice; leave one out',
+    ),
+    "field of a pull twice": (
+        assembly(pull=[{"part": "b", "direction": [1, 0]}]).replace('"direction"', '"direction": [0, 1], "direction"'),
+        'part "b": field "direction" is given twice',
+    ),
+    "shape twice": (
+        assembly(shapes={"s": {"outline": TRIANGLE}}).replace('"s": ', '"s": {"outline": []}, "s": '),
+        'x.json: field "s" is given twice',
+    ),
     "unit": (assembly(unit="furlong"), "mm, cm, m, in"),
     "gap below zero": (assembly(gap=-0.1), "gap is -0.1"),
     "gap as text": (assembly(gap="0.1"), "gap must be a number"),

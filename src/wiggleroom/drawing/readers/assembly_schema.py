@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -165,6 +166,38 @@ def decode_sound(source: Source, kind: type[T]) -> T | None:
         return msgspec.json.decode(source.text, type=kind)
     except (msgspec.DecodeError, RecursionError):
         return None
+
+
+NUMBERS = re.compile(r'\[[^"{}]*\]')
+"""Arrays without strings and objects, most of a large file: no field stands in them."""
+
+
+def repeated_fields(source: Source) -> list[str]:
+    """Findings about fields that one object of a JSON text gives more than once; decoding keeps the last of them unsaid.
+
+    Examples
+    --------
+    >>> repeated_fields(Source("a.json", '{"parts": [{"name": "lid", "offset": 0, "offset": 1}]}'))
+    ['a.json: part "lid": field "offset" is given twice; leave one out']
+    """
+    findings: list[str] = []
+
+    def look(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        entry = dict(pairs)
+        if len(entry) < len(pairs):
+            keys = [key for key, _ in pairs]
+            name = entry.get("name", entry.get("part"))
+            where = f'{source.name}: part "{name}"' if isinstance(name, str) and name.isprintable() else source.name
+            again = [key for key in entry if keys.count(key) > 1]
+            findings.extend(f'{where}: field "{key}" is given twice; leave one out' for key in again)
+        return entry
+
+    try:
+        json.loads(NUMBERS.sub("0", source.text), object_pairs_hook=look)
+    except json.JSONDecodeError:  # an array of numbers and objects was cut in two
+        findings.clear()
+        json.loads(source.text, object_pairs_hook=look, parse_int=float)
+    return findings
 
 
 def convert(value: Any, kind: type[T], where: str, findings: list[str]) -> T | None:

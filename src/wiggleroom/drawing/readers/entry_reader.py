@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import JointGap
-from wiggleroom.drawing.readers.assembly_schema import HeadEntry, convert, decode_json, decode_sound
+from wiggleroom.drawing.readers.assembly_schema import HeadEntry, convert, decode_json, decode_sound, repeated_fields
 from wiggleroom.drawing.readers.source import Source
 from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
@@ -32,18 +32,19 @@ def entry_of(text: Source, kind: type[E], sound: type[E] | None = None) -> E:
     Raises
     ------
     InputError
-        If it is no JSON object, or a field is unknown, missing or of another type.
+        If it is no JSON object, or a field is unknown, missing, given twice or of another type.
     """
-    whole = None if sound is None else decode_sound(text, sound)
-    if whole is not None:
-        return whole
     findings: list[str] = []
-    raw = decode_json(text)
-    if not isinstance(raw, dict):
-        message = f'{text.name}: must be one JSON object with "format" and "parts"'
-        raise InputError(message)
-    entry = convert(raw, kind, text.name, findings)
+    entry = None if sound is None else decode_sound(text, sound)
     if entry is None:
+        raw = decode_json(text)
+        if not isinstance(raw, dict):
+            message = f'{text.name}: must be one JSON object with "format" and "parts"'
+            raise InputError(message)
+        entry = convert(raw, kind, text.name, findings)
+    if entry is not None:
+        findings += repeated_fields(text)
+    if entry is None or findings:
         raise InputError(findings)
     return entry
 
