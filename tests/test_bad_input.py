@@ -43,7 +43,11 @@ JSON_CASES = {
     "a number": ("7", "one JSON object"),
     "deep": ("[" * 100_000, "nested too deep"),
     "no format": ('{"parts": []}', '"format" is missing'),
-    "other format": (assembly(format="wiggleroom/9"), 'must be "wiggleroom/1"'),
+    "other format": (assembly(format="wiggleroom/9"), 'must be "wiggleroom/1" or "wiggleroom/2"'),
+    "other format, with fields of another one": (
+        json.dumps({"format": "wiggleroom/3", "parts": [{"name": "a", "boxes": []}], "joints": 1}),
+        'must be "wiggleroom/1" or "wiggleroom/2"',
+    ),
     "no parts": (assembly(parts=[]), "has no parts"),
     "parts of wrong type": (assembly(parts={"a": 1}), "parts must be a list"),
     "unknown field": (assembly(colour="red"), '"colour" is not known'),

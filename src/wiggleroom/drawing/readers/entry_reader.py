@@ -15,6 +15,7 @@ from wiggleroom.errors import InputError
 
 E = TypeVar("E", bound=HeadEntry)
 
+FORMATS = ("wiggleroom/1", "wiggleroom/2")
 _FILE_UNITS = {unit: UNITS[unit] for unit in ("mm", "cm", "m", "in")}
 
 
@@ -32,7 +33,7 @@ def entry_of(text: Source, kind: type[E], sound: type[E] | None = None) -> E:
     Raises
     ------
     InputError
-        If it is no JSON object, or a field is unknown, missing, given twice or of another type.
+        If it is no JSON object, of another format, or a field is unknown, missing, given twice or of another type.
     """
     findings: list[str] = []
     entry = None if sound is None else decode_sound(text, sound)
@@ -41,12 +42,22 @@ def entry_of(text: Source, kind: type[E], sound: type[E] | None = None) -> E:
         if not isinstance(raw, dict):
             message = f'{text.name}: must be one JSON object with "format" and "parts"'
             raise InputError(message)
+        _check_format(text, raw.get("format"))
         entry = convert(raw, kind, text.name, findings)
     if entry is not None:
+        _check_format(text, entry.format)
         findings += repeated_fields(text)
     if entry is None or findings:
         raise InputError(findings)
     return entry
+
+
+def _check_format(text: Source, form: object) -> None:
+    """Refuse text of a format that is not known: its fields are not to be judged by those of another one."""
+    if isinstance(form, str) and form not in FORMATS:
+        known = " or ".join(f'"{name}"' for name in FORMATS)
+        message = f'{text.name}: format is "{form[:40]}"; it must be {known}'
+        raise InputError(message)
 
 
 def name_of(value: Any) -> str | None:
