@@ -298,3 +298,10 @@ def test_parts_that_do_not_face_each_other_have_no_joint():
     far = part("far", box(20, 20.5, 21, 22))
     lines = findings(Drawing((part("a", box(0, 0, 1, 1)), far), gap=0.1, gaps=(JointGap(("a", "far"), 0.2),)))
     assert lines == ('gaps: parts "a" and "far" face each other nowhere: name two neighbours',)
+
+
+def test_an_offset_that_uses_a_part_up_is_to_blame():
+    (line,) = findings(Drawing((part("a", box(0, 0, 5, 5), offset=-5.0),), gap=0.1))
+    assert line.endswith("an offset nearer to 0 would leave it whole")
+    (line,) = findings(Drawing((part("a", box(0, 0, 5, 5), offset=-0.1),), gap=6.0))
+    assert line.endswith("a smaller gap would leave it whole")

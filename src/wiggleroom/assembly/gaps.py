@@ -236,7 +236,8 @@ def _complaint(drawing: Drawing, shapes: OutlineShapes, shape: int, wrong: str) 
         return f"{who} {wrong} at offset {part.offset:g}: a smaller offset would leave it whole"
     own = f", offset {part.offset:g}" if part.offset else ""
     own += ", the gaps of its joints" if any(part.name in joint.parts for joint in drawing.gaps) else ""
-    return f"{who} {wrong} at gap {drawing.gap:g}{own}: a smaller gap would leave it whole"
+    cause = "a smaller gap" if drawing.gap / 2 >= -part.offset else "an offset nearer to 0"
+    return f"{who} {wrong} at gap {drawing.gap:g}{own}: {cause} would leave it whole"
 
 
 def _apart(joint: JointGap) -> str:
