@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
+from wiggleroom.spatial.rotations import unit_vector
 from wiggleroom.spatial.solids.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import PathState, Verdict
 
@@ -63,8 +62,10 @@ def spatial_towards(direction: tuple[float, float, float]) -> str:
 
     >>> spatial_towards((0.0, 0.0, -2.0)), spatial_towards((0.0, 3.0, 4.0))
     ('-z', '(0, 0.6, 0.8)')
+    >>> spatial_towards((0.0, 0.0, 1e300))
+    '+z'
     """
-    unit = np.array(direction) / np.linalg.norm(direction)
+    unit = unit_vector(direction)
     for axis, value in zip("xyz", unit.tolist(), strict=True):
         if abs(abs(value) - 1) < 1e-12:
             return ("+" if value > 0 else "-") + axis
