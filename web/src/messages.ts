@@ -584,7 +584,7 @@ export interface SheetPanel {
   name: string;
   rings: [number, number][][]; // outer outlines and holes of one part, even-odd [mm]
   centre: [number, number];
-  state: "loose" | "placed" | "waiting"; // loose: no edge of it fits another panel
+  state: "loose" | "placed" | "waiting"; // loose: no edge of it fits one that is still open
   edges: SheetEdge[];
 }
 

@@ -65,7 +65,7 @@ class AssembleResult(Struct, tag_field="format", tag="wiggleroom.assemble/1", kw
     joints: list[SheetJointEntry]
     unmatched: list[UnmatchedEntry]
     unplaced: Names
-    loose: Annotated[Names, Meta(description="those of them of which no edge fits another panel")]
+    loose: Annotated[Names, Meta(description="those of them of which no edge fits one that is still open")]
     burn: Annotated[float, Meta(description="taken off every outline [mm]: as the cut does")]
     relief: Annotated[float, Meta(description="taken off besides, so that nothing presses at rest [mm]")]
     notes: Notes

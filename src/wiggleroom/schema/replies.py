@@ -235,7 +235,9 @@ class SheetPanel(Struct):
     name: str
     rings: Outline
     centre: Point
-    state: Annotated[Literal["placed", "waiting", "loose"], Meta(description="loose: no edge of it fits another panel")]
+    state: Annotated[
+        Literal["placed", "waiting", "loose"], Meta(description="loose: no edge of it fits one that is still open")
+    ]
     edges: list[SheetEdge]
 
 
