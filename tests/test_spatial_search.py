@@ -156,3 +156,33 @@ def test_a_wedge_slides_on_below_a_ceiling_of_two_pieces(tmp_path: Path) -> None
     found = wr.flex(wr.read(file), wr.Pull("tenon", (0.0, 0.0, 1.0)))
     assert found.objective == pytest.approx(2 * c, abs=1e-5)  # the tenon at the ceiling, the wedge gone aside
     assert found.path == "checked"
+
+
+@pytest.mark.parametrize("cheek", [-2.99, 1.99])
+def test_a_wedge_slides_on_where_a_slope_ends(tmp_path: Path, cheek: float) -> None:
+    """A ceiling that rises and then is level: the wedge's upper edge stopped where both pieces meet. The plane knows of no pieces."""
+    floor, top, ends = -3.94, 5.35, (-8.71, -0.43)
+    ceiling = [[-12, 0], [-0.78, 0.16], [-0.49, 0.16], [0.52, 0.16], [12, 2.35]]
+    wedge = [[-6.77, -1.12], [-2.77, -1.12], [-2.77, -0.12], [-6.77, -0.42]]
+    profiles = [([p, q, [q[0], top], [p[0], top]], -6.0, 6.0) for p, q in itertools.pairwise(ceiling)]
+    profiles.append(([[-12, floor - 1], [12, floor - 1], [12, floor], [-12, floor]], -6.0, 6.0))
+    profiles += [([[x, floor], [x + 1, floor], [x + 1, top], [x, top]], -6.0, 6.0) for x in (ends[0] - 1, ends[1])]
+    profiles.append(([[-12, floor], [12, floor], [12, top], [-12, top]], cheek, cheek + 1))
+
+    def prism(profile: list[list[float]], low: float, high: float) -> trimesh.Trimesh:
+        return trimesh.convex.convex_hull(np.array([[x, y, z] for y in (low, high) for x, z in profile]))
+
+    trimesh.boolean.union([prism(*each) for each in profiles], engine="manifold").export(tmp_path / "room.ply")
+    prism(wedge, -1, 1).export(tmp_path / "wedge.ply")
+    room = {"name": "room", "mesh": "room.ply", "fixed": True}
+    parts = [room, {"name": "wedge", "mesh": "wedge.ply", "lock": ["y", "rx", "rz"]}]
+    (tmp_path / "a.json").write_text(json.dumps({"format": "wiggleroom/2", "parts": parts}))
+    (left, right), height = ends, 0.16 / 11.22
+    free = [[left, floor], [right, floor], [right, 0.16], [-0.78, 0.16], [left, (left + 12) * height]]
+    walls = [[-12, floor - 1], [12, floor - 1], [12, top], [-12, top]]
+    flat = [{"name": "room", "outline": walls, "holes": [free], "fixed": True}, {"name": "wedge", "outline": wedge}]
+    (tmp_path / "flat.json").write_text(json.dumps({"format": "wiggleroom/1", "parts": flat}))
+    found = wr.flex(wr.read(tmp_path / "a.json"), wr.Pull("wedge", (0.5, 0.0, 1.0)))
+    x, _, z = found.assembly.reference[1].tolist()
+    truth = wr.flex(wr.read(tmp_path / "flat.json"), wr.Pull("wedge", (0.5, 1.0), (x, z)))
+    assert found.objective == pytest.approx(truth.objective, abs=1e-5)
