@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,7 @@ INLINED = {**COMPILED_CALLERS_ONLY, "inline": "always"}
 
 SHIPPED = Path(__file__).with_name("kernels")
 """Where a wheel carries machine code."""
-_caches: list[KernelCacheFile] = []
+_caches: list[KernelCache] = []
 _ROOT = Path(__file__).parents[1]
 _IMPORT = re.compile(r"^from wiggleroom\.([\w.]+) import", re.MULTILINE)
 
@@ -121,7 +121,8 @@ def _environment(module: str, consts: list, name: str) -> Environment:
 
 
 class KernelCache(FunctionCache):
-    """What is kept of a function; the tables of the compiler are filled only where something must be compiled.
+    """What is kept of a function, sought when it is first called: numba tries for each function whether it can write, and most are not
+    called. The tables of the compiler are filled only where something must be compiled.
 
     Parameters
     ----------
@@ -131,12 +132,30 @@ class KernelCache(FunctionCache):
     _impl_class = KernelForm
 
     def __init__(self, function: Callable) -> None:
-        super().__init__(function)
+        self._py_func = function
+        self._name = repr(function)
+        # of the sources as they are when the function is defined: they may have changed when it is called
+        self._source_key = source_key(Path(function.__code__.co_filename))[:16]
+        self.enable()
+
+    @cached_property
+    def _impl(self) -> KernelForm:
+        return KernelForm(self._py_func)
+
+    @cached_property
+    def _cache_path(self) -> str:
+        return self._impl.locator.get_cache_path()
+
+    @cached_property
+    def _cache_file(self) -> KernelCacheFile:
         # numba has no public way to say what a cached function depends on; an index of other sources must not even be opened, because
         # it names types that may be gone
-        old = self._cache_file
-        name = f"{old._index_name.removesuffix('.nbi')}.{source_key(Path(function.__code__.co_filename))[:16]}"
-        self._cache_file = KernelCacheFile(self._cache_path, name, old._source_stamp)
+        name = f"{self._impl.filename_base}.{self._source_key}"
+        return KernelCacheFile(self._cache_path, name, self._impl.locator.get_source_stamp())
+
+    def ship(self, folder: Path) -> int:
+        """Copy what is kept into a folder that a wheel carries; how many files."""
+        return self._cache_file.ship(folder)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Compiled function of a signature; None where there is none."""
@@ -162,7 +181,7 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
         if options.get("cache"):
             made._cache = KernelCache(function)
             if "no_cpython_wrapper" not in options:  # callable from Python
-                _caches.append(made._cache._cache_file)
+                _caches.append(made._cache)
         return made
 
     return compiled
