@@ -14,7 +14,7 @@ import shapely
 from tests.test_svg_reader import material, names
 from wiggleroom.drawing import read_drawing
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 
 ezdxf = pytest.importorskip("ezdxf")

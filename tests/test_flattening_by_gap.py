@@ -13,7 +13,7 @@ import shapely
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.drawing.strokes.flatten import chord_error
+from wiggleroom.drawing.strokes.chord_error import chord_error
 
 SIDE = 40.0
 

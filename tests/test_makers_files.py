@@ -15,7 +15,7 @@ from tests.makers.by_library import CASES
 from tests.makers.case import Case
 from wiggleroom.assembly.findings import examine
 from wiggleroom.drawing.read import reading
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 
 ALL = [*FINDINGS, *STYLES, *LIGHTBURN, *CASES]

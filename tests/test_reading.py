@@ -20,7 +20,7 @@ from tests.makers.by_hand import FINDINGS, LINE, STYLES, box, svg
 from wiggleroom.cli import main
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.outlines.joining import join_ends
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 
 

@@ -11,7 +11,7 @@ from tests.makers.by_hand import FINDINGS, LIGHTBURN, STYLES
 from tests.makers.by_library import CASES
 from wiggleroom.assembly.findings import examine
 from wiggleroom.drawing.read import reading
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 
 
 def main() -> None:

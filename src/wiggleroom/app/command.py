@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wiggleroom.app.design_cache import goals_of
 from wiggleroom.app.open_requests import File, saved_name
 from wiggleroom.drawing.model import Drawing, Goal
-from wiggleroom.drawing.strokes.flatten import chord_error
+from wiggleroom.drawing.strokes.chord_error import chord_error
 from wiggleroom.schema.requests import Design, GoalEntry
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from wiggleroom.drawing.dimension import is_spatial_file
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.drawing.readers.source import load
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 from wiggleroom.report.page.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened

@@ -12,8 +12,8 @@ from wiggleroom.assembly.findings import examine_parts, opened_overlaps, overlap
 from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
 from wiggleroom.drawing.model import Drawing, Goal, part_of
-from wiggleroom.drawing.strokes.flatten import flattened_for
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.chord_error import flattened_for
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError, OverlapError, Stop, go_on
 
 

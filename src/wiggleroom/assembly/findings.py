@@ -12,7 +12,7 @@ from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
 from wiggleroom.assembly.statements import given_goals, missing_roles, statement_findings
 from wiggleroom.drawing.model import Drawing, Goal, Part
-from wiggleroom.drawing.strokes.flatten import flattened_for
+from wiggleroom.drawing.strokes.chord_error import flattened_for
 from wiggleroom.drawing.writers.glue_groups import collidable
 from wiggleroom.errors import InputError
 

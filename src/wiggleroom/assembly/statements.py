@@ -12,7 +12,7 @@ import shapely
 
 from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
-from wiggleroom.drawing.outlines.parts import place_of
+from wiggleroom.drawing.outlines.naming import place_of
 from wiggleroom.drawing.writers.glue_groups import glue_groups
 
 AskedGoal = TypeVar("AskedGoal")

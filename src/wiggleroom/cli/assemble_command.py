@@ -73,7 +73,7 @@ def assemble(
 
     from wiggleroom.cli.asking import split_words
     from wiggleroom.cli.say import note, show
-    from wiggleroom.drawing.strokes.layers import ReadOptions
+    from wiggleroom.drawing.strokes.read_options import ReadOptions
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
 

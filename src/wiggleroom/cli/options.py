@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from wiggleroom.deadline import Deadline
     from wiggleroom.drawing.model import Drawing, Goal
     from wiggleroom.drawing.outlines.traced_outlines import Remark
-    from wiggleroom.drawing.strokes.layers import ReadOptions
+    from wiggleroom.drawing.strokes.read_options import ReadOptions
 
 Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 
@@ -90,7 +90,7 @@ def read_options(asked: QuestionOptions) -> ReadOptions:
     """How a drawing is read; parts that are fixed or pulled are parts wherever they lie."""
     from wiggleroom.cli.asking import goals, split_words
     from wiggleroom.drawing.model import part_of
-    from wiggleroom.drawing.strokes.layers import ReadOptions
+    from wiggleroom.drawing.strokes.read_options import ReadOptions
 
     named = [part_of(goal) for goal in goals(asked.pull, asked.turn)[0]]
     return ReadOptions(

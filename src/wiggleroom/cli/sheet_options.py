@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from wiggleroom.drawing.strokes.layers import ReadOptions
+    from wiggleroom.drawing.strokes.read_options import ReadOptions
     from wiggleroom.errors import Stop
     from wiggleroom.mating.assembled_sheet import AssembledSheet
     from wiggleroom.mating.hints import Hints

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,6 @@ from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.halfspaces import Halfspaces
-from wiggleroom.freespace.models.pair_hulls import Hulls, hulls
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import hulls_meet
@@ -32,6 +30,10 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import unlimited
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, survey
 from wiggleroom.verdict import PathState, Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.freespace.models.halfspaces import Halfspaces
+    from wiggleroom.freespace.models.pair_hulls import Hulls
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -83,6 +85,10 @@ class Approximation:
         """Rows N g + D <= 0 of every pair at rest."""
         if self.hulls is not None:
             return self.hulls.faces
+        from wiggleroom.freespace.models.halfplane import (
+            half_planes,  # every question imports this module, few ask this
+        )
+
         return half_planes(self.bodies, *self.near, np.zeros_like(self.bodies.rest), NEIGHBOUR_REACH * self.clearance)
 
 
@@ -112,6 +118,8 @@ def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None =
     them = surveyed.bodies
     found = None
     if isinstance(model, Hull):
+        from wiggleroom.freespace.models.pair_hulls import hulls  # as above
+
         pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored)
         found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
         if found is None:

@@ -121,8 +121,9 @@ def _environment(module: str, consts: list, name: str) -> Environment:
 
 
 class KernelCache(FunctionCache):
-    """What is kept of a function, sought when it is first called: numba tries for each function whether it can write, and most are not
-    called. The tables of the compiler are filled only where something must be compiled.
+    """What is kept of a function; the tables of the compiler are filled only where something must be compiled.
+
+    It is sought when the function is first called: numba writes a trial file for each one, and most are not called.
 
     Parameters
     ----------
@@ -147,7 +148,7 @@ class KernelCache(FunctionCache):
         return self._impl.locator.get_cache_path()
 
     @cached_property
-    def _cache_file(self) -> KernelCacheFile:
+    def _cache_file(self) -> KernelCacheFile:  # type: ignore[override]
         # numba has no public way to say what a cached function depends on; an index of other sources must not even be opened, because
         # it names types that may be gone
         name = f"{self._impl.filename_base}.{self._source_key}"

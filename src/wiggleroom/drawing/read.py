@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.drawing.outlines.parts import Reading, reading_of, sound
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.outlines.file_reading import Reading, sound
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError, go_on
 from wiggleroom.files import write_whole
 
@@ -123,12 +123,14 @@ def _by_extension(path: Path, table: Mapping[str, T], done: str) -> T:
 
 
 def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
+    from wiggleroom.drawing.outlines.parts import reading_of
     from wiggleroom.drawing.readers.svg import svg_artwork
 
     return reading_of(svg_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
 
 
 def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
+    from wiggleroom.drawing.outlines.parts import reading_of
     from wiggleroom.drawing.readers.dxf import dxf_artwork
 
     return reading_of(dxf_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
@@ -137,6 +139,7 @@ def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | 
 def _read_lightburn(
     path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions
 ) -> Reading:
+    from wiggleroom.drawing.outlines.parts import reading_of
     from wiggleroom.drawing.readers.lightburn import lightburn_artwork
 
     return reading_of(lightburn_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)

@@ -10,7 +10,7 @@ import shapely
 from shapely import affinity
 
 from wiggleroom.drawing.read import reading
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 
 CHORD_ERROR = 0.01

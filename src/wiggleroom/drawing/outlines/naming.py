@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.strokes.elements import Lettering, Stroke
+if TYPE_CHECKING:
+    from wiggleroom.drawing.strokes.elements import Lettering, Stroke
 
 MAX_LABEL_LENGTH = 80
 """Characters of a name; longer texts are notes."""
 JOINERS = str.maketrans("", "", "\u200c\u200d")
 """Characters that join or part letters; words of some scripts need them, though nothing is printed for them."""
+PLACE = re.compile(r"@\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
+"""How a part is chosen by a point of it."""
 Polygons = Sequence[shapely.Polygon] | NDArray[np.object_]
 
 
@@ -35,6 +40,7 @@ def texts_inside(polygons: Polygons, texts: Sequence[Lettering]) -> tuple[list[s
 
     Examples
     --------
+    >>> from wiggleroom.drawing.strokes.elements import Lettering
     >>> texts_inside([shapely.box(0, 0, 9, 9)], [Lettering("lid", 3 + 3j), Lettering("out", 20 + 3j)])
     (['lid'], 1)
     """
@@ -127,3 +133,18 @@ def rows_at(points: Sequence[tuple[float, float]], polygons: Polygons) -> list[i
     tree = shapely.STRtree(list(polygons))
     found = [tree.query(shapely.Point(point), predicate="intersects").tolist() for point in points]
     return [min(rows, key=lambda i: area[i], default=None) for rows in found]
+
+
+def place_of(name: str) -> tuple[float, float] | None:
+    """The point that a name such as "@12,30" gives [mm], or None.
+
+    Examples
+    --------
+    >>> place_of("@12,30"), place_of("lid")
+    ((12.0, 30.0), None)
+    """
+    match = PLACE.fullmatch(name)
+    try:
+        return (float(match.group(1)), float(match.group(2))) if match else None
+    except ValueError:
+        return None

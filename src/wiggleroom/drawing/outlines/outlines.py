@@ -14,8 +14,9 @@ from wiggleroom.drawing.outlines.open_lines import open_lines
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Traced
+from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
 from wiggleroom.drawing.strokes.elements import Artwork
-from wiggleroom.drawing.strokes.flatten import NO_GAP_SHARE, Curved, chord_error
+from wiggleroom.drawing.strokes.flatten import Curved
 from wiggleroom.drawing.strokes.pathdata import Subpath
 from wiggleroom.drawing.strokes.strokes import longer_side
 from wiggleroom.errors import InputError, Stop, go_on

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Drawing, Flattening, Part, Region
-from wiggleroom.drawing.outlines.naming import aliases_of, given_names, rows_at, texts_inside, unique_names
+from wiggleroom.drawing.outlines.file_reading import Reading
+from wiggleroom.drawing.outlines.naming import aliases_of, given_names, place_of, rows_at, texts_inside, unique_names
 from wiggleroom.drawing.outlines.nesting import cut_nested, direct_parents, hole_rows, meets_hole
 from wiggleroom.drawing.outlines.outlines import traced
 from wiggleroom.drawing.outlines.rings import part_about_centroid
@@ -20,35 +20,12 @@ from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_light
 from wiggleroom.drawing.strokes.elements import Artwork, Stroke
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.layers import ReadOptions, cut_strokes, has_own_name
-from wiggleroom.errors import InputError, go_on
+from wiggleroom.drawing.strokes.layers import cut_strokes, has_own_name
+from wiggleroom.drawing.strokes.read_options import ReadOptions
+from wiggleroom.errors import go_on
 
-PLACE = re.compile(r"@\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
-"""How a part is chosen by a point of it."""
 _TOUCH, _TOUCH_SHARE = 0.05, 1e-3
 """Inner outlines nearer than this [mm, share of the drawing's size] touch: they are pieces, not holes."""
-
-
-@dataclass(frozen=True, eq=False)
-class Reading:
-    """How a file was read.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        Its parts, as far as they were found, and notes.
-    layers : tuple of str
-        The layer of each part.
-    findings : tuple of str
-        What is wrong, one line each; a drawing with findings is not to be worked with.
-    remarks : tuple of Remark
-        Places of what is wrong, left out or assumed.
-    """
-
-    drawing: Drawing
-    layers: tuple[str, ...] = ()
-    findings: tuple[str, ...] = ()
-    remarks: tuple[Remark, ...] = ()
 
 
 def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None, gap: float | None) -> Reading:
@@ -221,21 +198,6 @@ def _solid(
     return result
 
 
-def place_of(name: str) -> tuple[float, float] | None:
-    """The point that a name such as "@12,30" gives [mm], or None.
-
-    Examples
-    --------
-    >>> place_of("@12,30"), place_of("lid")
-    ((12.0, 30.0), None)
-    """
-    match = PLACE.fullmatch(name)
-    try:
-        return (float(match.group(1)), float(match.group(2))) if match else None
-    except ValueError:
-        return None
-
-
 def _pieces(outlines: Sequence[Outline], material: dict[int, list[Region]]) -> list[list[int]]:
     """Rows of outlines that are parts, those together that the file says are pieces of one part."""
     groups: dict[object, list[int]] = {}
@@ -316,16 +278,3 @@ def _glue(strokes: Sequence[Stroke], names: Sequence[str]) -> tuple[tuple[str, .
         if group:
             found.setdefault(id(group), []).append(name)
     return tuple(tuple(members) for members in found.values() if len(members) > 1)
-
-
-def sound(reading: Reading) -> Drawing:
-    """The drawing, where nothing is wrong with it.
-
-    Raises
-    ------
-    InputError
-        With one line per finding.
-    """
-    if reading.findings:
-        raise InputError(reading.findings)
-    return reading.drawing

@@ -6,13 +6,14 @@ from pathlib import Path
 
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.drawing.outlines.parts import reading_of, sound
+from wiggleroom.drawing.outlines.file_reading import sound
+from wiggleroom.drawing.outlines.parts import reading_of
 from wiggleroom.drawing.readers.source import load
 from wiggleroom.drawing.readers.svg_page import page_map
 from wiggleroom.drawing.readers.svg_walk import SvgWalk
 from wiggleroom.drawing.readers.xmltree import parse_xml
 from wiggleroom.drawing.strokes.elements import Artwork
-from wiggleroom.drawing.strokes.layers import ReadOptions
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError, Stop
 
 _BOXES = "Created with Boxes.py"

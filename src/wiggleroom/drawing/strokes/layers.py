@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -14,8 +14,9 @@ import shapely
 
 from wiggleroom.drawing.strokes.colours import colour_of, is_light, name_of
 from wiggleroom.drawing.strokes.elements import Artwork, Stroke
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.drawing.strokes.strokes import trace
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError
 
 ENGRAVING_WORDS = (
     "engrav", "etch", "raster", "scor", "gravur", "gravier", "gravure", "graver", "gravyr", "grabad", "grabar",
@@ -68,29 +69,6 @@ PAGE_TOLERANCE = 0.01
 """A rectangle that misses the sheet by less than this share of its size is the sheet."""
 _REFERENCE = re.compile(r"burn:\s*[\d.]+\s*mm")
 """What stands in the bar by which the scale of a boxes.py sheet is checked."""
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """How a drawing is read, besides what it says itself.
-
-    Parameters
-    ----------
-    only, skip : tuple of str
-        Layers, colours or names that alone are read, or that are left out.
-    join : float, optional [mm]
-        Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
-    solid : tuple of str
-        Names, or points as "@x,y", of outlines inside others that are parts, not holes; "all" for all of them.
-    stop : optional
-        Anything with `is_set()`, asked after every element and every outline.
-    """
-
-    only: tuple[str, ...] = ()
-    skip: tuple[str, ...] = ()
-    join: float | None = None
-    solid: tuple[str, ...] = ()
-    stop: Stop | None = field(default=None, compare=False)
 
 
 def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[tuple[str, Stroke], ...]]:

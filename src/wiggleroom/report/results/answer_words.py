@@ -7,14 +7,12 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
-from wiggleroom.spatial.rotations import unit_vector
-from wiggleroom.spatial.solids.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.search.answer import Answer, Contact
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 MAX_NAME_LENGTH = 40
@@ -65,6 +63,10 @@ def spatial_towards(direction: tuple[float, float, float]) -> str:
     >>> spatial_towards((0.0, 0.0, 1e300))
     '+z'
     """
+    from wiggleroom.spatial.rotations import (
+        unit_vector,  # like all that is imported here inside, not for answers in the plane
+    )
+
     unit = unit_vector(direction)
     for axis, value in zip("xyz", unit.tolist(), strict=True):
         if abs(abs(value) - 1) < 1e-12:
@@ -74,6 +76,8 @@ def spatial_towards(direction: tuple[float, float, float]) -> str:
 
 def spatial_goal_text(goal: SpatialGoal) -> str:
     """One goal in a few words."""
+    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
+
     match goal:
         case SpatialPull():
             return f"{short(goal.part)} in {spatial_towards(goal.direction)}"
@@ -86,8 +90,6 @@ def spatial_goal_text(goal: SpatialGoal) -> str:
 def goal_text(goal: Goal | SpatialGoal) -> str:
     """One goal in a few words: the part and the direction in which it is pulled or turned."""
     match goal:
-        case SpatialPull() | SpatialTurn() | Weight():
-            return spatial_goal_text(goal)
         case Pull():
             return f"{short(goal.part)} in {towards(goal.direction)}"
         case Turn():
@@ -100,6 +102,8 @@ def goal_text(goal: Goal | SpatialGoal) -> str:
             return "sum of squared translations"
         case Closer():
             return "neighbours closer"
+        case _:
+            return spatial_goal_text(goal)
 
 
 def goals_text(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
@@ -124,13 +128,19 @@ def unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:
     """Say the unit of the objective: mm, rad, mm² or nothing where goals of several kinds add up."""
     if all(isinstance(g, Towards | Translation | Closer) for g in goals):
         return "mm²"
-    if all(isinstance(g, Pull | SpatialPull) or (isinstance(g, W) and g.w[2] == 0) for g in goals):
+    if all(isinstance(g, Pull) or (isinstance(g, W) and g.w[2] == 0) for g in goals):
         return "mm"
-    return (
-        "rad"
-        if all(isinstance(g, Turn | SpatialTurn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals)
-        else ""
-    )
+    if all(isinstance(g, Turn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals):
+        return "rad"
+    return "" if any(isinstance(g, Goal) for g in goals) else _spatial_unit(goals)
+
+
+def _spatial_unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:
+    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn
+
+    if all(isinstance(g, SpatialPull) for g in goals):
+        return "mm"
+    return "rad" if all(isinstance(g, SpatialTurn) for g in goals) else ""
 
 
 def per_gap(goals: tuple[Goal, ...]) -> str:
