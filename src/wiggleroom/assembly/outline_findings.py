@@ -68,16 +68,17 @@ def _useless(parts: Sequence[Part]) -> dict[int, str]:
         loops = chained(rings)
         with np.errstate(over="ignore", invalid="ignore"):
             extent = np.maximum.reduceat(loops.points, loops.starts) - np.minimum.reduceat(loops.points, loops.starts)
-            thick = np.abs(signed_areas(loops)) > NO_AREA * extent.max(axis=1) ** 2
+            area, long = np.abs(signed_areas(loops)), extent.max(axis=1)
+            thick = area > NO_AREA * long**2
         near = np.logical_and.reduceat((np.abs(loops.points) <= LARGEST).all(axis=1), loops.starts)
         for r in np.flatnonzero(~(thick & near)):
             flaw = _flaw(rings[r])
             if flaw:
                 found.setdefault(owner[r], flaw)
-        long, size = extent.max(axis=1), np.zeros(len(parts))
+        size = np.zeros(len(parts))
         with np.errstate(over="ignore", invalid="ignore"):
             np.maximum.at(size, owner, long)
-            narrow = thick & near & (np.abs(signed_areas(loops)) <= NARROW * size[owner] * long)
+            narrow = thick & near & (area <= NARROW * size[owner] * long)
         for r in np.flatnonzero(narrow):
             if cleaned(chained([rings[r]]), size[[owner[r]]]).counts[0] < 3:
                 found.setdefault(owner[r], "has an outline or a hole below a billionth of its size: leave that out")

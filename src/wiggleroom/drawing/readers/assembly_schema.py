@@ -168,10 +168,6 @@ def decode_sound(source: Source, kind: type[T]) -> T | None:
         return None
 
 
-NUMBERS = re.compile(r'\[[^"{}]*\]')
-"""Arrays without strings and objects, most of a large file: no field stands in them."""
-
-
 def repeated_fields(source: Source) -> list[str]:
     """Findings about fields that one object of a JSON text gives more than once; decoding keeps the last of them unsaid.
 
@@ -193,11 +189,37 @@ def repeated_fields(source: Source) -> list[str]:
         return entry
 
     try:
-        json.loads(NUMBERS.sub("0", source.text), object_pairs_hook=look)
+        json.loads(_without_numbers(source.text), object_pairs_hook=look)
     except json.JSONDecodeError:  # an array of numbers and objects was cut in two
         findings.clear()
         json.loads(source.text, object_pairs_hook=look, parse_int=float)
     return findings
+
+
+def _without_numbers(text: str) -> str:
+    """Text with 0 in place of arrays without strings and objects, most of a large file: no field stands in them.
+
+    Searching for single characters is much quicker than a regular expression that does the same.
+
+    Examples
+    --------
+    >>> _without_numbers('{"a": [[1.5, 2.5], [3.5, 4.5]], "b": [{"c": []}]}')
+    '{"a": 0, "b": [{"c": 0}]}'
+    """
+    kept: list[str] = []
+    begin, first = 0, text.find("[")
+    ends = dict.fromkeys('"{}', -1)
+    while first >= 0:
+        for mark, place in ends.items():
+            if place < first:
+                ends[mark] = text.find(mark, first) % (len(text) + 1)  # the end of the text where there is none
+        end = min(ends.values())
+        last = text.rfind("]", first, end)
+        if last >= 0:
+            kept += text[begin:first], "0"
+            begin = last + 1
+        first = text.find("[", end)
+    return "".join([*kept, text[begin:]])
 
 
 def convert(value: Any, kind: type[T], where: str, findings: list[str]) -> T | None:
