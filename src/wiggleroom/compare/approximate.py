@@ -85,9 +85,7 @@ class Approximation:
         """Rows N g + D <= 0 of every pair at rest."""
         if self.hulls is not None:
             return self.hulls.faces
-        from wiggleroom.freespace.models.halfplane import (
-            half_planes,  # every question imports this module, few ask this
-        )
+        from wiggleroom.freespace.models.halfplane import half_planes  # not for questions to walls
 
         return half_planes(self.bodies, *self.near, np.zeros_like(self.bodies.rest), NEIGHBOUR_REACH * self.clearance)
 
@@ -118,7 +116,7 @@ def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None =
     them = surveyed.bodies
     found = None
     if isinstance(model, Hull):
-        from wiggleroom.freespace.models.pair_hulls import hulls  # as above
+        from wiggleroom.freespace.models.pair_hulls import hulls  # nor this
 
         pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored)
         found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)

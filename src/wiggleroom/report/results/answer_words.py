@@ -63,9 +63,7 @@ def spatial_towards(direction: tuple[float, float, float]) -> str:
     >>> spatial_towards((0.0, 0.0, 1e300))
     '+z'
     """
-    from wiggleroom.spatial.rotations import (
-        unit_vector,  # like all that is imported here inside, not for answers in the plane
-    )
+    from wiggleroom.spatial.rotations import unit_vector  # not for answers in the plane
 
     unit = unit_vector(direction)
     for axis, value in zip("xyz", unit.tolist(), strict=True):
@@ -76,7 +74,7 @@ def spatial_towards(direction: tuple[float, float, float]) -> str:
 
 def spatial_goal_text(goal: SpatialGoal) -> str:
     """One goal in a few words."""
-    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
+    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight  # nor this
 
     match goal:
         case SpatialPull():
