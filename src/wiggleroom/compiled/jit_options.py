@@ -22,7 +22,7 @@ import llvmlite.binding as llvm
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.environment import Environment, lookup_environment
-from numba.core.runtime.nrt import _nrt
+from numba.core.runtime import rtsys
 
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
 """For functions that make arrays."""
@@ -160,22 +160,12 @@ class KernelCache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Compiled function of a signature; None where there is none."""
-        _add_runtime_symbols()
+        rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             found = self._load_overload(sig, target_context)
         if found is None:
             target_context.refresh()
         return found
-
-
-@cache
-def _add_runtime_symbols() -> None:
-    """Tell the linker where numba's runtime lies that machine code calls.
-
-    numba would compile those parts of it too that are in the machine code already, which takes 20 ms; it does where it compiles.
-    """
-    for name, address in _nrt.c_helpers.items():
-        llvm.add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
 
 
 def ship(folder: Path) -> int:
