@@ -214,6 +214,25 @@ def test_all_parts_together_are_worth_what_the_gap_is() -> None:
     assert ranking.looser.sum() == pytest.approx((high - low) / 0.0004, rel=1e-3)
 
 
+@pytest.mark.parametrize("by", ["duals", "differences"])
+def test_a_bar_that_jams_in_a_slot_is_held_by_its_corners(by: str) -> None:
+    """Its turn t ends where two corners touch: height cos t + length sin t = width. The cell of the pair ends there as well."""
+    length, height, gap = 4.0, 2.0, 0.02
+    frame = shapely.Polygon([(-9, -9), (9, -9), (9, 9), (-9, 9)], [[(-7, -1), (7, -1), (7, 1), (-7, 1)]])
+    bar = box("bar", -length / 2, -height / 2, length / 2, height / 2)
+    parts = (part_at("frame", frame, (0.0, 0.0, 0.0), fixed=True), bar)
+    ranking = wr.rank(assemble(Drawing(parts, gap=gap, goals=(Turn("bar", "ccw"),))), by=by)
+    turn = ranking.answer.objective
+    assert turn is not None
+    long, high = length - gap, height - gap
+    assert high * np.cos(turn) + long * np.sin(turn) == pytest.approx(height + gap, abs=1e-7)
+    narrower = 1 / (long * np.cos(turn) - high * np.sin(turn))  # of the slot's width, and of the bar's both sides
+    smaller = (np.cos(turn) + np.sin(turn)) * narrower
+    assert of(ranking, "frame") == pytest.approx((narrower, narrower), rel=1e-4)
+    assert of(ranking, "bar") == pytest.approx((smaller, smaller), rel=1e-4)
+    assert ranking.virtual == 0.0
+
+
 def loosened_joint(drawing: Drawing, pair: tuple[str, str], more: float) -> float | None:
     """The largest motion when `gaps` gives one joint more gap [mm]."""
     gaps = {frozenset(j.parts): j for j in drawing.gaps}

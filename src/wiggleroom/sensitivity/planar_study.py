@@ -38,6 +38,7 @@ from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
+from wiggleroom.sensitivity.contact_program import on_contacts
 from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
@@ -185,8 +186,9 @@ class PlanarStudy:
         """How derivatives are found by solving the last program again."""
         found = ended(answer)
         start = base(self.ready, found)
-        solution = replace(found.solution, u=start.solution.u, lam=start.solution.lam)
-        return DifferenceQuotients(slope, start, _derivatives(answer.assembly, found.program, solution))
+        program, lam = on_contacts(start.program, start.solution.u, start.solution.lam)
+        start = replace(start, program=program, solution=replace(start.solution, lam=lam))
+        return DifferenceQuotients(slope, start, _derivatives(answer.assembly, program, start.solution))
 
     def moved(self, answer: Answer, inward: Floats, stop: Stop | None) -> Answer:
         """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]; by a climb where that led to the answer."""
@@ -238,12 +240,13 @@ class PlanarStudy:
 
 
 def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> GapDerivatives:
-    """Derivatives from the multipliers of a program."""
-    active = touching(program, solution.u, solution.lam)
+    """Derivatives from the multipliers of a program, those of corners that touch where these can carry what its walls do."""
+    program, lam = on_contacts(program, solution.u, solution.lam)
+    active = touching(program, solution.u, lam)
     row, parts = active.row, len(assembly.parts)
     some = gains(program, solution.u, row)
     by_joint = JointGains(assembly, program, some)
-    others = other_optima(program, solution.u, row, solution.lam[row])
+    others = other_optima(program, solution.u, row, lam[row])
     elsewhere = [(gains(program, o.u, row), o.u, o.force / program.length) for o in others]
     by_part = [there.by_part(program.bodies, len(row)) @ force / 2 for there, _, force in elsewhere]
     jacobian = program.linearise(solution.u).jacobian()[row]
@@ -252,7 +255,7 @@ def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> Ga
         some.by_part(program.bodies, len(row)) / 2,
         by_joint.joints,
         by_joint.at(some, solution.u, row),
-        face(jacobian, row, solution.lam[row], program.length),
+        face(jacobian, row, lam[row], program.length),
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
         np.array(by_part).reshape(-1, parts).T,
         np.array([by_joint.at(there, u, row) @ force for there, u, force in elsewhere])
