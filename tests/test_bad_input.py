@@ -151,7 +151,18 @@ SVG_CASES = {
     "bad transform": (svg(f'<g transform="rotate(30">{SQUARE}</g>'), "transform cannot be read"),
     "unknown transform": (svg(f'<g transform="wobble(3)">{SQUARE}</g>'), '"wobble" is not known'),
     "transform of three": (svg(f'<g transform="matrix(1 0 0)">{SQUARE}</g>'), "6 finite numbers"),
-    "flat transform": (svg(f'<g transform="scale(1,0)">{SQUARE}</g>'), "at least 3"),
+    "flat transform": (
+        svg(f'<g transform="scale(1,0)">{SQUARE}</g>'),
+        'rect "a" (line 1): is scaled to a line or a point',
+    ),
+    "transform to a point": (
+        svg('<rect id="b" transform="scale(0)" width="4" height="4"/>'),
+        'rect "b" (line 1): is scaled to',
+    ),
+    "transform out of range": (
+        svg(f'<g transform="scale(1e300)">{SQUARE}</g>'),
+        'rect "a" (line 1): is moved or scaled by more than',
+    ),
     "use of nothing": (svg('<use href="#nope"/>'), '"#nope"'),
     "use of a file": (svg('<use href="other.svg#a"/>'), "other.svg#a"),
     "use of itself": (svg('<g id="g"><use href="#g"/></g>'), "holds this use itself"),
@@ -257,6 +268,25 @@ def test_places_without_a_file(tmp_path):
     assert "is a directory" in findings_of(tmp_path / "folder.svg")[0]
     assert "cannot be read" in findings_of("nul\0byte.svg")[0]
     assert "cannot be read" in findings_of("x" * 5000 + ".svg")[0]
+
+
+@pytest.mark.parametrize(
+    "text", [assembly(gap=0.2), svg(SQUARE), "// parts\n" + assembly()], ids=["json", "svg", "comment"]
+)
+def test_what_a_file_holds_is_not_its_name(text):
+    assert findings_of(text) == (
+        "what a file holds was given in place of its name: write it to a file, and give the name of that",
+    )
+
+
+@pytest.mark.parametrize("number", [1e308, -1e150, 1e-310])
+def test_factors_out_of_range_are_refused(tmp_path, number):
+    path = tmp_path / "x.json"
+    for asked in ({"direction": [1, 0], "weight": number}, {"turn": "cw", "weight": number}, {"w": [1, number, 0]}):
+        path.write_text(assembly(pull=[{"part": "b", **asked}]))
+        with pytest.raises(InputError, match=r"x\.json: .* between 1e-100 and 1e\+100 in size") as caught:
+            assemble(read_drawing(path))
+        assert len(caught.value.findings) == 1
 
 
 @pytest.mark.parametrize(

@@ -214,6 +214,25 @@ def test_all_parts_together_are_worth_what_the_gap_is() -> None:
     assert ranking.looser.sum() == pytest.approx((high - low) / 0.0004, rel=1e-3)
 
 
+@pytest.mark.parametrize("by", ["duals", "differences"])
+def test_a_bar_that_jams_in_a_slot_is_held_by_its_corners(by: str) -> None:
+    """Its turn t ends where two corners touch: height cos t + length sin t = width. The cell of the pair ends there as well."""
+    length, height, gap = 4.0, 2.0, 0.02
+    frame = shapely.Polygon([(-9, -9), (9, -9), (9, 9), (-9, 9)], [[(-7, -1), (7, -1), (7, 1), (-7, 1)]])
+    bar = box("bar", -length / 2, -height / 2, length / 2, height / 2)
+    parts = (part_at("frame", frame, (0.0, 0.0, 0.0), fixed=True), bar)
+    ranking = wr.rank(assemble(Drawing(parts, gap=gap, goals=(Turn("bar", "ccw"),))), by=by)
+    turn = ranking.answer.objective
+    assert turn is not None
+    long, high = length - gap, height - gap
+    assert high * np.cos(turn) + long * np.sin(turn) == pytest.approx(height + gap, abs=1e-7)
+    narrower = 1 / (long * np.cos(turn) - high * np.sin(turn))  # of the slot's width, and of the bar's both sides
+    smaller = (np.cos(turn) + np.sin(turn)) * narrower
+    assert of(ranking, "frame") == pytest.approx((narrower, narrower), rel=1e-4)
+    assert of(ranking, "bar") == pytest.approx((smaller, smaller), rel=1e-4)
+    assert ranking.virtual == 0.0
+
+
 def loosened_joint(drawing: Drawing, pair: tuple[str, str], more: float) -> float | None:
     """The largest motion when `gaps` gives one joint more gap [mm]."""
     gaps = {frozenset(j.parts): j for j in drawing.gaps}
@@ -260,6 +279,28 @@ def test_a_joint_is_worth_what_a_gap_of_its_own_is(drawing: Callable[[], Drawing
         assert high is not None
         assert low is not None
         assert worth == pytest.approx((high - low) / (2 * h), rel=5e-4, abs=1e-5 * largest)
+
+
+def slid(direction: tuple[float, float], gap: float) -> Drawing:
+    """A block that slides in a wide slot: one of its ends leaves the stretch of the floor that it faced at rest."""
+    frame = shapely.Polygon([(-3, -2), (7, -2), (7, 4), (-3, 4)], [[(-1, 0), (5, 0), (5, 2), (-1, 2)]])
+    parts = (part_at("frame", frame, (0.0, 0.0, 0.0), fixed=True), box("block", 0, 0, 4, 2))
+    return Drawing(parts, gap=gap, goals=(Pull("block", direction),))
+
+
+@pytest.mark.searches
+@pytest.mark.parametrize("direction", [(0.5, -1.0), (-0.2, 1.0), (0.1, 1.0)])
+def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direction: tuple[float, float]) -> None:
+    """With more gap the floor keeps its height beyond the stretch, and the block rests on that step; with less it leaves it."""
+    made = slid(direction, 0.02)
+    ranking = wr.rank(assemble(made))
+    value, h = ranking.answer.objective, 1e-4
+    assert value is not None
+    sides = [loosened_joint(made, ("frame", "block"), s * h) for s in (1, -1)]
+    more, less = ((side or np.nan) - value for side in sides)
+    assert (ranking.joint_looser[0], ranking.joint_tighter[0]) == pytest.approx((more / h, -less / h), rel=2e-3)
+    assert not ranking.joint_unique[0]
+    assert ranking.ends == "whole"
 
 
 def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
@@ -367,9 +408,8 @@ def almost_dependent_face() -> tuple[DualFace, sp.csr_matrix, np.ndarray]:
     balance = exact + 1e-11 * rng.standard_normal(exact.shape)
     force = 10.0 ** rng.uniform(-2, 0, 40)
     null = np.linalg.svd(exact)[2][12:].T
-    rows = np.arange(40)
     return (
-        DualFace(rows, force, sp.csr_matrix(balance), np.zeros((40, 0)), np.zeros(0)),
+        DualFace(force, sp.csr_matrix(balance), np.zeros((40, 0)), np.zeros(0)),
         sp.csr_matrix(rng.random((6, 40))),
         null,
     )

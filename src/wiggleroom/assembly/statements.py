@@ -17,6 +17,10 @@ from wiggleroom.drawing.writers.glue_groups import glue_groups
 
 AskedGoal = TypeVar("AskedGoal")
 
+SMALLEST_FACTOR, LARGEST_FACTOR = 1e-100, 1e100
+"""Goals are not counted by factors beyond these."""
+USUAL = f"it must be a finite number, between {SMALLEST_FACTOR:g} and {LARGEST_FACTOR:g} in size unless it is 0"
+
 
 def statement_findings(drawing: Drawing) -> list[str]:
     """Everything wrong with names, references, numbers and roles, whatever the outlines are."""
@@ -137,7 +141,7 @@ def _numbers(drawing: Drawing) -> list[str]:
 
 def _goal_numbers(goal: Goal) -> list[str]:
     where = _kind(goal) if isinstance(goal, Translation | Closer) else f'{_kind(goal)} of "{goal.part}"'
-    found = [] if np.isfinite(goal.weight) else [f"{where}: weight is {goal.weight:g}: it must be a finite number"]
+    found = [] if _is_usual(goal.weight) else [f"{where}: weight is {goal.weight:g}: {USUAL}"]
     if isinstance(goal, Translation | Closer):
         return found
     if isinstance(goal, Turn):
@@ -153,9 +157,16 @@ def _goal_numbers(goal: Goal) -> list[str]:
     if not np.isfinite(vector).all() or not np.any(vector):
         word = "direction" if isinstance(goal, Pull) else "w"
         found.append(f"{where}: {word} is {numbers_text(vector)}: it must be finite and not all zero")
+    elif isinstance(goal, W) and not all(map(_is_usual, vector)):
+        found.append(f"{where}: w is {numbers_text(vector)}: {USUAL}")
     if isinstance(goal, Pull) and goal.point is not None and not np.isfinite(goal.point).all():
         found.append(f"{where}: point is {numbers_text(goal.point)}: it must be finite")
     return found
+
+
+def _is_usual(number: float) -> bool:
+    """True where squares and products of a factor stay numbers."""
+    return number == 0 or SMALLEST_FACTOR <= abs(number) <= LARGEST_FACTOR
 
 
 def numbers_text(values: Sequence[float]) -> str:

@@ -116,6 +116,9 @@ def write_drawing(drawing: Drawing, path: str | Path, *, labels: Sequence[Label]
 def _by_extension(path: Path, table: Mapping[str, T], done: str) -> T:
     found = table.get(path.suffix.lower())
     if found is None:
+        if "\n" in str(path) or str(path).lstrip().startswith(("{", "[", "<")):
+            message = "what a file holds was given in place of its name: write it to a file, and give the name of that"
+            raise InputError(message)
         kind = f'"{path.suffix}" files are' if path.suffix else "files without extension are"
         message = f"{path}: {kind} not {done}; it must be one of {', '.join(table)}"
         raise InputError(message)

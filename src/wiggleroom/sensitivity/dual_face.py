@@ -14,7 +14,6 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -45,8 +44,6 @@ class DualFace:
 
     Parameters
     ----------
-    row : (k,) int64
-        Rows of the program with a force.
     force : (k,) float64
         Their multipliers [objective per mm].
     balance : (3F, k) sparse
@@ -57,7 +54,6 @@ class DualFace:
         How far each may be run backwards.
     """
 
-    row: Ints
     force: Floats
     balance: sp.csr_matrix
     turn: Floats
@@ -71,8 +67,8 @@ class DualFace:
         return value + ends.min(axis=1), value + ends.max(axis=1)
 
 
-def face(jacobian: sp.csr_matrix, holds: Ints, force: Floats, length: float) -> DualFace:
-    """Face of multipliers `force` (k,) at a solution; `jacobian` (k, V) are the derivatives of the rows `holds` (k,) that carry them.
+def face(jacobian: sp.csr_matrix, force: Floats, length: float) -> DualFace:
+    """Face of multipliers `force` (k,) at a solution; `jacobian` (k, V) are the derivatives of the rows that carry them.
 
     Rows count in units of `length` [mm].
     """
@@ -83,7 +79,7 @@ def face(jacobian: sp.csr_matrix, holds: Ints, force: Floats, length: float) -> 
     some = z.any(axis=0)
     turn = force[:, None] * z * np.where(some, ahead, 0.0)
     back = np.where(some, behind / ahead, 0.0)
-    return DualFace(holds, force / length, jacobian.T.tocsr(), turn / length, back)
+    return DualFace(force / length, jacobian.T.tocsr(), turn / length, back)
 
 
 def null_space_sample(matrix: sp.csr_matrix, z: Floats | None = None) -> Floats:
@@ -108,3 +104,13 @@ def is_unique(low: Floats, high: Floats) -> NDArray[np.bool_]:
     """True where the derivative has one value."""
     size = np.maximum(np.abs(low), np.abs(high))
     return high - low <= SETTINGS.uniqueness_tolerance * np.maximum(size, 1e-3 * size.max(initial=0.0))
+
+
+def shared_with(force: Floats, mean: sp.csr_matrix) -> tuple[Floats, Floats]:
+    """The same forces (k,), half of each passed on to contacts (e,) that are means (k, e) of their rows, and what these get."""
+    load = np.asarray(mean.sum(axis=1)).ravel()
+    most = np.divide(force, 2 * load, out=np.full(len(force), np.inf), where=load > 0)
+    least = mean.tocsc(copy=True)
+    least.data = most[least.indices]
+    more = np.minimum.reduceat(least.data, least.indptr[:-1]) if mean.shape[1] else np.zeros(0)
+    return force - mean @ more, more

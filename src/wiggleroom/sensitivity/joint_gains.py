@@ -16,10 +16,15 @@ from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.program.gap_sensitivity import Gains
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.active_set import feet
+from wiggleroom.sensitivity.flat_contacts import FlatContacts, flat_contacts
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+FLAT = 1e-4
+"""An edge within this share of the clearance of another, all along, lies flat on it."""
+NEAR_END = 1e-6
+"""Share of a flat contact that lies between the end of a stretch and what is on either side of it."""
 SAME_PLACE = 1e-9
 """Joints whose parts lie to each other alike, to this share of the assembly's size, are the same."""
 
@@ -55,6 +60,21 @@ class _Pieces(NamedTuple):
         inward, moves = (np.concatenate([none[:, 0], *(getattr(o, n) for o in outlines)]) for n in ("inward", "moves"))
         length = np.hypot(*(end - start).T)
         return cls(first, start, (end - start) / length[:, None], length, inward, moves)
+
+    def ends_along(self, outline: int, start: Floats, end: Floats, near: float) -> list[float]:
+        """Where pieces of an outline, as made, end on the way between two points of one of its edges: shares of it in (0, 1)."""
+        mine = slice(*self.first[outline : outline + 2])
+        way = end - start
+        far = np.hypot(*way)
+        ahead, along = self.ahead[mine], way / max(far, 1e-300)
+        off = start - self.start[mine]
+        beside = off[:, 1] * ahead[:, 0] - off[:, 0] * ahead[:, 1] - self.inward[mine]
+        turned = ahead[:, 0] * along[1] - ahead[:, 1] * along[0]
+        on = (np.abs(beside) <= near) & (np.abs(turned) * far <= near)
+        first = -off[on] @ along
+        ends = np.concatenate([first, first + self.length[mine][on] * (ahead[on] @ along)])
+        room = 2 * NEAR_END * far
+        return np.unique(np.round(ends[(ends > room) & (ends < far - room)] / far, 9)).tolist()
 
 
 def _at_joints(of: Ints, part: Ints, joint: Ints, outline: Ints) -> _At:
@@ -108,7 +128,8 @@ class JointGains:
         self.joints: Ints = np.unique(pairs, axis=0).reshape(-1, 2)
         self._assembly, self._program = assembly, program
         self._pieces, part, joint, outline = self._joint_outlines()
-        self._edge, self._corner = (_at_joints(of, part, joint, outline) for of in (some.edge_part, some.corner_part))
+        self._owners = part, joint, outline
+        self._edge, self._corner = (_at_joints(of, *self._owners) for of in (some.edge_part, some.corner_part))
         shapes = program.bodies.shapes
         before, body = np.argsort(shapes.after)[some.corner], some.corner_body
         spot = shapes.corner[some.corner]
@@ -159,13 +180,58 @@ class JointGains:
         shape = len(self.joints), len(holds)
         return sp.csr_matrix((np.concatenate([by_edge, by_corner]), (joint, column)), shape=shape)
 
+    def between(self, some: Gains, u: Floats, holds: Ints) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Contacts where a joint's stretch ends under flat edges: mean of rows (k, e) that each is, and gain (m, e) like that of `at`.
+
+        There are two at each end, one on either side of it.
+        """
+        shapes = self._program.bodies.shapes
+        foot = feet(self._program, u, holds[some.column])[:, None]
+        spot = shapes.corner[some.edge] + foot * (shapes.corner[shapes.after[some.edge]] - shapes.corner[some.edge])
+        flat = flat_contacts(shapes, some, spot)
+        contact, share = self._ends_between(flat)
+        gain = self._gain_between(flat, contact, share)
+        jumps = np.flatnonzero(abs(gain[:, 0::2] - gain[:, 1::2]).sum(axis=0) > 0)
+        keep = np.column_stack([2 * jumps, 2 * jumps + 1]).ravel()
+        row, column = some.column[flat.walls[contact[keep]]], np.arange(len(keep))
+        mean = np.column_stack([1 - share[keep], share[keep]])
+        shape = len(holds), len(keep)
+        return sp.csr_matrix((mean.T.ravel(), (row.T.ravel(), np.tile(column, 2))), shape=shape), gain[:, keep]
+
+    def _ends_between(self, flat: FlatContacts) -> tuple[Ints, Floats]:
+        """Just before and behind each end of a stretch: which flat contact it lies in (e,), and the share (e,) of the way there."""
+        contact, share = [], []
+        for side in flat.sides:
+            where = _at_joints(side.part, *self._owners)
+            start, end = (self._in_parts(side.part, side.body, point) for point in (side.start, side.end))
+            for k, outline in zip(where.wall.tolist(), where.outline.tolist(), strict=True):
+                ends = self._pieces.ends_along(outline, start[k], end[k], FLAT * self._program.length)
+                share += [s for end in ends for s in (end - NEAR_END, end + NEAR_END)]
+                contact += [k] * 2 * len(ends)
+        return np.array(contact, dtype=np.int64), np.array(share)
+
+    def _gain_between(self, flat: FlatContacts, contact: Ints, share: Floats) -> sp.csc_matrix:
+        """Gain (m, e) of flat contacts at shares of the way along each: both edges move there."""
+        total = sp.csc_matrix((len(self.joints), len(contact)))
+        for side in flat.sides:
+            where = _at_joints(side.part[contact], *self._owners)
+            point = (1 - share)[:, None] * side.start[contact] + share[:, None] * side.end[contact]
+            move = self._moves(where, side.part[contact], side.body[contact], point, side.edge[contact])
+            total += sp.csc_matrix((move, (where.joint, where.wall)), shape=total.shape)
+        return total
+
+    def _in_parts(self, part: Ints, body: Ints, point: Floats) -> Floats:
+        """Points (w, 2) of the frames of bodies, in those of their parts."""
+        rest, at = self._program.bodies.rest[body], np.array([p.at for p in self._assembly.parts])[part]
+        return rotated(point, rest[:, 2] - at[:, 2]) + rotated(rest[:, :2] - at[:, :2], -at[:, 2])
+
     def _moves(self, where: _At, part: Ints, body: Ints, point: Floats, edge: Ints) -> Floats:
         """How far the edges of walls (w,), at points (w, 2) of the frames of their bodies, move for each of the pairs of wall and joint."""
         bodies = self._program.bodies
         rest, at = bodies.rest[body], np.array([p.at for p in self._assembly.parts])[part]
         along = np.column_stack([-bodies.shapes.normal[edge][:, 1], bodies.shapes.normal[edge][:, 0]])
         turn = rest[:, 2] - at[:, 2]
-        spot = rotated(point, turn) + rotated(rest[:, :2] - at[:, :2], -at[:, 2])
+        spot = self._in_parts(part, body, point)
         out = np.empty(len(where.wall))
         _nearest_moves(where.outline, *self._pieces, spot[where.wall], rotated(along, turn)[where.wall], out)
         return out

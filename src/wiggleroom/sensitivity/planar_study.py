@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
+import scipy.sparse as sp
 import shapely
 from numpy.typing import NDArray
 
@@ -38,7 +39,8 @@ from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
-from wiggleroom.sensitivity.dual_face import face
+from wiggleroom.sensitivity.contact_program import on_contacts
+from wiggleroom.sensitivity.dual_face import face, shared_with
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
@@ -185,8 +187,9 @@ class PlanarStudy:
         """How derivatives are found by solving the last program again."""
         found = ended(answer)
         start = base(self.ready, found)
-        solution = replace(found.solution, u=start.solution.u, lam=start.solution.lam)
-        return DifferenceQuotients(slope, start, _derivatives(answer.assembly, found.program, solution))
+        program, lam = on_contacts(start.program, start.solution.u, start.solution.lam)
+        start = replace(start, program=program, solution=replace(start.solution, lam=lam))
+        return DifferenceQuotients(slope, start, _derivatives(answer.assembly, program, start.solution))
 
     def moved(self, answer: Answer, inward: Floats, stop: Stop | None) -> Answer:
         """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]; by a climb where that led to the answer."""
@@ -238,21 +241,25 @@ class PlanarStudy:
 
 
 def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> GapDerivatives:
-    """Derivatives from the multipliers of a program."""
-    active = touching(program, solution.u, solution.lam)
+    """Derivatives from the multipliers of a program, those of corners that touch where these can carry what its walls do."""
+    program, lam = on_contacts(program, solution.u, solution.lam)
+    active = touching(program, solution.u, lam)
     row, parts = active.row, len(assembly.parts)
     some = gains(program, solution.u, row)
     by_joint = JointGains(assembly, program, some)
-    others = other_optima(program, solution.u, row, solution.lam[row])
+    others = other_optima(program, solution.u, row, lam[row])
     elsewhere = [(gains(program, o.u, row), o.u, o.force / program.length) for o in others]
     by_part = [there.by_part(program.bodies, len(row)) @ force / 2 for there, _, force in elsewhere]
-    jacobian = program.linearise(solution.u).jacobian()[row]
     total = float(active.force.sum())
+    between, by_joint_between = by_joint.between(some, solution.u, row)
+    by_body = some.by_part(program.bodies, len(row)) / 2
+    jacobian = program.linearise(solution.u).jacobian()[row]
+    force, more = shared_with(lam[row], between)
     return GapDerivatives(
-        some.by_part(program.bodies, len(row)) / 2,
+        sp.hstack([by_body, by_body @ between], format="csr"),
         by_joint.joints,
-        by_joint.at(some, solution.u, row),
-        face(jacobian, row, solution.lam[row], program.length),
+        sp.hstack([by_joint.at(some, solution.u, row), by_joint_between], format="csr"),
+        face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([force, more]), program.length),
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
         np.array(by_part).reshape(-1, parts).T,
         np.array([by_joint.at(there, u, row) @ force for there, u, force in elsewhere])

@@ -205,7 +205,7 @@ def rank_at_once(answer: Any, study: GapStudy[Any] | None = None) -> Ranking:
 def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
     """Ranking from the forces that hold an answer."""
     one, joints = found.face, found.joints
-    whole = len(one.row) <= most_rows
+    whole = len(one.force) <= most_rows
     sides = []
     for worth, elsewhere in ((found.part, found.part_elsewhere), (found.joint, found.joint_elsewhere)):
         middle = worth @ one.force

@@ -248,7 +248,7 @@ def _derivatives(assembly: SpatialAssembly, held: HeldMotion) -> GapDerivatives:
     by_part = sp.csr_matrix((gain / 2, (side.part, columns)), shape=(len(assembly.parts), len(row)))
     joints, by_joint = spatial_joint_gains(assembly, side, lam[row])
     return GapDerivatives(
-        by_part, joints, by_joint, face(_jacobian(at, row, plane, pair), row, lam[row], P.length), 0.0,
+        by_part, joints, by_joint, face(_jacobian(at, row, plane, pair), lam[row], P.length), 0.0,
         np.zeros((len(assembly.parts), 0)), np.zeros((len(joints), 0)),
     )  # fmt: skip
 

@@ -19,6 +19,7 @@ from wiggleroom.drawing.strokes.transforms import (
     Affine,
     Box,
     fit,
+    matrix_problem,
     parse_length,
     parse_origin,
     parse_transform,
@@ -225,6 +226,8 @@ class SvgWalk:
             subpaths = subpaths_of(element.tag, element.attributes | styled, state.port)
         except ValueError as error:
             return (), str(error) or "cannot be read"
+        if problem := matrix_problem(state.matrix):
+            return (), problem
         return tuple(mapped(path, state.matrix) for path in subpaths), ""
 
     def _colour(self, key: str, state: _SvgState, otherwise: str) -> str:

@@ -14,6 +14,8 @@ _VALUE = re.compile(rf"({NUMBER})(deg|px)?")
 _LENGTH = re.compile(rf"^\s*({NUMBER})\s*([A-Za-z]+|%)?\s*$")
 SVG_UNITS = {key: UNITS[key] for key in ("px", "mm", "cm", "in")} | {"pt": 25.4 / 72, "pc": 25.4 / 6, "q": 0.25}
 """Length of the units that SVG knows [mm]."""
+FLAT = 1e-12
+"""A matrix whose determinant is below this share of its largest factor squared leaves no area."""
 
 
 class Affine(NamedTuple):
@@ -51,6 +53,23 @@ class Affine(NamedTuple):
     def point(self, z: complex) -> complex:
         """Map a point x + iy."""
         return complex(self.a * z.real + self.c * z.imag + self.e, self.b * z.real + self.d * z.imag + self.f)
+
+
+def matrix_problem(matrix: Affine) -> str:
+    """Why nothing can be drawn through a matrix of transforms, one after the other; empty where it can.
+
+    Examples
+    --------
+    >>> matrix_problem(parse_transform("translate(3, 4) scale(0)"))
+    "is scaled to a line or a point, its groups' transforms counted; a scale must not be 0"
+    """
+    a, b, c, d, *_ = matrix
+    largest = max(map(abs, matrix))
+    if not largest <= MAX_COORDINATE:
+        return f"is moved or scaled by more than {MAX_COORDINATE:g}, its groups' transforms counted; move or scale the drawing"
+    if abs(a * d - b * c) <= FLAT * max(map(abs, (a, b, c, d))) ** 2:
+        return "is scaled to a line or a point, its groups' transforms counted; a scale must not be 0"
+    return ""
 
 
 def parse_transform(text: str) -> Affine:
