@@ -25,6 +25,7 @@ from wiggleroom.disassembly.escape_search import (
     search_for_escape,
 )
 from wiggleroom.disassembly.group_turns import group_turn
+from wiggleroom.disassembly.led_escape import led_escape
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
@@ -228,6 +229,9 @@ def _beyond_slides(
     known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
+    led = led_escape(ready, known, effort.passages, stop) if effort.questions else None
+    if led is not None and (stage := leave_moving(assembly, surveyed, still, *led)).path is not None:
+        return stage
     if refused:
         raise refused
     loose = slid.states > 1 and slid.whole and slid.on_lattice
