@@ -23,7 +23,10 @@ from wiggleroom.geometry.rigid_motions import about, of_parts
 from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
+MAX_MOVING = 24
+"""So many bodies make room at most, those nearest to the one that is led."""
 TRUST = 0.5
 """In a step bodies are shifted, and turned at their rims, by at most this multiple of the clearance."""
 MARGIN = 0.02
@@ -34,6 +37,8 @@ MIN_TRUST = 1e-3
 """A step that is not free even at this multiple of the clearance ends the motion."""
 MAX_SPLITS = 4
 """A step that the audit does not pass is sampled twice as finely at most this many times."""
+MAX_STEPS = 150
+"""Steps along a piece, at most."""
 MAX_SLOW, SLOW = 8, 0.02
 """It ends after so many steps in a row that get less far along the piece than this multiple of the clearance."""
 
@@ -123,7 +128,9 @@ def led(
     length = max(lead.length(bodies), 1e-12 * ready.size)
     last = min(1.0, most / length)
     path, t, slow, trust = [motion[None]], 0.0, 0, TRUST * clearance
-    while t < last and slow < MAX_SLOW and not (stop is not None and stop.is_set()):
+    for _ in range(MAX_STEPS):
+        if t >= last or slow == MAX_SLOW or (stop is not None and stop.is_set()):
+            break
         change, further = _step(ready, motion, lead, t, trust, last)
         further = last if last - further < 1e-9 else further
         if further == t:
@@ -153,20 +160,34 @@ def _audited(
     return None
 
 
+def _movable(bodies: Bodies, pose: Floats, lead: Lead) -> Ints:
+    """Bodies that may make room, the two that are led among them."""
+    apart = np.hypot(*(pose[:, :2] - pose[lead.b, :2]).T)
+    apart[[lead.a, lead.b]] = -1.0
+    apart[bodies.fixed] = np.inf
+    order = np.argsort(apart, kind="stable")[:MAX_MOVING]
+    return np.sort(order[apart[order] < np.inf])
+
+
 def _step(ready: Prepared, motion: Floats, lead: Lead, t: float, trust: float, last: float) -> tuple[Floats, float]:
     """Change (n, 3) of the motions that a linear program proposes, and how far along the piece it leads."""
     from scipy.optimize import linprog  # slow to load
     from scipy.sparse import coo_array, hstack
 
     bodies, n, a, b = ready.bodies, len(motion), lead.a, lead.b
-    pose, moving = bodies.rest + motion, np.flatnonzero(~bodies.fixed)
+    pose = bodies.rest + motion
+    moving = _movable(bodies, pose, lead)
     number = np.full(n, -1)
     number[moving] = np.arange(len(moving))
-    unit = np.column_stack([np.ones((n, 2)), bodies.radius])  # of every motion, so that a change of 1 carries the rim by 1 mm
-    never = ignored_matrix(ready.ignored, n) | (bodies.fixed[:, None] & bodies.fixed)
-    never[a, b] |= lead.free
-    pairs = [(int(i), int(j)) for i, j in np.argwhere(~(never | never.T)) if i < j]
-    near = corners_near_edges(bodies, pairs, pose, 4 * trust)
+    unit = np.column_stack(
+        [np.ones((n, 2)), bodies.radius]
+    )  # of every motion, so that a change of 1 carries the rim by 1 mm
+    apart = (
+        np.hypot(*(pose[:, None, :2] - pose[None, :, :2]).transpose(2, 0, 1)) - bodies.radius[:, None] - bodies.radius
+    )
+    meet = (apart <= 4 * trust) & ~ignored_matrix(ready.ignored, n) & ((number >= 0)[:, None] | (number >= 0))
+    meet[a, b] = meet[b, a] = meet[a, b] and not lead.free
+    near = corners_near_edges(bodies, np.argwhere(np.triu(meet, 1)).tolist(), pose, 4 * trust)
     row, side = np.nonzero(number[near.who] >= 0)
     who, count = near.who[row, side], 3 * len(moving)
     column = 3 * number[who][:, None] + np.arange(3)

@@ -32,13 +32,13 @@ class NearCorners:
     distance: Floats
 
 
-def corners_near_edges(bodies: Bodies, pairs: Sequence[tuple[int, int]], pose: Floats, reach: float) -> NearCorners:
+def corners_near_edges(bodies: Bodies, pairs: Sequence[Sequence[int]], pose: Floats, reach: float) -> NearCorners:
     """Corners of either body of some pairs nearer than `reach` [mm] to an edge of the other, each with the nearest edge.
 
     Parameters
     ----------
     bodies : Bodies
-    pairs : sequence of (a, b)
+    pairs : sequence of a, b
     pose : (n, 3) float64 [mm, mm, rad]
         Of all bodies.
     reach : float [mm]
