@@ -29,6 +29,8 @@ from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+MAX_BODIES = 200
+"""Where more bodies than this are loose, nothing is led: all are audited at every step."""
 MAX_SETS = 4
 """So many sets of bodies are led out, those first that have the fewest neighbours."""
 MAX_PASSAGES = 4
@@ -93,7 +95,7 @@ def led_escape(
     stop : optional
         Asked now and then.
     """
-    if (~ready.bodies.fixed).sum() < 2:  # nobody else makes room
+    if not 2 <= (~ready.bodies.fixed).sum() <= MAX_BODIES:  # nobody else makes room, or every step takes long
         return None
     for pairs in _sets(ready, known, passages, stop):
         for first in range(len(pairs)):

@@ -17,7 +17,6 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.near_corners import corners_near_edges
-from wiggleroom.geometry.neighbours import ignored_matrix
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
 from wiggleroom.geometry.rigid_motions import about, of_parts
 from wiggleroom.search.prepare import Prepared
@@ -169,6 +168,18 @@ def _movable(bodies: Bodies, pose: Floats, lead: Lead) -> Ints:
     return np.sort(order[apart[order] < np.inf])
 
 
+def _meeting(ready: Prepared, pose: Floats, moving: Ints, lead: Lead, reach: float) -> list[list[int]]:
+    """Pairs that may meet of a body that makes room and any other: their discs are no further apart than `reach` [mm]."""
+    radius, n = ready.bodies.radius, len(pose)
+    apart = np.hypot(*(pose[moving, None, :2] - pose[:, :2]).transpose(2, 0, 1)) - radius[moving, None] - radius
+    row, other = np.nonzero(apart <= reach)
+    one = moving[row]
+    key = np.minimum(one, other) * n + np.maximum(one, other)
+    known = min(lead.a, lead.b) * n + max(lead.a, lead.b) if lead.free else -1
+    key = np.unique(key[(one != other) & (key != known) & ~np.isin(key, ready.ignored)])
+    return np.column_stack([key // n, key % n]).tolist()
+
+
 def _step(ready: Prepared, motion: Floats, lead: Lead, t: float, trust: float, last: float) -> tuple[Floats, float]:
     """Change (n, 3) of the motions that a linear program proposes, and how far along the piece it leads."""
     from scipy.optimize import linprog  # slow to load
@@ -179,15 +190,8 @@ def _step(ready: Prepared, motion: Floats, lead: Lead, t: float, trust: float, l
     moving = _movable(bodies, pose, lead)
     number = np.full(n, -1)
     number[moving] = np.arange(len(moving))
-    unit = np.column_stack(
-        [np.ones((n, 2)), bodies.radius]
-    )  # of every motion, so that a change of 1 carries the rim by 1 mm
-    apart = (
-        np.hypot(*(pose[:, None, :2] - pose[None, :, :2]).transpose(2, 0, 1)) - bodies.radius[:, None] - bodies.radius
-    )
-    meet = (apart <= 4 * trust) & ~ignored_matrix(ready.ignored, n) & ((number >= 0)[:, None] | (number >= 0))
-    meet[a, b] = meet[b, a] = meet[a, b] and not lead.free
-    near = corners_near_edges(bodies, np.argwhere(np.triu(meet, 1)).tolist(), pose, 4 * trust)
+    unit = np.column_stack([np.ones((n, 2)), bodies.radius])  # a change of 1 carries the rim by 1 mm
+    near = corners_near_edges(bodies, _meeting(ready, pose, moving, lead, 4 * trust), pose, 4 * trust)
     row, side = np.nonzero(number[near.who] >= 0)
     who, count = near.who[row, side], 3 * len(moving)
     column = 3 * number[who][:, None] + np.arange(3)
