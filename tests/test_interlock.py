@@ -355,6 +355,18 @@ def test_a_jigsaw_near_the_gap_at_which_it_comes_apart(gap, verdict):
     assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("gap", "verdict"), [(2.6201, "interlocked"), (2.6222, "comes apart")])
+def test_both_sides_of_the_border_of_the_jigsaw_are_known_to_a_thousandth(gap, verdict):
+    """Between them a corner leaves through two necks, one after the other, while others make room."""
+    drawing = wr.read(HERE.parent / "drawings" / "pyjigsaw_4x5.svg", gap=1.0).drawing
+    assembly = assemble(drawing, gap=gap)
+    found = interlock(assembly, EscapeEffort(40_000, 40), every=False, stop=None, tell=silent)
+    assert (found.verdict, found.certainty) == (verdict, "proven")
+    assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2
+    assert away(assembly, found)
+
+
 @pytest.mark.parametrize("joint", ["swallowtail", "tee"])
 def test_interlocked_says_how_far_at_most(joint, monkeypatch):
     """The distance that is stated lies above every motion that is found, in any direction and at any corner."""

@@ -112,7 +112,7 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
             if labels[a] == labels[b] or begin.group[a] == begin.group[b]:
                 continue
             if c not in known:
-                known[c] = _alone(ready, a, b, passages, stop)
+                known[c] = alone(ready, a, b, passages, stop)
             found = known[c]
             if found is None:
                 continue
@@ -125,7 +125,7 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
     return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
 
 
-def _alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
+def alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
     """What is known about b leaving a while all others are taken away; None where slides lead out."""
 
     def look() -> Passage | None:

@@ -164,10 +164,9 @@ def _bracket(assembly: Any, at: Callable[[float], str], known: Callable[[str], l
             high *= 2
         _narrow(at, low, high, NOT_HELD, RELATIVE_TOLERANCE)
         _narrow_held(at, known, RELATIVE_TOLERANCE)
-        undecided = [g for g in known("unknown") if max(known("interlocked")) < g < _least_not_held(known)]
-        if undecided:
-            _narrow(at, max(undecided), _least_not_held(known), NOT_HELD, UNDECIDED_TOLERANCE)
-            _narrow_held(at, known, UNDECIDED_TOLERANCE)
+        for narrow in (_narrow_held, _narrow_not_held):  # the gap that holds is what is asked for
+            if _least_not_held(known) - max(known("interlocked")) > RELATIVE_TOLERANCE * _least_not_held(known):
+                narrow(at, known, UNDECIDED_TOLERANCE)
 
 
 def _narrow_held(at: Callable[[float], str], known: Callable[[str], list[float]], tolerance: float) -> None:
@@ -175,6 +174,13 @@ def _narrow_held(at: Callable[[float], str], known: Callable[[str], list[float]]
     low = max(known("interlocked"))
     above = [g for bad in (*NOT_HELD, "unknown") for g in known(bad) if g > low]
     _narrow(at, low, min(above), {*NOT_HELD, "unknown"}, tolerance)
+
+
+def _narrow_not_held(at: Callable[[float], str], known: Callable[[str], list[float]], tolerance: float) -> None:
+    """Narrow the interval between the smallest gap that is known not to hold and the next one that is not known not to."""
+    high = _least_not_held(known)
+    below = [g for good in ("interlocked", "unknown") for g in known(good) if g < high]
+    _narrow(at, max(below), high, NOT_HELD, tolerance)
 
 
 def _least_not_held(known: Callable[[str], list[float]]) -> float:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.near_corners import NearCorners, corners_near_edges, joined_corners
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -87,6 +88,17 @@ class ClearanceProblem:
         """Exact least clearance of a path (k, n, 3), up to a share of the size [mm]."""
         apart = least_distances(self.bodies, path, self.there, self.ignored, 0.1 * self.size)
         return float(apart[self.moving.who].min(initial=0.1 * self.size))
+
+    def near(self, pose: Floats, reach: float) -> NearCorners:
+        """Corners of what moves nearer than `reach` [mm] to edges of all else, and the other way round, at poses (n, 3)."""
+        n, who, never = len(pose), self.moving.who, set(self.ignored.tolist())
+        pairs = [
+            (a, b)
+            for a in who.tolist()
+            for b in np.flatnonzero(self.there).tolist()
+            if a != b and not (b in who and (self.moving.as_one or b < a)) and min(a, b) * n + max(a, b) not in never
+        ]
+        return corners_near_edges(self.bodies, pairs, pose, reach)
 
     def pieces(self, path: Floats) -> Floats:
         """The same of every piece (k - 1,)."""
@@ -177,24 +189,6 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
 
 
 @dataclass(frozen=True, eq=False)
-class NearCorners:
-    """Corners of bodies near edges of others.
-
-    Parameters
-    ----------
-    who : (m, 2) int64
-        The body whose corner it is, and the one whose edge it is.
-    gradient : (m, 2, 3) float64
-        Derivatives of the distance by their motions.
-    distance : (m,) float64 [mm]
-    """
-
-    who: Ints
-    gradient: Floats
-    distance: Floats
-
-
-@dataclass(frozen=True, eq=False)
 class PathSamples:
     """Corners near edges at places on a path: its piece, and how far along that (m,)."""
 
@@ -214,11 +208,11 @@ def _samples(problem: ClearanceProblem, path: Floats, reach: float) -> PathSampl
         length = np.abs(end - begin)[problem.moving.who, :2].max()
         count = int(np.clip(np.ceil(length / (SAMPLE_DISTANCE * problem.size)) + 1, SAMPLES_PER_PIECE, MAX_SAMPLES))
         for t in np.linspace(0.0, 1.0, count):
-            near = corners_near_edges(problem, begin + t * (end - begin), reach)
+            near = problem.near(begin + t * (end - begin), reach)
             found.append(near)
             piece.append(np.full(len(near.distance), k))
             along.append(np.full(len(near.distance), t))
-    return PathSamples(_joined(found), np.concatenate(piece), np.concatenate(along))
+    return PathSamples(joined_corners(found), np.concatenate(piece), np.concatenate(along))
 
 
 def _changed_distances(problem: ClearanceProblem, samples: PathSamples, dofs: int) -> tuple[Ints, Ints, Floats]:
@@ -234,63 +228,3 @@ def _changed_distances(problem: ClearanceProblem, samples: PathSamples, dofs: in
         column.append(((waypoint[r] * dofs + width * mine[r, side])[:, None] + np.arange(width)).ravel())
         entry.append((share[r, None] * near.gradient[r, side, :width]).ravel())
     return np.concatenate(row), np.concatenate(column), np.concatenate(entry)
-
-
-def corners_near_edges(problem: ClearanceProblem, pose: Floats, reach: float) -> NearCorners:
-    """Corners of what moves nearer than `reach` to edges of all else, and the other way round, each with the nearest edge."""
-    bodies, moving, n = problem.bodies, problem.moving, len(pose)
-    never = set(problem.ignored.tolist())
-    found = [NearCorners(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 3)), np.zeros(0))]
-    for a in moving.who.tolist():
-        for b in np.flatnonzero(problem.there).tolist():
-            twice = b in moving.who and (moving.as_one or b < a)
-            if a == b or twice or min(a, b) * n + max(a, b) in never:
-                continue
-            apart = np.hypot(*(pose[a, :2] - pose[b, :2])) - bodies.radius[a] - bodies.radius[b]
-            if apart <= reach:
-                found += [_corners_at_edges(bodies, a, b, pose, reach), _corners_at_edges(bodies, b, a, pose, reach)]
-    return _joined(found)
-
-
-def _joined(found: list[NearCorners]) -> NearCorners:
-    return NearCorners(
-        np.concatenate([one.who for one in found]),
-        np.concatenate([one.gradient for one in found]),
-        np.concatenate([one.distance for one in found]),
-    )
-
-
-def _corners_at_edges(bodies: Bodies, a: int, b: int, pose: Floats, reach: float) -> NearCorners:
-    """Corners of a that lie nearer than `reach` to an edge of b, each with the nearest of b's edges."""
-    p, begin = _corners(bodies, a, pose[a]), _corners(bodies, b, pose[b])
-    shapes = bodies.shapes
-    row = slice(shapes.first[bodies.shape[b]], shapes.first[bodies.shape[b] + 1])
-    end = begin[shapes.after[row] - row.start]
-    low, high = begin.min(axis=0) - reach, begin.max(axis=0) + reach
-    p = p[((p > low) & (p < high)).all(axis=1)]
-    along = end - begin
-    square = np.maximum((along**2).sum(axis=1), 1e-300)
-    x, y = p[:, 0, None] - begin[:, 0], p[:, 1, None] - begin[:, 1]
-    t = np.clip((x * along[:, 0] + y * along[:, 1]) / square, 0.0, 1.0)
-    x -= t * along[:, 0]
-    y -= t * along[:, 1]
-    edge = (x * x + y * y).argmin(axis=1)
-    nearest = np.arange(len(p)), edge
-    away = np.column_stack([x[nearest], y[nearest]])
-    distance = np.hypot(away[:, 0], away[:, 1])
-    near = distance <= reach
-    p, away, distance, edge = p[near], away[near], distance[near], edge[near]
-    outward = np.column_stack([along[edge, 1], -along[edge, 0]]) / np.sqrt(square[edge])[:, None]
-    touching = distance <= 1e-9 * reach
-    normal = np.where(touching[:, None], outward, away / np.where(touching, 1.0, distance)[:, None])
-    arm = (p - away)[:, None] - pose[[a, b], :2]
-    turn = normal[:, None, 1] * arm[..., 0] - normal[:, None, 0] * arm[..., 1]
-    gradient = np.concatenate([np.broadcast_to(normal[:, None], arm.shape), turn[..., None]], axis=2)
-    return NearCorners(np.tile([a, b], (len(p), 1)), gradient * np.array([1.0, -1.0])[:, None], distance)
-
-
-def _corners(bodies: Bodies, body: int, pose: Floats) -> Floats:
-    shapes = bodies.shapes
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    corner = shapes.corner[shapes.first[bodies.shape[body]] : shapes.first[bodies.shape[body] + 1]]
-    return corner @ np.array([[c, s], [-s, c]]) + pose[:2]

@@ -20,7 +20,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, corners_near_edges
+from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies
 from wiggleroom.planning.steps import Step
 from wiggleroom.search.prepare import Survey
 
@@ -180,7 +180,7 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
     bodies, free = problem.bodies, problem.moving.who
     lever = bodies.radius[free]
     count = 3 * len(free)
-    near = corners_near_edges(problem, bodies.rest + motion, 4 * trust)
+    near = problem.near(bodies.rest + motion, 4 * trust)
     mine = problem.moving.numbers(len(motion))[near.who]
     r, side = np.nonzero(mine >= 0)
     slope = -near.gradient[r, side] / np.column_stack([np.ones((len(r), 2)), bodies.radius[near.who[r, side]]])
