@@ -303,6 +303,27 @@ def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direc
     assert ranking.ends == "whole"
 
 
+@pytest.mark.searches
+def test_what_lies_beside_makes_room_for_motions_as_large_as_the_largest() -> None:
+    """A bolt jams in its channel at any height. Above the stretch that it faced at rest less gap takes less away; the latch gives way."""
+    hole = [
+        (1, -3), (1, 3.4), (3, 3.4), (3, 2.3), (5, 2.3), (5, 4.2), (7, 4.2), (7, -3), (5, -3), (5, 1.3), (3, 1.3), (3, -3),
+    ]  # fmt: skip
+    frame = shapely.Polygon([(-1, -6), (11, -6), (11, 6), (-1, 6)], [hole])
+    latch = [(1.0, -3.0), (1.0, 3.0), (3.0, 3.0), (3.0, 2.3), (5.6, 2.3), (5.6, 1.3), (3.0, 1.3), (3.0, -3.0)]
+    bolt = [(5.0, -3.0), (5.0, 1.3), (5.6, 1.3), (5.6, 2.3), (5.0, 2.3), (5.0, 3.0), (7.0, 3.0), (7.0, -3.0)]
+    parts = part_at("frame", frame, (0.0, 0.0, 0.0), fixed=True), polygon_part("latch", latch), polygon_part("bolt", bolt)
+    made = Drawing(parts, gap=0.07, goals=(Turn("bolt", "cw"),))
+    ranking = wr.rank(assemble(made))
+    value, h = ranking.answer.objective, 1e-4
+    assert value is not None
+    joint = [set(pair) for pair in ranking.joints.tolist()].index({0, 2})
+    more, less = ((loosened_joint(made, ("frame", "bolt"), s * h) or np.nan) - value for s in (1, -1))
+    assert more / h > 1.2 * -less / h
+    assert (ranking.joint_looser[joint], ranking.joint_tighter[joint]) == pytest.approx((more / h, -less / h), rel=2e-3)
+    assert not ranking.joint_unique[joint]
+
+
 def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
     tip = polygon_part("tip", [(10.0, 5.0), (14.0, 1.0), (14.0, 9.0)], fixed=True)
     rails = box("floor", -20, -3, 20, 0, fixed=True), box("roof", -20, 10, 20, 13, fixed=True)

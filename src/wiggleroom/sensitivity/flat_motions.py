@@ -2,7 +2,7 @@
 
 A bar that is pulled against two stops may slide along them: where it lies decides how they share the load, so what the gap of
 either is worth is another number at every place. To first order these optima are the null space of the KKT matrix of the rows
-that hold, in motions and multipliers together.
+that hold, in motions and multipliers together. Parts that carry no force make room for them.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.sensitivity.dual_face import null_space_sample
+from wiggleroom.solve.linear_programming import maximise
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,10 +31,16 @@ class FlatMotionSettings:
         A random direction of which less than this share is motion changes forces alone.
     max_turn : float [rad]
         No part turns by more: the optima are followed along straight lines.
+    max_rows : int
+        In programs with more rows parts without force stay where they are.
+    same_direction : float
+        Cosine from which on two directions count as one.
     """
 
     min_motion: float = 1e-4
     max_turn: float = 0.2
+    max_rows: int = 3000
+    same_direction: float = 1 - 1e-9
 
 
 SETTINGS = FlatMotionSettings()
@@ -84,16 +91,51 @@ def other_optima(program: Program, u: Floats, holds: Ints, force: Floats) -> lis
     y = y - null_space_sample(scaled, y)  # only the change of forces that the motion needs
     step = np.zeros((len(u), d.shape[1]))
     step[loaded] = d
-    room = np.maximum(np.delete(at.h, holds), 0.0)
-    closing = -np.delete((jacobian @ step), holds, axis=0)
+    others = np.setdiff1d(np.arange(program.rows), holds)
+    room, beside = np.maximum(at.h[others], 0.0), jacobian[others]
+    closing = -(beside @ step)
     turn = np.abs(step[2::3] * program.scale[2::3, None]).max(axis=0, initial=0.0)
+    idle = np.setdiff1d(np.arange(len(u)), loaded) if program.rows <= SETTINGS.max_rows else np.zeros(0, dtype=np.int64)
+    aside, most = beside[:, idle], _most_aside(program, idle)
+    steady_room = np.append(np.ones(len(holds)), SETTINGS.max_turn)
     found = []
-    for k in range(step.shape[1]):
+    for k in _distinct(d):
         for sign in (1.0, -1.0):
-            speed = np.concatenate([sign * closing[:, k], -sign * y[:, k], turn[k : k + 1]])
-            least = np.concatenate([room, np.ones(len(holds)), [SETTINGS.max_turn]])
-            blocks = speed > 0
-            far = sign * float((least[blocks] / speed[blocks]).min(initial=np.inf))
-            if np.isfinite(far):
-                found.append(OtherOptimum(u + far * step[:, k], force * (1 + far * y[:, k])))
+            steady = _far(np.append(-sign * y[:, k], turn[k]), steady_room)
+            far = min(steady, _far(sign * closing[:, k], room))
+            if not np.isfinite(far):
+                continue
+            end = u + far * sign * step[:, k]
+            if len(idle):  # parts without force make room
+                furthest = min(steady, _far(sign * closing[:, k], room + abs(aside) @ most))
+                rows = sp.hstack([sp.csr_matrix(-sign * closing[:, k : k + 1]), aside], format="csr")
+                cost = np.append(1.0, np.zeros(len(idle)))
+                x = maximise(cost, rows, -room, np.append(furthest, most)).x
+                if x is not None and x[0] > far:
+                    far = float(x[0])
+                    end = u + far * sign * step[:, k]
+                    end[idle] += x[1:]
+            found.append(OtherOptimum(end, force * (1 + far * sign * y[:, k])))
     return found
+
+
+def _most_aside(program: Program, idle: Ints) -> Floats:
+    """How far variables of parts without force may change: turns by `max_turn`, shifts by as much at the rim."""
+    radius = program.bodies.radius[program.free[idle // 3]]
+    return SETTINGS.max_turn * np.where(idle % 3 < 2, radius, 1.0) / program.scale[idle]
+
+
+def _far(speed: Floats, room: Floats) -> float:
+    """How far a motion gets that uses up room at some speeds."""
+    blocks = speed > 0
+    return float((room[blocks] / speed[blocks]).min(initial=np.inf))
+
+
+def _distinct(d: Floats) -> list[int]:
+    """Columns of directions (V, m) of which no earlier one is the same or the opposite."""
+    unit = d / np.hypot.reduce(d, axis=0)
+    kept: list[int] = []
+    for k in range(d.shape[1]):
+        if not kept or np.abs(unit[:, kept].T @ unit[:, k]).max() < SETTINGS.same_direction:
+            kept.append(k)
+    return kept
