@@ -312,7 +312,11 @@ def test_what_lies_beside_makes_room_for_motions_as_large_as_the_largest() -> No
     frame = shapely.Polygon([(-1, -6), (11, -6), (11, 6), (-1, 6)], [hole])
     latch = [(1.0, -3.0), (1.0, 3.0), (3.0, 3.0), (3.0, 2.3), (5.6, 2.3), (5.6, 1.3), (3.0, 1.3), (3.0, -3.0)]
     bolt = [(5.0, -3.0), (5.0, 1.3), (5.6, 1.3), (5.6, 2.3), (5.0, 2.3), (5.0, 3.0), (7.0, 3.0), (7.0, -3.0)]
-    parts = part_at("frame", frame, (0.0, 0.0, 0.0), fixed=True), polygon_part("latch", latch), polygon_part("bolt", bolt)
+    parts = (
+        part_at("frame", frame, (0.0, 0.0, 0.0), fixed=True),
+        polygon_part("latch", latch),
+        polygon_part("bolt", bolt),
+    )
     made = Drawing(parts, gap=0.07, goals=(Turn("bolt", "cw"),))
     ranking = wr.rank(assemble(made))
     value, h = ranking.answer.objective, 1e-4
