@@ -15,6 +15,7 @@ from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
 from wiggleroom.disassembly.disassembly_stage import NO_BODIES, Stage, leave, leave_after_motion, leave_moving
 from wiggleroom.disassembly.enclosure import enclosed_by_held
+from wiggleroom.disassembly.escape_by_pairs import NamedPairs, escape_by_known_pairs, escape_by_pairs
 from wiggleroom.disassembly.escape_search import (
     EXIT_TESTS,
     MAX_QUESTIONS,
@@ -25,7 +26,6 @@ from wiggleroom.disassembly.escape_search import (
     search_for_escape,
 )
 from wiggleroom.disassembly.group_turns import group_turn
-from wiggleroom.disassembly.led_escape import NamedPairs, led_again, led_escape
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
@@ -74,7 +74,7 @@ class EscapeEffort:
         Those known from other gaps of the assembly at rest; what is found is added.
     exits : list of goals
         What led apart at other gaps, the newest last, which is asked first; what is found is added.
-    leads : list of pairs of names
+    passed : list of pairs of names
         The same of bodies that were led out.
     """
 
@@ -83,7 +83,7 @@ class EscapeEffort:
     work: float = WORK_BUDGET
     passages: PassagesByGap = field(default_factory=PassagesByGap)
     exits: list[GoalSequence] = field(default_factory=list)
-    leads: list[NamedPairs] = field(default_factory=list)
+    passed: list[NamedPairs] = field(default_factory=list)
 
 
 def next_stage(
@@ -209,8 +209,8 @@ def _beyond_slides(
             stage = leave_after_motion(assembly, surveyed, simpler, still, *known_exit)
             if stage.path is not None:
                 return replace(stage, questions=len(goals))
-    for pairs in effort.leads[::-1] if effort.questions else ():
-        again = led_again(ready, begin.group, pairs, effort.passages, stop)
+    for pairs in effort.passed[::-1] if effort.questions else ():
+        again = escape_by_known_pairs(ready, begin.group, pairs, effort.passages, stop)
         if (
             again is not None
             and (stage := leave_moving(assembly, surveyed, still, again.path, again.exit)).path is not None
@@ -239,9 +239,12 @@ def _beyond_slides(
     known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
-    led = led_escape(ready, known, effort.passages, stop) if effort.questions else None
-    if led is not None and (stage := leave_moving(assembly, surveyed, still, led.path, led.exit)).path is not None:
-        effort.leads.append(led.pairs)
+    found = escape_by_pairs(ready, known, effort.passages, stop) if effort.questions else None
+    if (
+        found is not None
+        and (stage := leave_moving(assembly, surveyed, still, found.path, found.exit)).path is not None
+    ):
+        effort.passed.append(found.pairs)
         return stage
     if refused:
         raise refused

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_DECISIVE_PAIR, ClosedPairs, alone
 from wiggleroom.disassembly.escape_search import EXIT_TESTS, escape_path
-from wiggleroom.disassembly.led_motion import Lead, LedMotion, led
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
+from wiggleroom.disassembly.path_following import FollowedPath, RelativeSegment, follow
 from wiggleroom.disassembly.translation import TranslationEscape
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
@@ -45,7 +45,7 @@ NamedPairs = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class FreePath:
+class RelativePath:
     """A path of body b past body a that is free for the two alone.
 
     Parameters
@@ -63,7 +63,7 @@ class FreePath:
 
 
 @dataclass(frozen=True, eq=False)
-class LedEscape:
+class EscapeByPairs:
     """Bodies led out.
 
     Parameters
@@ -80,9 +80,9 @@ class LedEscape:
     pairs: NamedPairs
 
 
-def led_escape(
+def escape_by_pairs(
     ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None
-) -> LedEscape | None:
+) -> EscapeByPairs | None:
     """The first set of bodies tied together that can be led out past all of its neighbours; None where none is.
 
     Parameters
@@ -99,15 +99,15 @@ def led_escape(
         return None
     for pairs in _sets(ready, known, passages, stop):
         for first in range(len(pairs)):
-            found = _led_out(ready, known.group, [pairs[first], *pairs[:first], *pairs[first + 1 :]], stop)
+            found = _out_by_pairs(ready, known.group, [pairs[first], *pairs[:first], *pairs[first + 1 :]], stop)
             if found is not None:
                 return found
     return None
 
 
-def led_again(
+def escape_by_known_pairs(
     ready: Prepared, group: Ints, pairs: NamedPairs, passages: PassagesByGap, stop: Stop | None = None
-) -> LedEscape | None:
+) -> EscapeByPairs | None:
     """The same by what led out at another gap; None where it does not at this one."""
     names, found = [ready.assembly.names[members[0]] for members in ready.bodies.members], []
     for pair in pairs:
@@ -117,8 +117,8 @@ def led_again(
         way = _decided(ready, a, b, passages, stop)
         if way is None or way.path is None:
             return None
-        found.append(FreePath(a, b, way.pivot, way.path))
-    return _led_out(ready, group, found, stop)
+        found.append(RelativePath(a, b, way.pivot, way.path))
+    return _out_by_pairs(ready, group, found, stop)
 
 
 def _decided(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
@@ -131,7 +131,9 @@ def _decided(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Sto
     return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_DECISIVE_PAIR, look, stop)
 
 
-def _sets(ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None) -> Iterator[list[FreePath]]:
+def _sets(
+    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None
+) -> Iterator[list[RelativePath]]:
     """The neighbours that each set of bodies tied together has to pass, sets with the fewest first."""
     bodies = ready.bodies
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
@@ -140,7 +142,7 @@ def _sets(ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: St
     beside = {int(g): np.flatnonzero((one != other) & ((one == g) | (other == g))) for g in loose}
     undecided = {(int(a), int(b)) for a, b in known.undecided}
     for g in sorted(beside, key=lambda g: len(beside[g]))[:MAX_SETS]:
-        found: list[FreePath] = []
+        found: list[RelativePath] = []
         for a, b in zip(near.a[beside[g]].tolist(), near.b[beside[g]].tolist(), strict=True):
             if stop is not None and stop.is_set():
                 return
@@ -150,20 +152,20 @@ def _sets(ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: St
                 continue
             if way.path is None or len(found) == MAX_PASSAGES:
                 break
-            found.append(FreePath(a, b, way.pivot, way.path))
+            found.append(RelativePath(a, b, way.pivot, way.path))
         else:
             if found:
                 yield found
 
 
-def _led_out(ready: Prepared, group: Ints, pairs: list[FreePath], stop: Stop | None) -> LedEscape | None:
+def _out_by_pairs(ready: Prepared, group: Ints, pairs: list[RelativePath], stop: Stop | None) -> EscapeByPairs | None:
     """Bodies led past one neighbour after the other, each time the first of those left that they can be led past."""
     ground = int(np.flatnonzero(ready.bodies.fixed)[0])
     path, left, done = np.zeros((1, *ready.bodies.rest.shape)), list(pairs), []
     names = [ready.assembly.names[members[0]] for members in ready.bodies.members]
     while left:
         for one in left:
-            past = _led_past(ready, path[-1], one, stop)
+            past = _past_neighbour(ready, path[-1], one, stop)
             if past is not None:
                 break
         else:
@@ -172,29 +174,29 @@ def _led_out(ready: Prepared, group: Ints, pairs: list[FreePath], stop: Stop | N
         done.append((names[one.a], names[one.b]))
         out = escape_path(ready, ground, group, past, EXIT_TESTS, stop)
         if out is not None:
-            return LedEscape(np.concatenate([path, out[0][1:]]), out[1], tuple(done))
+            return EscapeByPairs(np.concatenate([path, out[0][1:]]), out[1], tuple(done))
         path = np.concatenate([path, past[1:]])
     return None
 
 
-def _led_past(ready: Prepared, motion: Floats, one: FreePath, stop: Stop | None) -> Floats | None:
+def _past_neighbour(ready: Prepared, motion: Floats, one: RelativePath, stop: Stop | None) -> Floats | None:
     """Motions (k, n, 3) of all bodies on which one body passes another, from where all are on; None where others are in the way."""
     path = motion[None]
-    back = Lead(one.a, one.b, one.pivot, _motion_past(ready, motion, one), one.path[0], free=False)
-    pieces = [Lead(one.a, one.b, one.pivot, begin, end, free=True) for begin, end in pairwise(one.path)]
-    if sum(lead.length(ready.bodies) for lead in pieces[:-1]) > MAX_LENGTH * ready.clearance:
+    back = RelativeSegment(one.a, one.b, one.pivot, _motion_past(ready, motion, one), one.path[0], free=False)
+    pieces = [RelativeSegment(one.a, one.b, one.pivot, begin, end, free=True) for begin, end in pairwise(one.path)]
+    if sum(segment.length(ready.bodies) for segment in pieces[:-1]) > MAX_LENGTH * ready.clearance:
         return None
-    for lead in [back, *pieces]:
-        last = lead is pieces[-1]
+    for segment in [back, *pieces]:
+        last = segment is pieces[-1]
         most = BEYOND * ready.clearance if last else np.inf
-        found: LedMotion = led(ready, ready.outlines, path[-1], lead, most, stop)
+        found: FollowedPath = follow(ready, ready.outlines, path[-1], segment, most, stop)
         path = np.concatenate([path, found.path[1:]])
         if found.share < 1 and not last:
             return None
     return path
 
 
-def _motion_past(ready: Prepared, motion: Floats, one: FreePath) -> Floats:
+def _motion_past(ready: Prepared, motion: Floats, one: RelativePath) -> Floats:
     """Motion (3,) of b about the pivot in assembly axes, as if a had stayed at rest."""
     bodies, pivot = ready.bodies, one.pivot
     x, y, turn = relative_pose(bodies, np.array([one.a]), np.array([one.b]), motion)[0]

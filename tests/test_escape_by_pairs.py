@@ -13,10 +13,10 @@ from tests.flexing import part_at
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.disassembly.closed_pairs import ClosedPairs, closed_pairs
+from wiggleroom.disassembly.escape_by_pairs import escape_by_known_pairs, escape_by_pairs
 from wiggleroom.disassembly.interlock import with_ground
-from wiggleroom.disassembly.led_escape import led_again, led_escape
-from wiggleroom.disassembly.led_motion import Lead, led
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
+from wiggleroom.disassembly.path_following import RelativeSegment, follow
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -53,8 +53,8 @@ def scene(block_stands: bool) -> Assembly:
 @pytest.mark.parametrize("stands", [True, False])
 def test_what_is_led_gets_as_far_as_what_is_in_its_way_gives_way(stands: bool) -> None:
     ready = ready_of(scene(stands))
-    lead = Lead(0, 1, np.array([7.0, 5.0]), np.zeros(3), np.array([20.0, 0.0, 0.0]), free=True)
-    found = led(ready, ready.outlines, np.zeros((3, 3)), lead)
+    segment = RelativeSegment(0, 1, np.array([7.0, 5.0]), np.zeros(3), np.array([20.0, 0.0, 0.0]), free=True)
+    found = follow(ready, ready.outlines, np.zeros((3, 3)), segment)
     assert deepest(ready.assembly, of_parts(ready.assembly, ready.bodies, found.path)) < 1e-9
     slid = found.path[-1, 1]
     assert found.share == pytest.approx(slid[0] / 20)
@@ -74,8 +74,8 @@ def test_a_piece_is_kept_to_exactly_whichever_of_the_two_stands(fixed: int) -> N
     parts = [part_at(n, s, (*s.centroid.coords[0], 0.3), n == names[fixed]) for n, s in shapes.items()]
     ready = ready_of(assemble(Drawing(tuple(parts))))
     pivot, end = np.array([1.0, 0.5]), np.array([3.0, 8.0, 0.7])
-    lead = Lead(0, 1, pivot, np.zeros(3), end, free=True)
-    found = led(ready, ready.outlines, np.zeros((3, 3)), lead)
+    segment = RelativeSegment(0, 1, pivot, np.zeros(3), end, free=True)
+    found = follow(ready, ready.outlines, np.zeros((3, 3)), segment)
     assert found.share == 1
     seen = np.array([relative_pose(ready.bodies, np.array([0]), np.array([1]), m)[0] for m in found.path])
     t = (seen[:, 2] - seen[0, 2]) / end[2]
@@ -95,10 +95,10 @@ def test_a_corner_of_a_jigsaw_is_led_out_at_a_needles_eye() -> None:
         assembly = with_ground(wr.patterns.jigsaw(2, 2, gap, seed=2))
         ready = ready_of(assembly)
         if pairs:
-            found = led_again(ready, every, pairs, passages)
+            found = escape_by_known_pairs(ready, every, pairs, passages)
         else:
             known = closed_pairs(ready, ClosedPairs(every, every, np.zeros((0, 2), dtype=np.int64)), passages)
-            found = led_escape(ready, known, passages)
+            found = escape_by_pairs(ready, known, passages)
         assert (found is not None) == leaves
         if found is not None:
             pairs = found.pairs
@@ -106,4 +106,4 @@ def test_a_corner_of_a_jigsaw_is_led_out_at_a_needles_eye() -> None:
             assert set(found.exit.who) == {2, 3}
             motions = of_parts(assembly, ready.bodies, found.path)
             assert deepest(assembly, motions) < 1e-9
-    assert led_again(ready, every, (("b2-1", "gone"),), passages) is None
+    assert escape_by_known_pairs(ready, every, (("b2-1", "gone"),), passages) is None

@@ -43,7 +43,7 @@ MAX_SLOW, SLOW = 8, 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Lead:
+class RelativeSegment:
     """A straight piece of a motion of body b past body a.
 
     Parameters
@@ -98,17 +98,22 @@ class Lead:
 
 
 @dataclass(frozen=True, eq=False)
-class LedMotion:
+class FollowedPath:
     """Motions (k, n, 3) of all bodies, audited, from where they were on, and the share of the piece that they get along."""
 
     path: Floats
     share: float
 
 
-def led(
-    ready: Prepared, parts: AuditOutlines, motion: Floats, lead: Lead, most: float = np.inf, stop: Stop | None = None
-) -> LedMotion:
-    """Lead a body along a piece for as far as all others can make room.
+def follow(
+    ready: Prepared,
+    parts: AuditOutlines,
+    motion: Floats,
+    segment: RelativeSegment,
+    most: float = np.inf,
+    stop: Stop | None = None,
+) -> FollowedPath:
+    """RelativeSegment a body along a piece for as far as all others can make room.
 
     Parameters
     ----------
@@ -117,24 +122,24 @@ def led(
         Of its assembly.
     motion : (n, 3) float64 [mm, mm, rad]
         Where the bodies are; the two are where the piece begins.
-    lead : Lead
+    segment : RelativeSegment
     most : float [mm]
         It need not get further along the piece.
     stop : optional
         Asked before every step.
     """
     bodies, clearance = ready.bodies, ready.clearance
-    length = max(lead.length(bodies), 1e-12 * ready.size)
+    length = max(segment.length(bodies), 1e-12 * ready.size)
     last = min(1.0, most / length)
     path, t, slow, trust = [motion[None]], 0.0, 0, TRUST * clearance
     for _ in range(MAX_STEPS):
         if t >= last or slow == MAX_SLOW or (stop is not None and stop.is_set()):
             break
-        change, further = _step(ready, motion, lead, t, trust, last)
+        change, further = _step(ready, motion, segment, t, trust, last)
         further = last if last - further < 1e-9 else further
         if further == t:
             break
-        piece = _audited(ready, parts, motion, motion + change, lead, t, further)
+        piece = _audited(ready, parts, motion, motion + change, segment, t, further)
         if piece is None:
             trust /= 4
             if trust < MIN_TRUST * clearance:
@@ -143,55 +148,63 @@ def led(
         slow = slow + 1 if (further - t) * length < SLOW * clearance else 0
         path.append(piece[1:])
         motion, t, trust = piece[-1], further, min(2 * trust, TRUST * clearance)
-    return LedMotion(np.concatenate(path), t / last)
+    return FollowedPath(np.concatenate(path), t / last)
 
 
 def _audited(
-    ready: Prepared, parts: AuditOutlines, one: Floats, other: Floats, lead: Lead, t: float, further: float
+    ready: Prepared,
+    parts: AuditOutlines,
+    one: Floats,
+    other: Floats,
+    segment: RelativeSegment,
+    t: float,
+    further: float,
 ) -> Floats | None:
     """The step as waypoints (k, n, 3) between which it is certainly free; None where it is not found to be."""
     for split in range(MAX_SPLITS + 1):
         shares = np.linspace(0.0, 1.0, 2**split + 1)
-        points = [lead.placed(ready.bodies, one + s * (other - one), t + s * (further - t)) for s in shares[1:]]
+        points = [segment.placed(ready.bodies, one + s * (other - one), t + s * (further - t)) for s in shares[1:]]
         path = np.stack([one, *points])
         if audit_path(parts, of_parts(ready.assembly, ready.bodies, path)).free:
             return path
     return None
 
 
-def _movable(bodies: Bodies, pose: Floats, lead: Lead) -> Ints:
+def _movable(bodies: Bodies, pose: Floats, segment: RelativeSegment) -> Ints:
     """Bodies that may make room, the two that are led among them."""
-    apart = np.hypot(*(pose[:, :2] - pose[lead.b, :2]).T)
-    apart[[lead.a, lead.b]] = -1.0
+    apart = np.hypot(*(pose[:, :2] - pose[segment.b, :2]).T)
+    apart[[segment.a, segment.b]] = -1.0
     apart[bodies.fixed] = np.inf
     order = np.argsort(apart, kind="stable")[:MAX_MOVING]
     return np.sort(order[apart[order] < np.inf])
 
 
-def _meeting(ready: Prepared, pose: Floats, moving: Ints, lead: Lead, reach: float) -> list[list[int]]:
+def _meeting(ready: Prepared, pose: Floats, moving: Ints, segment: RelativeSegment, reach: float) -> list[list[int]]:
     """Pairs that may meet of a body that makes room and any other: their discs are no further apart than `reach` [mm]."""
     radius, n = ready.bodies.radius, len(pose)
     apart = np.hypot(*(pose[moving, None, :2] - pose[:, :2]).transpose(2, 0, 1)) - radius[moving, None] - radius
     row, other = np.nonzero(apart <= reach)
     one = moving[row]
     key = np.minimum(one, other) * n + np.maximum(one, other)
-    known = min(lead.a, lead.b) * n + max(lead.a, lead.b) if lead.free else -1
+    known = min(segment.a, segment.b) * n + max(segment.a, segment.b) if segment.free else -1
     key = np.unique(key[(one != other) & (key != known) & ~np.isin(key, ready.ignored)])
     return np.column_stack([key // n, key % n]).tolist()
 
 
-def _step(ready: Prepared, motion: Floats, lead: Lead, t: float, trust: float, last: float) -> tuple[Floats, float]:
+def _step(
+    ready: Prepared, motion: Floats, segment: RelativeSegment, t: float, trust: float, last: float
+) -> tuple[Floats, float]:
     """Change (n, 3) of the motions that a linear program proposes, and how far along the piece it leads."""
     from scipy.optimize import linprog  # slow to load
     from scipy.sparse import coo_array, hstack
 
-    bodies, n, a, b = ready.bodies, len(motion), lead.a, lead.b
+    bodies, n, a, b = ready.bodies, len(motion), segment.a, segment.b
     pose = bodies.rest + motion
-    moving = _movable(bodies, pose, lead)
+    moving = _movable(bodies, pose, segment)
     number = np.full(n, -1)
     number[moving] = np.arange(len(moving))
     unit = np.column_stack([np.ones((n, 2)), bodies.radius])  # a change of 1 carries the rim by 1 mm
-    near = corners_near_edges(bodies, _meeting(ready, pose, moving, lead, 4 * trust), pose, 4 * trust)
+    near = corners_near_edges(bodies, _meeting(ready, pose, moving, segment, 4 * trust), pose, 4 * trust)
     row, side = np.nonzero(number[near.who] >= 0)
     who, count = near.who[row, side], 3 * len(moving)
     column = 3 * number[who][:, None] + np.arange(3)
@@ -200,7 +213,7 @@ def _step(ready: Prepared, motion: Floats, lead: Lead, t: float, trust: float, l
         shape=(len(near.distance), count + 1),
     ).tocsc()
     # b keeps to the piece: its change less that by a's is the rate times the step
-    arm, rate = rotated(lead.pose(bodies, t)[:2], pose[a, 2]), lead.rate(bodies, t)
+    arm, rate = rotated(segment.pose(bodies, t)[:2], pose[a, 2]), segment.rate(bodies, t)
     kept = np.zeros((3, count + 1))
     if number[b] >= 0:
         kept[:, 3 * number[b] : 3 * number[b] + 3] = np.diag(1 / unit[b])
@@ -209,7 +222,7 @@ def _step(ready: Prepared, motion: Floats, lead: Lead, t: float, trust: float, l
         kept[:, 3 * number[a] : 3 * number[a] + 3] = -carried / unit[a]
     kept[:, -1] = -np.append(rotated(rate[:2], pose[a, 2]), rate[2])
     cost = np.full(2 * count + 1, EFFORT)
-    cost[count] = -max(lead.length(bodies), 1e-12 * ready.size)
+    cost[count] = -max(segment.length(bodies), 1e-12 * ready.size)
     # every change as the difference of two that are not negative, so that both ways cost effort
     found = linprog(
         cost,
