@@ -38,7 +38,7 @@ class FlatMotionSettings:
     max_advances : int
         Steps on the way to another optimum, each as long as bodies without walls between them are surely apart.
     min_advance : float
-        Share of the way; after a shorter step the way ends.
+        The way ends after a step that is a smaller share of what came before it.
     same_direction : float
         Cosine from which on two directions count as one.
     """
@@ -155,7 +155,7 @@ def _free_share(program: Program, u: Floats, end: Floats) -> float:
             return 1.0
         there = placed(bodies, one + share * change)
         apart = shapely.distance(there[a], there[b])
-        if step < SETTINGS.min_advance:
+        if step < SETTINGS.min_advance * share:
             break
     return share
 
