@@ -21,8 +21,11 @@ import wiggleroom as wr
 from tests.flexing import box, part_at, polygon_part, slot
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
+from wiggleroom.search.active_set import touching
 from wiggleroom.sensitivity.dual_face import DualFace
 from wiggleroom.sensitivity.face_ranges import ranges
+from wiggleroom.sensitivity.flat_motions import other_optima
+from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.sensitivity.rank import rank_at_once
 
 
@@ -326,6 +329,20 @@ def test_what_lies_beside_makes_room_for_motions_as_large_as_the_largest() -> No
     assert more / h > 1.2 * -less / h
     assert (ranking.joint_looser[joint], ranking.joint_tighter[joint]) == pytest.approx((more / h, -less / h), rel=2e-3)
     assert not ranking.joint_unique[joint]
+
+
+def test_motions_as_large_as_the_largest_lead_through_no_part_that_is_far_away_at_rest() -> None:
+    """A block lies flat on a wall and slides along it, up to a floor 1.2 mm below it or a roof 0.8 mm above it."""
+    gap = 0.04
+    wall = box("wall", -2, -3, 0, 5, fixed=True)
+    ends = box("floor", 0.2, -4, 1.5, -0.7, fixed=True), box("roof", 0.2, 3.2, 1.5, 4, fixed=True)
+    made = Drawing((box("block", 0, 0.5, 1.5, 2.4), wall, *ends), gap=gap, goals=(Pull("block", (-1.0, 0.0)),))
+    found = ended(wr.flex(assemble(made)))
+    program, u = found.program, found.solution.u
+    active = touching(program, u, found.solution.lam)
+    others = other_optima(program, u, active.row, found.solution.lam[active.row])
+    slid = sorted(program.motion(o.u)[0, 1] for o in others)
+    assert slid == pytest.approx([-1.2 - gap, 0.8 + gap], abs=2e-3)
 
 
 def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
