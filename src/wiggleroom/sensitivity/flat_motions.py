@@ -138,10 +138,12 @@ def _free_share(program: Program, u: Floats, end: Floats) -> float:
     bodies, one, other = program.bodies, program.motion(u), program.motion(end)
     change = other - one
     speed = np.hypot(*change[:, :2].T) + bodies.radius * np.abs(change[:, 2])
-    a, b = np.triu_indices(len(speed), 1)
+    middle, reach = bodies.rest[:, :2] + one[:, :2], bodies.radius + speed
+    discs = shapely.box(*(middle - reach[:, None]).T, *(middle + reach[:, None]).T)
+    a, b = shapely.STRtree(discs).query(discs)
     pair = np.column_stack([program.cells.a, program.cells.b]).astype(np.int64)
     walled = np.isin(a * len(speed) + b, pair.min(axis=1) * len(speed) + pair.max(axis=1))
-    some = ~walled & (speed[a] + speed[b] > 0) & ~(bodies.fixed[a] & bodies.fixed[b])
+    some = (a < b) & ~walled & (speed[a] + speed[b] > 0) & ~(bodies.fixed[a] & bodies.fixed[b])
     a, b = a[some], b[some]
     begin = placed(bodies, one)
     apart = shapely.distance(begin[a], begin[b])
