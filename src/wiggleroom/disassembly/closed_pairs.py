@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import shapely
@@ -137,6 +136,16 @@ def alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop |
     return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_PAIR, look, stop)
 
 
+def decisive_passage(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
+    """The passage of b out of a, by as many boxes as a pair on which much depends is given; None where slides are known to lead out."""
+
+    def look() -> Passage:
+        one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
+        return passage(one, other, most=BOXES_PER_DECISIVE_PAIR, stop=stop)
+
+    return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_DECISIVE_PAIR, look, stop)
+
+
 def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
     """True where slides of b lead out of a: a cheap look before boxes of motions are judged."""
     them = ready.bodies
@@ -158,9 +167,8 @@ def decide_more_pairs(
 
     The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.
     """
-    bodies, geometry = ready.bodies, placed(ready.bodies)
     a, b = known.undecided.T
-    _, label = congruence_classes(bodies, a, b, relative_pose(bodies, a, b))
+    _, label = congruence_classes(ready.bodies, a, b, relative_pose(ready.bodies, a, b))
     seen: dict[int, Passage | None] = {}
     group, held = known.group, known.held
     while True:
@@ -172,8 +180,7 @@ def decide_more_pairs(
                 return replace(known, group=group, held=held)
             c = int(label[k])
             if c not in seen:
-                look = partial(passage, geometry[a[k]], geometry[b[k]], most=BOXES_PER_DECISIVE_PAIR, stop=stop)
-                seen[c] = passages.look(ready, a[k : k + 1], b[k : k + 1], BOXES_PER_DECISIVE_PAIR, look, stop)
+                seen[c] = decisive_passage(ready, int(a[k]), int(b[k]), passages, stop)
             found = seen[c]
             if found is not None and found.closed:
                 held = np.where(held == held[b[k]], held[a[k]], held) if found.held else held

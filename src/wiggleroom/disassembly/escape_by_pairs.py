@@ -13,13 +13,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.disassembly.closed_pairs import BOXES_PER_DECISIVE_PAIR, ClosedPairs, alone
+from wiggleroom.disassembly.closed_pairs import ClosedPairs, alone, decisive_passage
 from wiggleroom.disassembly.escape_search import EXIT_TESTS, escape_path
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.path_following import FollowedPath, RelativeSegment, follow
+from wiggleroom.disassembly.path_following import RelativeSegment, follow
 from wiggleroom.disassembly.translation import TranslationEscape
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.neighbours import neighbours
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
@@ -114,21 +113,11 @@ def escape_by_known_pairs(
         if not set(pair) <= set(names):
             return None
         a, b = (names.index(name) for name in pair)
-        way = _decided(ready, a, b, passages, stop)
+        way = decisive_passage(ready, a, b, passages, stop)
         if way is None or way.path is None:
             return None
         found.append(RelativePath(a, b, way.pivot, way.path))
     return _out_by_pairs(ready, group, found, stop)
-
-
-def _decided(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
-    """The passage of b past a, by as many boxes as a pair on which much depends is given."""
-
-    def look() -> Passage:
-        one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
-        return passage(one, other, most=BOXES_PER_DECISIVE_PAIR, stop=stop)
-
-    return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_DECISIVE_PAIR, look, stop)
 
 
 def _sets(
@@ -146,7 +135,7 @@ def _sets(
         for a, b in zip(near.a[beside[g]].tolist(), near.b[beside[g]].tolist(), strict=True):
             if stop is not None and stop.is_set():
                 return
-            look = _decided if (a, b) in undecided else alone
+            look = decisive_passage if (a, b) in undecided else alone
             way = look(ready, a, b, passages, stop)
             if way is None:  # slides lead apart: it needs not be led
                 continue
@@ -189,7 +178,7 @@ def _past_neighbour(ready: Prepared, motion: Floats, one: RelativePath, stop: St
     for segment in [back, *pieces]:
         last = segment is pieces[-1]
         most = BEYOND * ready.clearance if last else np.inf
-        found: FollowedPath = follow(ready, ready.outlines, path[-1], segment, most, stop)
+        found = follow(ready, ready.outlines, path[-1], segment, most, stop)
         path = np.concatenate([path, found.path[1:]])
         if found.share < 1 and not last:
             return None
