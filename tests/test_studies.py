@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from dataclasses import replace
 from itertools import combinations, pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -176,14 +178,42 @@ def test_swallowtails_come_apart_where_they_are_known_to() -> None:
 
 
 @pytest.mark.searches
+def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends(tmp_path: Path) -> None:
+    """A bolt that is pulled against a wall leaves through the mouth above it, 0.2 mm narrower than the bolt less gap: from 0.1 mm on."""
+    cage = [
+        [-10, -8],
+        [10, -8],
+        [10, 5],
+        [4.9, 5],
+        [4.9, 3],
+        [5, 3],
+        [5, -5],
+        [-5, -5],
+        [-5, 3],
+        [-4.9, 3],
+        [-4.9, 5],
+        [-10, 5],
+    ]
+    bolt = [[-5, -5], [5, -5], [5, 3], [-5, 3]]
+    parts = [{"name": "cage", "outline": cage, "fixed": True}, {"name": "bolt", "outline": bolt}]
+    file = tmp_path / "cage.json"
+    file.write_text(json.dumps({"format": "wiggleroom/1", "gap": 0.05, "parts": parts}))
+    found = wr.sweep(wr.read(file), [0.05, 0.09, 0.12, 0.2, 0.3, 0.5], wr.Pull("bolt", (1, 0)))
+    assert [s.verdict == "unbounded" for s in found.steps] == [s.gap > 0.1 for s in found.steps]
+    assert [s.objective for s in found.steps[:2]] == pytest.approx([0.05, 0.09])
+    assert found.lost is not None
+    assert 0.1 <= found.lost[1] < 0.102
+
+
+@pytest.mark.searches
 def test_a_sweep_says_where_it_searched_for_other_optima() -> None:
-    """At the first gap and the assembly's own; not a word where all gaps were searched, nor where none was."""
-    found = wr.sweep(wr.patterns.chain(4, joint="tee", gap=0.02), [0.01, 0.02, 0.03])
-    assert [step.answer.search is not None for step in found.steps] == [True, True, False]
+    """At the first gap, the last and the assembly's own; not a word where all gaps were searched, nor where none was."""
+    found = wr.sweep(wr.patterns.chain(4, joint="tee", gap=0.02), [0.01, 0.02, 0.025, 0.03])
+    assert [step.answer.search is not None for step in found.steps] == [True, True, False, True]
     (said,) = searched_less(found)
-    assert said.startswith("other optima were searched for at 0.01 and 0.02 mm; ")
+    assert said.startswith("other optima were searched for at 0.01, 0.02 and 0.03 mm; ")
     assert searched_less(replace(found, steps=found.steps[:2])) == []
-    assert searched_less(replace(found, steps=found.steps[2:])) == []
+    assert searched_less(replace(found, steps=found.steps[2:3])) == []
 
 
 def test_a_sweep_can_be_stopped() -> None:

@@ -92,8 +92,9 @@ def sweep(
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
     Each gap begins with the motion of the gap before, which is free of overlap there too, because every part has become
-    smaller: so the curve never falls, and a path that was checked stays checked. The first gap, and the drawing's own, are
-    searched as a direct question is.
+    smaller: so the curve never falls, and a path that was checked stays checked. The first gap, the last, and the drawing's own
+    are searched as a direct question is: the way out may begin elsewhere than where the motion ends. Where there is one, the
+    smallest gap that has it is searched for as well.
 
     Parameters
     ----------
@@ -189,28 +190,31 @@ def sweep_over(
         raise InputError(wrong)
     steps: list[SweepStep] = []
     state: _Held[Found] | None = None
-    held: _Held[Found] | None = None
+    ends: dict[float, _Held[Found]] = {}
+    searched = sizes[0], sizes[-1], study.assembly.gap
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
         if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same path
             steps.append(_looser(study, steps[-1], gap))
             continue
-        step, state = _step(study, gap, state, stop)
+        step, state = _step(study, gap, state, stop, search=gap in searched)
         if step.verdict == Verdict.STOPPED and stop is not None and stop.is_set():
             break  # a gap that was not finished says nothing about the curve
         if state is not None and state.gap == gap:
-            held = state
+            ends[gap] = state
         step = _not_lower(study, step, steps)
         steps.append(step)
         if each is not None:
             each(step, state.answer.motion if state is not None and state.gap == gap else None)
         if progress is not None:
             progress(len(steps), len(sizes))
+    steps = _freed_sooner(study, steps, ends, searched, stop)
     free = next((s.gap for s in steps if s.verdict == Verdict.UNBOUNDED), None)
+    held = max((gap for gap in ends if free is not None and gap < free), default=None)
     lost = None
     if free is not None and held is not None:
-        lost = _lost(study, held, free, stop)
+        lost = _lost(study, ends[held], free, stop)
         least = lost[1]
         steps = [s if s.gap < least or s.verdict == Verdict.UNBOUNDED else _beyond(s.gap) for s in steps]
     return Sweep(study.assembly, study.goals, tuple(steps), lost)
@@ -231,16 +235,16 @@ def _gaps(assembly: MadeAssembly, gaps: Sequence[float] | None, wrong: list[str]
 
 
 def _step(
-    study: GapStudy[Found], gap: float, last: _Held[Found] | None, stop: Stop | None
+    study: GapStudy[Found], gap: float, last: _Held[Found] | None, stop: Stop | None, *, search: bool = False
 ) -> tuple[SweepStep, _Held[Found] | None]:
-    """One gap, from the answer of a smaller one where there is one; and what the next gap may start from."""
+    """One gap, from the answer of a smaller one where there is one, and searched as well; and what the next gap may start from."""
     try:
         made = study.at_gap(gap)
     except InputError as why:
         return SweepStep(gap, None, verdict_of(why), False), last
     try:
         smaller = None if last is None else (last.study, last.answer)
-        made, answer = made.answer_onward(smaller, gap == study.assembly.gap, stop)
+        made, answer = made.answer_onward(smaller, search, stop)
     except (StoppedError, FreeSpaceError, TouchingError) as why:
         return SweepStep(gap, None, verdict_of(why), False), None if isinstance(why, TouchingError) else last
     checked = is_checked(answer)
@@ -257,6 +261,34 @@ def _not_lower(study: GapStudy[Found], step: SweepStep, smaller: Sequence[SweepS
         return step
     answer = study.at_gap(step.gap).in_place_of(step.answer, best.answer)
     return SweepStep(step.gap, best.objective, answer.verdict, True, answer)
+
+
+def _freed_sooner(
+    study: GapStudy[Found],
+    steps: list[SweepStep],
+    ends: dict[float, _Held[Found]],
+    searched: Sequence[float],
+    stop: Stop | None,
+) -> list[SweepStep]:
+    """The steps, searched from rest by halving below the first at which nothing stops the motion; `ends` are brought up to date.
+
+    Smaller gaps went on from each other: what leaves by another way shows at none of them.
+    """
+    verdicts = [s.verdict for s in steps]
+    if Verdict.UNBOUNDED not in verdicts:
+        return steps
+    free = verdicts.index(Verdict.UNBOUNDED)
+    low = max((k for k in range(free) if steps[k].gap in searched), default=-1)
+    while free - low > 1 and not (stop is not None and stop.is_set()):
+        k = (low + free) // 2
+        step, state = _step(study, steps[k].gap, None, stop)
+        if step.verdict == Verdict.UNBOUNDED:
+            free, steps = k, [*steps[:k], step, *(_looser(study, step, s.gap) for s in steps[k + 1 :])]
+            continue
+        low = k
+        if state is not None and state.answer.objective > (steps[k].objective or 0.0):
+            ends[state.gap], steps = state, [*steps[:k], step, *steps[k + 1 :]]
+    return steps
 
 
 def _beyond(gap: float) -> SweepStep:
