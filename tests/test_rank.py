@@ -122,6 +122,38 @@ def test_a_bar_that_may_slide_on_its_posts_lets_each_count_for_what_it_holds_at_
     assert not quick.joint_unique.any()
 
 
+def three_stops() -> Drawing:
+    """A bar in a tray, pushed up onto three blocks at one height, which share its load in many ways; it may slide to either side."""
+    blocks = [
+        box(name, x - 0.1, 0.0, x + 0.1, 1.0, fixed=True) for name, x in (("left", -4), ("middle", 1), ("right", 3))
+    ]
+    tray = [(-9, -3), (9, -3), (9, 2), (6.5, 2), (6.5, -1), (-6.5, -1), (-6.5, 2), (-9, 2)]
+    parts = box("bar", -6.0, -1.0, 6.0, 0.0), *blocks, polygon_part("tray", tray, fixed=True)
+    return Drawing(parts, 0.1, goals=(Pull("bar", (0.0, 1.0), (0.0, -0.5)),))
+
+
+def joint_again(drawing: Drawing, joint: tuple[str, str], h: float) -> float:
+    """Difference on one side by the gap of one joint, everything worked out from nothing."""
+    own = replace(drawing, gaps=(JointGap(joint, drawing.gap + h),))
+    at, beside = (wr.flex(assemble(each)).objective for each in (drawing, own))
+    assert at is not None
+    assert beside is not None
+    return (beside - at) / h
+
+
+@pytest.mark.searches
+def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_worth_most() -> None:
+    """With less gap it lies where the largest force of that joint loses least; the best place for the left one lies between those met."""
+    ranking = wr.rank(assemble(three_stops()))
+    names = ranking.answer.assembly.names
+    joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
+    for stop, met in (("left", 0.9), ("middle", 1.0), ("right", 1.0)):
+        k = joints[frozenset(("bar", stop))]
+        looser, tighter = (joint_again(three_stops(), ("bar", stop), h) for h in (2e-3, -2e-3))
+        assert met * looser - 1e-4 <= ranking.joint_looser[k] <= looser + 1e-4
+        assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3)
+
+
 @pytest.mark.searches
 def test_a_ranking_is_that_of_the_answer_not_of_the_border_of_a_cell(tmp_path: Path) -> None:
     """A wedge that turns until it jams between others: one round in new cells ended lower, held by nothing that touches."""

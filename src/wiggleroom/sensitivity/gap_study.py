@@ -24,32 +24,44 @@ DIFFERENCE_STEP = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class GapDerivatives:
-    """Derivatives of a largest motion by gaps, as linear functions of the forces that hold it.
+class PlaceDerivatives:
+    """Derivatives by gaps at one motion, as linear functions of the forces that hold it.
 
     Parameters
     ----------
     part : (n, k) sparse
         Objective gained for each mm of extra gap round a part, by the force of each of k rows.
-    joints : (m, 2) int64
-        Pairs of parts.
     joint : (m, k) sparse
         The same for the gap of each joint.
     face : DualFace
         Forces (k,), and how far they are unique.
-    virtual : float
-        Share of the force that is held where nothing touches.
-    part_elsewhere, joint_elsewhere : (n, e), (m, e) float64
-        Derivatives at other motions that are as large; none where there are none, or none are looked for.
     """
 
     part: sp.csr_matrix
-    joints: Ints
     joint: sp.csr_matrix
     face: DualFace
+
+
+@dataclass(frozen=True, eq=False)
+class GapDerivatives:
+    """Derivatives of a largest motion by gaps.
+
+    Parameters
+    ----------
+    here : PlaceDerivatives
+        At the motion that was found.
+    joints : (m, 2) int64
+        Pairs of parts.
+    virtual : float
+        Share of the force that is held where nothing touches.
+    elsewhere : tuple of PlaceDerivatives
+        At other motions that are as large; none where there are none, or none are looked for.
+    """
+
+    here: PlaceDerivatives
+    joints: Ints
     virtual: float
-    part_elsewhere: Floats
-    joint_elsewhere: Floats
+    elsewhere: tuple[PlaceDerivatives, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

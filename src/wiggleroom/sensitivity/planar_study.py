@@ -41,9 +41,15 @@ from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.contact_program import on_contacts
 from wiggleroom.sensitivity.dual_face import face, shared_with
-from wiggleroom.sensitivity.flat_motions import other_optima
+from wiggleroom.sensitivity.flat_motions import OtherOptimum, other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
-from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, GapStudy
+from wiggleroom.sensitivity.gap_study import (
+    DIFFERENCE_STEP,
+    DifferenceQuotients,
+    GapDerivatives,
+    GapStudy,
+    PlaceDerivatives,
+)
 from wiggleroom.sensitivity.joint_gains import JointGains
 from wiggleroom.sensitivity.perturbation import (
     SAME_VALUE,
@@ -244,27 +250,35 @@ def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> Ga
     """Derivatives from the multipliers of a program, those of corners that touch where these can carry what its walls do."""
     program, lam = on_contacts(program, solution.u, solution.lam)
     active = touching(program, solution.u, lam)
-    row, parts = active.row, len(assembly.parts)
+    row = active.row
     some = gains(program, solution.u, row)
     by_joint = JointGains(assembly, program, some)
-    others = other_optima(program, solution.u, row, lam[row])
-    elsewhere = [(gains(program, o.u, row), o.u, o.force / program.length) for o in others]
-    by_part = [there.by_part(program.bodies, len(row)) @ force / 2 for there, _, force in elsewhere]
     total = float(active.force.sum())
     between, by_joint_between = by_joint.between(some, solution.u, row)
     by_body = some.by_part(program.bodies, len(row)) / 2
     jacobian = program.linearise(solution.u).jacobian()[row]
     force, more = shared_with(lam[row], between)
-    return GapDerivatives(
+    here = PlaceDerivatives(
         sp.hstack([by_body, by_body @ between], format="csr"),
-        by_joint.joints,
         sp.hstack([by_joint.at(some, solution.u, row), by_joint_between], format="csr"),
         face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([force, more]), program.length),
+    )
+    others = other_optima(program, solution.u, row, lam[row])
+    return GapDerivatives(
+        here,
+        by_joint.joints,
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
-        np.array(by_part).reshape(-1, parts).T,
-        np.array([by_joint.at(there, u, row) @ force for there, u, force in elsewhere])
-        .reshape(-1, len(by_joint.joints))
-        .T,
+        tuple(_elsewhere(program, by_joint, row, other) for other in others),
+    )
+
+
+def _elsewhere(program: Program, by_joint: JointGains, row: Ints, other: OtherOptimum) -> PlaceDerivatives:
+    """Derivatives by the gap of every part and joint at another optimum."""
+    there = gains(program, other.u, row)
+    return PlaceDerivatives(
+        there.by_part(program.bodies, len(row)) / 2,
+        by_joint.at(there, other.u, row),
+        face(program.linearise(other.u).jacobian()[row], other.force, program.length),
     )
 
 

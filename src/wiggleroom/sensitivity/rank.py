@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
@@ -16,7 +17,7 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.sensitivity.dual_face import is_unique
+from wiggleroom.sensitivity.dual_face import DualFace, is_unique
 from wiggleroom.sensitivity.face_ranges import ranges
 from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives, GapStudy, check_end
 from wiggleroom.sensitivity.planar_study import PlanarStudy, study_of
@@ -180,7 +181,7 @@ def rank(
     if by == "duals" and not exact:
         derivatives = study.derivatives(answer)
         ranking = ranking_of(answer, derivatives, stop=stop)
-        slides = derivatives.part_elsewhere.shape[1] > 0 and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
+        slides = derivatives.elsewhere and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
         if not slides:
             return ranking
     found = study.quotients(answer)
@@ -204,35 +205,43 @@ def rank_at_once(answer: Any, study: GapStudy[Any] | None = None) -> Ranking:
 
 def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
     """Ranking from the forces that hold an answer."""
-    one, joints = found.face, found.joints
-    whole = len(one.force) <= most_rows
+    places = found.here, *found.elsewhere
+    whole = len(found.here.face.force) <= most_rows
     sides = []
-    for worth, elsewhere in ((found.part, found.part_elsewhere), (found.joint, found.joint_elsewhere)):
-        middle = worth @ one.force
-        low, high = one.spread(worth)
-        ends = np.column_stack([low, high, elsewhere])
-        one_force, unique = is_unique(low, high), is_unique(ends.min(axis=1), ends.max(axis=1))
-        low, high = np.where(one_force, middle, low), np.where(one_force, middle, high)
-        some = np.flatnonzero(~one_force)
-        if whole and len(some):
-            least, most = ranges(one, worth[some], stop).T
-            known = np.isfinite(least), np.isfinite(most)
-            low[some] = np.where(known[0], np.minimum(least, middle[some]), low[some])
-            high[some] = np.where(known[1], np.maximum(most, middle[some]), high[some])
-            whole = bool(np.all(known))
-        least, most = np.column_stack([low, elsewhere]).min(axis=1), np.column_stack([high, elsewhere]).max(axis=1)
-        # with more gap the motion takes the best place for it: where forces are one at each place, that is where it is worth most
-        looser, tighter = np.where(one_force, most, least), np.where(one_force, least, most)
-        looser, tighter = np.where(unique, middle, looser), np.where(unique, middle, tighter)
+    for worth in ([place.part for place in places], [place.joint for place in places]):
+        middle = worth[0] @ found.here.face.force
+        ends, known = zip(
+            *(_ends(place.face, by, whole, stop) for place, by in zip(places, worth, strict=True)), strict=True
+        )
+        whole = whole and all(known)
+        least, most = np.array(ends).transpose(1, 2, 0)
+        unique = is_unique(least.min(axis=1), most.max(axis=1))
+        # with more gap the motion takes the place where the least force makes it worth most, with less that where the largest loses least
+        looser, tighter = np.where(unique, middle, least.max(axis=1)), np.where(unique, middle, most.min(axis=1))
         sides.append((*_without_rounding(looser, tighter), unique, middle))
     (looser, tighter, unique, middle), (joint_looser, joint_tighter, joint_unique, _) = sides
     most = np.maximum(joint_looser, joint_tighter)
     held = most > ROUNDING * most.max(initial=0.0)
-    certain = whole and not found.part_elsewhere.shape[1]
+    certain = whole and not found.elsewhere
     return Ranking(
-        answer, "duals", looser, tighter, unique, middle, joints[held], joint_looser[held], joint_tighter[held],
+        answer, "duals", looser, tighter, unique, middle, found.joints[held], joint_looser[held], joint_tighter[held],
         joint_unique[held], "whole" if certain else "sampled", found.virtual,
     )  # fmt: skip
+
+
+def _ends(face: DualFace, worth: sp.csr_matrix, whole: bool, stop: Stop | None) -> tuple[tuple[Floats, Floats], bool]:
+    """Least and largest value (n,) of linear functions of forces, by linear programs if `whole`, and whether all are known."""
+    middle, (low, high) = worth @ face.force, face.spread(worth)
+    one = is_unique(low, high)
+    low, high = np.where(one, middle, low), np.where(one, middle, high)
+    some = np.flatnonzero(~one)
+    if not whole or not len(some):
+        return (low, high), True
+    least, most = ranges(face, worth[some], stop).T
+    known = np.isfinite(least), np.isfinite(most)
+    low[some] = np.where(known[0], np.minimum(least, middle[some]), low[some])
+    high[some] = np.where(known[1], np.maximum(most, middle[some]), high[some])
+    return (low, high), bool(np.all(known))
 
 
 def _without_rounding(looser: Floats, tighter: Floats) -> tuple[Floats, Floats]:
@@ -253,7 +262,7 @@ def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, b
     another_optimum = (pair < -JUMP * most) | (pair > most / JUMP)
     solved = (np.isfinite(pair) & ~another_optimum).all(axis=1)  # the others keep what the multipliers say
     parts, pair = parts[solved], pair[solved]
-    known = solved.all() and not found.derivatives.joint_elsewhere.shape[1]
+    known = solved.all() and not found.derivatives.elsewhere
     ends = "whole" if known else ranking.ends
     looser, tighter = ranking.looser.copy(), ranking.tighter.copy()
     looser[parts], tighter[parts] = pair.T

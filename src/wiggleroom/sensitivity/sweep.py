@@ -286,7 +286,7 @@ def _freed_sooner(
             free, steps = k, [*steps[:k], step, *(_looser(study, step, s.gap) for s in steps[k + 1 :])]
             continue
         low = k
-        if state is not None and state.answer.objective > (steps[k].objective or 0.0):
+        if state is not None and (state.answer.objective or 0.0) > (steps[k].objective or 0.0):
             ends[state.gap], steps = state, [*steps[:k], step, *steps[k + 1 :]]
     return steps
 

@@ -20,7 +20,7 @@ from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.found_motion import verdict_of, verdict_of_carried
-from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives
+from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, PlaceDerivatives
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
@@ -247,10 +247,8 @@ def _derivatives(assembly: SpatialAssembly, held: HeldMotion) -> GapDerivatives:
     columns = np.arange(len(row))
     by_part = sp.csr_matrix((gain / 2, (side.part, columns)), shape=(len(assembly.parts), len(row)))
     joints, by_joint = spatial_joint_gains(assembly, side, lam[row])
-    return GapDerivatives(
-        by_part, joints, by_joint, face(_jacobian(at, row, plane, pair), lam[row], P.length), 0.0,
-        np.zeros((len(assembly.parts), 0)), np.zeros((len(joints), 0)),
-    )  # fmt: skip
+    here = PlaceDerivatives(by_part, by_joint, face(_jacobian(at, row, plane, pair), lam[row], P.length))
+    return GapDerivatives(here, joints, virtual=0.0)
 
 
 def _sides(held: HeldMotion, row: Ints, plane: Ints, pair: Ints, at: LinearisedSeparatingPlanes) -> HoldingCorners:
