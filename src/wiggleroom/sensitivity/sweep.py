@@ -211,10 +211,10 @@ def sweep_over(
             progress(len(steps), len(sizes))
     steps = _freed_sooner(study, steps, ends, searched, stop)
     free = next((s.gap for s in steps if s.verdict == Verdict.UNBOUNDED), None)
-    held = max((gap for gap in ends if free is not None and gap < free), default=None)
+    held = None if free is None else _nearest_below(ends, free)
     lost = None
     if free is not None and held is not None:
-        lost = _lost(study, ends[held], free, stop)
+        lost = _lost(study, held, free, stop)
         least = lost[1]
         steps = [s if s.gap < least or s.verdict == Verdict.UNBOUNDED else _beyond(s.gap) for s in steps]
     return Sweep(study.assembly, study.goals, tuple(steps), lost)
@@ -270,7 +270,7 @@ def _freed_sooner(
     searched: Sequence[float],
     stop: Stop | None,
 ) -> list[SweepStep]:
-    """The steps, searched from rest by halving below the first at which nothing stops the motion; `ends` are brought up to date.
+    """The steps, searched by halving below the first at which nothing stops the motion; `ends` are brought up to date.
 
     Smaller gaps went on from each other: what leaves by another way shows at none of them.
     """
@@ -281,14 +281,20 @@ def _freed_sooner(
     low = max((k for k in range(free) if steps[k].gap in searched), default=-1)
     while free - low > 1 and not (stop is not None and stop.is_set()):
         k = (low + free) // 2
-        step, state = _step(study, steps[k].gap, None, stop)
+        gap = steps[k].gap
+        step, state = _step(study, gap, _nearest_below(ends, gap), stop, search=True)
         if step.verdict == Verdict.UNBOUNDED:
             free, steps = k, [*steps[:k], step, *(_looser(study, step, s.gap) for s in steps[k + 1 :])]
             continue
-        low = k
-        if state is not None and (state.answer.objective or 0.0) > (steps[k].objective or 0.0):
-            ends[state.gap], steps = state, [*steps[:k], step, *steps[k + 1 :]]
+        low, steps = k, [*steps[:k], _not_lower(study, step, steps[:k]), *steps[k + 1 :]]
+        if state is not None and state.gap == gap:
+            ends[gap] = state
     return steps
+
+
+def _nearest_below(ends: dict[float, _Held[Found]], gap: float) -> _Held[Found] | None:
+    """What the largest gap below one ended with; None where there is none."""
+    return ends.get(max((g for g in ends if g < gap), default=-1.0))
 
 
 def _beyond(gap: float) -> SweepStep:
