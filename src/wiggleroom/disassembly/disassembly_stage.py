@@ -72,28 +72,31 @@ def leave_after_motion(
     still: MoveSequence,
     path: Floats,
     found: TranslationEscape,
-) -> Stage:
-    """A largest motion of the simpler bodies that was searched, continued straight."""
+) -> Stage | None:
+    """A largest motion of the simpler bodies that was searched, continued straight; None where that is not free."""
     motions = of_bodies(assembly, surveyed.bodies, of_parts(assembly, simpler.bodies, path))
     return leave_moving(assembly, surveyed, still, motions, found)
 
 
 def leave_moving(
     assembly: Assembly, surveyed: Survey, before: MoveSequence, path: Floats, found: TranslationEscape
-) -> Stage:
-    """One motion, after some moves, continued straight: still one move where those who leave are all that moved."""
+) -> Stage | None:
+    """One motion, after some moves, continued straight; None where that is not free.
+
+    It is still one move where those who leave are all that moved.
+    """
     number = before.moves.max(initial=-1) + 1
     states = np.concatenate([before.states, before.states[-1] + path[1:]])
     moves = np.append(before.moves, np.full(len(path) - 1, number))
     stage = leave(assembly, surveyed, MoveSequence(states, moves), found)
     moved = np.flatnonzero((np.abs(path) > 0).any(axis=(0, 2)))
-    if stage.path is not None and np.array_equal(moved, found.who):
+    if stage is not None and np.array_equal(moved, found.who):
         stage.moves[-1] = number
     return stage
 
 
-def leave(assembly: Assembly, surveyed: Survey, before: MoveSequence, found: TranslationEscape) -> Stage:
-    """Moves continued straight until those who leave are beyond all others."""
+def leave(assembly: Assembly, surveyed: Survey, before: MoveSequence, found: TranslationEscape) -> Stage | None:
+    """Moves continued straight until those who leave are beyond all others; None where that is not free."""
     bodies, who, path = surveyed.bodies, found.who, before.states
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
 
@@ -107,6 +110,6 @@ def leave(assembly: Assembly, surveyed: Survey, before: MoveSequence, found: Tra
     out[who, :2] += max(length, EXIT_DISTANCE * surveyed.size) * found.direction
     whole = np.concatenate([path, out[None]])
     if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
-        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES)
+        return None
     moves = np.append(before.moves, before.moves.max(initial=-1) + 1)
     return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, NO_BODIES, moves=moves)

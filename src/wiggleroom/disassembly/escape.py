@@ -15,31 +15,27 @@ from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
 from wiggleroom.disassembly.disassembly_stage import NO_BODIES, Stage, leave, leave_after_motion, leave_moving
 from wiggleroom.disassembly.enclosure import enclosed_by_held
+from wiggleroom.disassembly.escape_by_motions import escape_by_motions
 from wiggleroom.disassembly.escape_by_pairs import NamedPairs, escape_by_known_pairs, escape_by_pairs
 from wiggleroom.disassembly.escape_search import (
-    EXIT_TESTS,
     MAX_QUESTIONS,
     GoalSequence,
-    answer_or_none,
     escape_by_goals,
     escape_path,
-    search_for_escape,
 )
 from wiggleroom.disassembly.group_turns import group_turn
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.remaining import displaced, without_parts
+from wiggleroom.disassembly.remaining import without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
-from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, SlideSearch, Tilt, slide_search
+from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, SlideSearch, slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
-from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import FreeSpaceError, Stop, WiggleroomError
+from wiggleroom.errors import FreeSpaceError, Stop
 from wiggleroom.geometry.placed_bodies import placed
-from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.prepare import Prepared, Survey, prepare_without_cells
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress
-from wiggleroom.verdict import Certainty, PathState, Separability
+from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -48,8 +44,6 @@ BOXES_FOR_ONE_BODY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
 BOXES_FOR_NEAR_EXIT = 40_000
 """Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
-MAX_TILTS = 4
-"""Largest turns are searched from at most this many states besides the first, in which a body can be turned."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
@@ -121,19 +115,22 @@ def next_stage(
     tell(Progress("straight paths"))
     found = translation_escapes(bodies, rest[0], ground, surveyed.ignored, surveyed.size, begin.group, stop=stop)
     first = _with_largest_clearance(surveyed, found, targets, holding_cost)
-    if first is not None and _wanted(first.who, targets):
-        return leave(assembly, surveyed, still, first)
+    straight = None if first is None else leave(assembly, surveyed, still, first)
+    if straight is not None and _wanted(straight.who, targets):
+        return straight
     tell(Progress("slides"))
     slid = _slide(surveyed, targets, effort.work, stop, tell)
     if slid.path is not None:
         out = TranslationEscape(slid.path.last.who, slid.path.last.direction)
-        if first is None or _wanted(out.who, targets):
+        if straight is None or _wanted(out.who, targets):
             stage = leave(assembly, surveyed, slid.path.before, out)
-            if stage.path is not None:
+            if stage is not None:
                 return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
-    if first is not None:
-        return leave(assembly, surveyed, still, first)
+    if straight is not None:
+        return straight
     stage = _beyond_slides(assembly, surveyed, begin, effort, slid, stop, tell)
+    if first is not None and stage.certainty is Certainty.SEARCHED and stage.ended is Separability.INTERLOCKED:
+        stage = replace(stage, ended=Separability.UNKNOWN)  # rounding decides whether the straight path is free
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
 
@@ -205,16 +202,14 @@ def _beyond_slides(
     # near the gap at which it comes apart, proofs of pairs take far longer than these
     for goals in () if refused else effort.exits[::-1]:
         known_exit = escape_by_goals(simpler, ground, begin.group, goals, stop)
-        if known_exit is not None:
-            stage = leave_after_motion(assembly, surveyed, simpler, still, *known_exit)
-            if stage.path is not None:
-                return replace(stage, questions=len(goals))
+        if (
+            known_exit is not None
+            and (stage := leave_after_motion(assembly, surveyed, simpler, still, *known_exit)) is not None
+        ):
+            return replace(stage, questions=len(goals))
     for pairs in effort.passed[::-1] if effort.questions else ():
         again = escape_by_known_pairs(ready, begin.group, pairs, effort.passages, stop)
-        if (
-            again is not None
-            and (stage := leave_moving(assembly, surveyed, still, again.path, again.exit)).path is not None
-        ):
+        if again is not None and (stage := leave_moving(assembly, surveyed, still, again.path, again.exit)) is not None:
             return stage
     known, tries = _rigid(ready, begin, effort, stop)
     if known.all_tied:
@@ -223,10 +218,11 @@ def _beyond_slides(
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     together = group_turn(assembly, surveyed, known.group, stop)
-    if together is not None:
-        stage = leave_moving(assembly, surveyed, still, together.path, together.exit)
-        if stage.path is not None:
-            return stage
+    if (
+        together is not None
+        and (stage := leave_moving(assembly, surveyed, still, together.path, together.exit)) is not None
+    ):
+        return stage
     nearly = _nearly(ready, ground, known.group, stop)
     for rigid in itertools.chain(
         tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, stop) for e in nearly)
@@ -234,70 +230,20 @@ def _beyond_slides(
         if stop is not None and stop.is_set():
             break
         out = None if rigid.path is None else escape_path(ready, ground, known.group, rigid.path, stop=stop)
-        if out is not None and (stage := leave_moving(assembly, surveyed, still, *out)).path is not None:
+        if out is not None and (stage := leave_moving(assembly, surveyed, still, *out)) is not None:
             return stage
     known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     found = escape_by_pairs(ready, known, effort.passages, stop) if effort.questions else None
-    if (
-        found is not None
-        and (stage := leave_moving(assembly, surveyed, still, found.path, found.exit)).path is not None
-    ):
+    if found is not None and (stage := leave_moving(assembly, surveyed, still, found.path, found.exit)) is not None:
         effort.passed.append(found.pairs)
         return stage
     if refused:
         raise refused
-    loose = slid.states > 1 and slid.whole and slid.on_lattice
-    searched = search_for_escape(simpler, ground, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
-    if searched.path is not None and searched.exit is not None:
-        stage = leave_after_motion(assembly, surveyed, simpler, still, searched.path, searched.exit)
-        if stage.path is not None:
-            effort.exits.append(searched.asked)
-        return replace(stage, questions=searched.questions)
-    count = searched.questions
-    for tilt in slid.tilts[:MAX_TILTS]:
-        asked, tilted = _from_tilt(assembly, surveyed, tilt, known.group, stop)
-        count += asked
-        if tilted is not None:
-            return replace(tilted, questions=count)
-    stopped = stop is not None and stop.is_set()
-    # where all states of a lattice were visited and every body was turned in each, more places and open questions are no gap in that
-    sure = slid.on_lattice and slid.turned == slid.states
-    answered = sure or (searched.unanswered == 0 and not searched.more_places)
-    whole = slid.whole and searched.whole and answered and not stopped
-    ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN
-    return Stage(ended, Certainty.SEARCHED, NO_BODIES, None, known.held, count, unanswered=searched.unanswered)
-
-
-def _from_tilt(
-    assembly: Assembly, surveyed: Survey, tilt: Tilt, group: Ints, stop: Stop | None
-) -> tuple[int, Stage | None]:
-    """How many largest turns were searched from a state in which a body can be turned, and what leaves along them."""
-    bodies, before = surveyed.bodies, tilt.before
-    ground = int(np.flatnonzero(bodies.fixed)[0])
-    moved = displaced(assembly, of_parts(assembly, bodies, before.states)[-1])
-    try:
-        ready = prepare_walls(moved, stop=stop)
-    except WiggleroomError:
-        return 0, None
-    name = assembly.names[bodies.members[tilt.who][0]]
-    asked = 0
-    for sense in ("ccw", "cw"):
-        if stop is not None and stop.is_set():
-            break
-        answer = answer_or_none(ready, (Turn(name, sense),), None, stop)
-        asked += 1
-        if answer is None or answer.path != PathState.CHECKED:
-            continue
-        path = of_bodies(moved, ready.bodies, answer.waypoints)
-        out = escape_path(ready, ground, group, path, EXIT_TESTS, stop)
-        if out is None:
-            continue
-        stage = leave_moving(assembly, surveyed, before, *out)
-        if stage.path is not None:
-            return asked, stage
-    return asked, None
+    return escape_by_motions(
+        assembly, surveyed, simpler, known, nearly, effort.questions, effort.exits, slid, stop, tell
+    )
 
 
 def _rigid(
