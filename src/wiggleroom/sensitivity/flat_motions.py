@@ -99,34 +99,68 @@ def other_optima(program: Program, u: Floats, holds: Ints, force: Floats) -> lis
     y = y - null_space_sample(scaled, y)  # only the change of forces that the motion needs
     step = np.zeros((len(u), d.shape[1]))
     step[loaded] = d
-    others = np.setdiff1d(np.arange(program.rows), holds)
-    room, beside = np.maximum(at.h[others], 0.0), jacobian[others]
-    closing = -(beside @ step)
-    turn = np.abs(step[2::3] * program.scale[2::3, None]).max(axis=0, initial=0.0)
-    idle = np.setdiff1d(np.arange(len(u)), loaded) if program.rows <= SETTINGS.max_rows else np.zeros(0, dtype=np.int64)
-    aside, most = beside[:, idle], _most_aside(program, idle)
-    steady_room = np.append(np.ones(len(holds)), SETTINGS.max_turn)
+    test = _RatioTest.of(program, u, holds, loaded, at.h, jacobian)
     found = []
     for k in _distinct(d):
         for sign in (1.0, -1.0):
-            steady = _far(np.append(-sign * y[:, k], turn[k]), steady_room)
-            far = min(steady, _far(sign * closing[:, k], room))
+            direction, change = sign * step[:, k], sign * y[:, k]
+            far, end = test.end(direction, change)
             if not np.isfinite(far):
                 continue
-            end = u + far * sign * step[:, k]
-            if len(idle):  # parts without force make room
-                furthest = min(steady, _far(sign * closing[:, k], room + abs(aside) @ most))
-                rows = sp.hstack([sp.csr_matrix(-sign * closing[:, k : k + 1]), aside], format="csr")
-                cost = np.append(1.0, np.zeros(len(idle)))
-                x = maximise(cost, rows, -room, np.append(furthest, most)).x
-                if x is not None and x[0] > far:
-                    far = float(x[0])
-                    end = u + far * sign * step[:, k]
-                    end[idle] += x[1:]
             free = _free_share(program, u, end)
             if free > 0:
-                found.append(OtherOptimum(u + free * (end - u), force * (1 + free * far * sign * y[:, k])))
+                found.append(OtherOptimum(u + free * (end - u), force * (1 + free * far * change)))
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class _RatioTest:
+    """What ends a straight line of optima from `u` (V,): rows without force, with some `room`, and how parts without force make more.
+
+    `beside` (r, V) are the derivatives of these rows, `aside` those by the `idle` variables, of which none changes by more than `most`;
+    `turn` (V,) is how far each variable turns a part [rad].
+
+    Source: the ratio test of active-set methods; Nocedal and Wright, Numerical Optimization, section 16.5.
+    """
+
+    u: Floats
+    beside: sp.csr_matrix
+    room: Floats
+    idle: Ints
+    aside: sp.csr_matrix
+    most: Floats
+    turn: Floats
+
+    @classmethod
+    def of(
+        cls, program: Program, u: Floats, holds: Ints, loaded: Ints, h: Floats, jacobian: sp.csr_matrix
+    ) -> _RatioTest:
+        """Of a solution with rows `h` (R,), of which some carry the force of the variables `loaded`."""
+        others = np.setdiff1d(np.arange(program.rows), holds)
+        few = program.rows <= SETTINGS.max_rows
+        idle = np.setdiff1d(np.arange(len(u)), loaded) if few else np.zeros(0, dtype=np.int64)
+        beside, turn = jacobian[others], np.where(np.arange(len(u)) % 3 == 2, program.scale, 0.0)
+        return cls(u, beside, np.maximum(h[others], 0.0), idle, beside[:, idle], _most_aside(program, idle), turn)
+
+    def end(self, direction: Floats, change: Floats) -> tuple[float, Floats]:
+        """How far optima lie along a direction (V,), and the point there; forces change by the share `change` (k,) on the way."""
+        turn = np.abs(self.turn * direction).max(initial=0.0)
+        steady = _far(np.append(-change, turn), np.append(np.ones(len(change)), SETTINGS.max_turn))
+        closing = -(self.beside @ direction)
+        far = min(steady, _far(closing, self.room))
+        if not np.isfinite(far):
+            return far, self.u
+        end = self.u + far * direction
+        if len(self.idle):  # parts without force make room
+            furthest = min(steady, _far(closing, self.room + abs(self.aside) @ self.most))
+            rows = sp.hstack([sp.csr_matrix(-closing[:, None]), self.aside], format="csr")
+            cost = np.append(1.0, np.zeros(len(self.idle)))
+            x = maximise(cost, rows, -self.room, np.append(furthest, self.most)).x
+            if x is not None and x[0] > far:
+                far = float(x[0])
+                end = self.u + far * direction
+                end[self.idle] += x[1:]
+        return far, end
 
 
 def _free_share(program: Program, u: Floats, end: Floats) -> float:
