@@ -250,35 +250,28 @@ def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> Ga
     """Derivatives from the multipliers of a program, those of corners that touch where these can carry what its walls do."""
     program, lam = on_contacts(program, solution.u, solution.lam)
     active = touching(program, solution.u, lam)
-    row = active.row
-    some = gains(program, solution.u, row)
-    by_joint = JointGains(assembly, program, some)
-    total = float(active.force.sum())
-    between, by_joint_between = by_joint.between(some, solution.u, row)
-    by_body = some.by_part(program.bodies, len(row)) / 2
-    jacobian = program.linearise(solution.u).jacobian()[row]
-    force, more = shared_with(lam[row], between)
-    here = PlaceDerivatives(
-        sp.hstack([by_body, by_body @ between], format="csr"),
-        sp.hstack([by_joint.at(some, solution.u, row), by_joint_between], format="csr"),
-        face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([force, more]), program.length),
-    )
+    row, total = active.row, float(active.force.sum())
+    by_joint = JointGains(assembly, program, gains(program, solution.u, row))
     others = other_optima(program, solution.u, row, lam[row])
     return GapDerivatives(
-        here,
+        _at_optimum(program, by_joint, row, OtherOptimum(solution.u, lam[row])),
         by_joint.joints,
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
-        tuple(_elsewhere(program, by_joint, row, other) for other in others),
+        tuple(_at_optimum(program, by_joint, row, other) for other in others),
     )
 
 
-def _elsewhere(program: Program, by_joint: JointGains, row: Ints, other: OtherOptimum) -> PlaceDerivatives:
-    """Derivatives by the gap of every part and joint at another optimum."""
-    there = gains(program, other.u, row)
+def _at_optimum(program: Program, by_joint: JointGains, row: Ints, optimum: OtherOptimum) -> PlaceDerivatives:
+    """Derivatives by the gap of every part and joint, by the forces of some rows and of contacts between these."""
+    u, some = optimum.u, gains(program, optimum.u, row)
+    between, by_joint_between = by_joint.between(some, u, row)
+    by_body = some.by_part(program.bodies, len(row)) / 2
+    jacobian = program.linearise(u).jacobian()[row]
+    force, more = shared_with(optimum.force, between)
     return PlaceDerivatives(
-        there.by_part(program.bodies, len(row)) / 2,
-        by_joint.at(there, other.u, row),
-        face(program.linearise(other.u).jacobian()[row], other.force, program.length),
+        sp.hstack([by_body, by_body @ between], format="csr"),
+        sp.hstack([by_joint.at(some, u, row), by_joint_between], format="csr"),
+        face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([force, more]), program.length),
     )
 
 
