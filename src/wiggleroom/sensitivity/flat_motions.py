@@ -31,6 +31,10 @@ class FlatMotionSettings:
     ----------
     min_motion : float in (0, 1)
         A random direction of which less than this share is motion changes forces alone.
+    places : int
+        So many are looked at on each line, the last of them its end.
+    max_rows_with_places : int
+        Where more rows have a force only the ends are looked at.
     max_turn : float [rad]
         No part turns by more: the optima are followed along straight lines.
     max_rows : int
@@ -44,6 +48,8 @@ class FlatMotionSettings:
     """
 
     min_motion: float = 1e-4
+    places: int = 8
+    max_rows_with_places: int = 100
     max_turn: float = 0.2
     max_rows: int = 3000
     max_advances: int = 30
@@ -63,7 +69,7 @@ class OtherOptimum:
 
 
 def other_optima(program: Program, u: Floats, holds: Ints, force: Floats) -> list[OtherOptimum]:
-    """Ends of straight lines of optima through a solution, in random directions; none where the motion is the only one as large.
+    """Places on straight lines of optima through a solution, in random directions; none where the motion is the only one as large.
 
     Parameters
     ----------
@@ -100,6 +106,7 @@ def other_optima(program: Program, u: Floats, holds: Ints, force: Floats) -> lis
     step = np.zeros((len(u), d.shape[1]))
     step[loaded] = d
     test = _RatioTest.of(program, u, holds, loaded, at.h, jacobian)
+    places = SETTINGS.places if len(holds) <= SETTINGS.max_rows_with_places else 1
     found = []
     for k in _distinct(d):
         for sign in (1.0, -1.0):
@@ -108,8 +115,8 @@ def other_optima(program: Program, u: Floats, holds: Ints, force: Floats) -> lis
             if not np.isfinite(far):
                 continue
             free = _free_share(program, u, end)
-            if free > 0:
-                found.append(OtherOptimum(u + free * (end - u), force * (1 + free * far * change)))
+            for share in free * np.linspace(0, 1, places + 1)[1:] if free > 0 else ():
+                found.append(OtherOptimum(u + share * (end - u), force * (1 + share * far * change)))
     return found
 
 

@@ -28,6 +28,9 @@ Ints = NDArray[np.int64]
 MAX_LP_ROWS = 3000
 """With more active rows than this, ranges are estimated from random directions, not found by linear programs."""
 
+MAX_LP_ROWS_ELSEWHERE = 300
+"""The same for motions elsewhere that are as large, of which there are many."""
+
 ROUNDING = 1e-9
 """Share of the largest derivative below which one is none."""
 
@@ -205,19 +208,21 @@ def rank_at_once(answer: Any, study: GapStudy[Any] | None = None) -> Ranking:
 
 def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
     """Ranking from the forces that hold an answer."""
-    places = found.here, *found.elsewhere
-    whole = len(found.here.face.force) <= most_rows
+    places, rows = (found.here, *found.elsewhere), len(found.here.face.force)
+    whole = rows <= most_rows
     sides = []
     for worth in ([place.part for place in places], [place.joint for place in places]):
         middle = worth[0] @ found.here.face.force
-        ends, known = zip(
-            *(_ends(place.face, by, whole, stop) for place, by in zip(places, worth, strict=True)), strict=True
-        )
-        whole = whole and all(known)
-        least, most = np.array(ends).transpose(1, 2, 0)
+        ends = [_ends(found.here.face, worth[0], whole, stop)]
+        exact = whole and rows <= MAX_LP_ROWS_ELSEWHERE
+        ends += [_ends(p.face, by, exact, stop) for p, by in zip(found.elsewhere, worth[1:], strict=True)]
+        least, most, known = (np.array(side).T for side in zip(*ends, strict=True))
+        whole = whole and bool(known[:, 0].all())
         unique = is_unique(least.min(axis=1), most.max(axis=1))
+        known[:, 0] = True
         # with more gap the motion takes the place where the least force makes it worth most, with less that where the largest loses least
-        looser, tighter = np.where(unique, middle, least.max(axis=1)), np.where(unique, middle, most.min(axis=1))
+        looser = np.where(unique, middle, np.where(known, least, -np.inf).max(axis=1))
+        tighter = np.where(unique, middle, np.where(known, most, np.inf).min(axis=1))
         sides.append((*_without_rounding(looser, tighter), unique, middle))
     (looser, tighter, unique, middle), (joint_looser, joint_tighter, joint_unique, _) = sides
     most = np.maximum(joint_looser, joint_tighter)
@@ -229,19 +234,21 @@ def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS,
     )  # fmt: skip
 
 
-def _ends(face: DualFace, worth: sp.csr_matrix, whole: bool, stop: Stop | None) -> tuple[tuple[Floats, Floats], bool]:
-    """Least and largest value (n,) of linear functions of forces, by linear programs if `whole`, and whether all are known."""
+def _ends(
+    face: DualFace, worth: sp.csr_matrix, exact: bool, stop: Stop | None
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Least and largest value (n,) of linear functions of forces, by linear programs if `exact`, and whether both are known."""
     middle, (low, high) = worth @ face.force, face.spread(worth)
-    one = is_unique(low, high)
-    low, high = np.where(one, middle, low), np.where(one, middle, high)
-    some = np.flatnonzero(~one)
-    if not whole or not len(some):
-        return (low, high), True
-    least, most = ranges(face, worth[some], stop).T
-    known = np.isfinite(least), np.isfinite(most)
-    low[some] = np.where(known[0], np.minimum(least, middle[some]), low[some])
-    high[some] = np.where(known[1], np.maximum(most, middle[some]), high[some])
-    return (low, high), bool(np.all(known))
+    known = is_unique(low, high)
+    low, high = np.where(known, middle, low), np.where(known, middle, high)
+    some = np.flatnonzero(~known)
+    if exact and len(some):
+        least, most = ranges(face, worth[some], stop).T
+        found = np.isfinite(least), np.isfinite(most)
+        low[some] = np.where(found[0], np.minimum(least, middle[some]), low[some])
+        high[some] = np.where(found[1], np.maximum(most, middle[some]), high[some])
+        known[some] = found[0] & found[1]
+    return low, high, known
 
 
 def _without_rounding(looser: Floats, tighter: Floats) -> tuple[Floats, Floats]:
