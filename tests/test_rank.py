@@ -374,7 +374,23 @@ def test_motions_as_large_as_the_largest_lead_through_no_part_that_is_far_away_a
     active = touching(program, u, found.solution.lam)
     others = other_optima(program, u, active.row, found.solution.lam[active.row])
     slid = sorted(program.motion(o.u)[0, 1] for o in others)
-    assert slid == pytest.approx([-1.2 - gap, 0.8 + gap], abs=2e-3)
+    assert (slid[0], slid[-1]) == pytest.approx((-1.2 - gap, 0.8 + gap), abs=2e-3)
+
+
+@pytest.mark.searches
+@pytest.mark.parametrize("slide", [0.3, 0.05])
+def test_a_joint_counts_at_the_place_where_both_of_its_sides_face_each_other(slide: float) -> None:
+    """A bar on two wide blocks: with more gap in one joint it lies on the way between the ends of where it may slide."""
+    tray = [(-9, -3), (9, -3), (9, 2), (6 + slide, 2), (6 + slide, -1), (-6 - slide, -1), (-6 - slide, 2), (-9, 2)]
+    blocks = box("left", -4.2, 0.0, -3.8, 1.0, fixed=True), box("right", 1.5, 0.0, 2.5, 1.0, fixed=True)
+    parts = box("bar", -6.0, -1.0, 6.0, 0.0), *blocks, polygon_part("tray", tray, fixed=True)
+    drawing = Drawing(parts, 0.1, goals=(Pull("bar", (0.0, 1.0), (-0.4, -0.5)),))
+    ranking = wr.rank(assemble(drawing))
+    names = ranking.answer.assembly.names
+    for k, pair in enumerate(ranking.joints.tolist()):
+        looser, tighter = (joint_again(drawing, tuple(names[j] for j in pair), h) for h in (2e-3, -2e-3))
+        assert ranking.joint_looser[k] == pytest.approx(looser, rel=0.15)
+        assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=0.15)
 
 
 def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
