@@ -154,6 +154,24 @@ def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_wort
         assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3)
 
 
+def block_at_a_wall() -> Drawing:
+    """A block in a tray, pulled against a wall along which it may slide by a quarter of its side, up or down."""
+    tray = [(0, -3), (6, -3), (6, 7), (0, 7), (0, 5), (4.4, 5), (4.4, -1), (0, -1)]
+    parts = box("wall", -2, -3, 0, 7, fixed=True), box("block", 0, 0, 4, 4), polygon_part("tray", tray, fixed=True)
+    return Drawing(parts, 0.1, goals=(Pull("block", (-1.0, 0.0)),))
+
+
+@pytest.mark.searches
+def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_that_it_faced() -> None:
+    """A step stands up below the block there: all of the gap is lost, wherever it lies."""
+    ranking = wr.rank(assemble(block_at_a_wall()))
+    (joint,) = ranking.joints.tolist()
+    again = joint_again(block_at_a_wall(), tuple(ranking.answer.assembly.names[k] for k in joint), -2e-3)
+    assert again == pytest.approx(1.0, abs=1e-3)
+    assert ranking.joint_tighter[0] == pytest.approx(again, abs=1e-3)
+    assert ranking.joint_looser[0] <= 1 + 1e-6
+
+
 @pytest.mark.searches
 def test_a_ranking_is_that_of_the_answer_not_of_the_border_of_a_cell(tmp_path: Path) -> None:
     """A wedge that turns until it jams between others: one round in new cells ended lower, held by nothing that touches."""

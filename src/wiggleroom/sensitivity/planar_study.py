@@ -41,7 +41,7 @@ from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.contact_program import on_contacts
 from wiggleroom.sensitivity.dual_face import face, shared_with
-from wiggleroom.sensitivity.flat_motions import OtherOptimum, other_optima
+from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
 from wiggleroom.sensitivity.gap_study import (
     DIFFERENCE_STEP,
@@ -254,31 +254,26 @@ def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> Ga
     some = gains(program, solution.u, row)
     by_joint = JointGains(assembly, program, some)
     total = float(active.force.sum())
-    between, by_joint_between = by_joint.between(some, solution.u, row)
-    by_body = some.by_part(program.bodies, len(row)) / 2
-    jacobian = program.linearise(solution.u).jacobian()[row]
-    force, more = shared_with(lam[row], between)
-    here = PlaceDerivatives(
-        sp.hstack([by_body, by_body @ between], format="csr"),
-        sp.hstack([by_joint.at(some, solution.u, row), by_joint_between], format="csr"),
-        face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([force, more]), program.length),
-    )
     others = other_optima(program, solution.u, row, lam[row])
     return GapDerivatives(
-        here,
+        _at_place(program, by_joint, row, solution.u, lam[row]),
         by_joint.joints,
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
-        tuple(_elsewhere(program, by_joint, row, other) for other in others),
+        tuple(_at_place(program, by_joint, row, other.u, other.force) for other in others),
     )
 
 
-def _elsewhere(program: Program, by_joint: JointGains, row: Ints, other: OtherOptimum) -> PlaceDerivatives:
-    """Derivatives by the gap of every part and joint at another optimum."""
-    there = gains(program, other.u, row)
+def _at_place(program: Program, by_joint: JointGains, row: Ints, u: Floats, force: Floats) -> PlaceDerivatives:
+    """Derivatives by the gap of every part and joint at one optimum `u` (V,), held by the forces (k,) of some rows."""
+    some = gains(program, u, row)
+    between, by_joint_between = by_joint.between(some, u, row)
+    by_body = some.by_part(program.bodies, len(row)) / 2
+    jacobian = program.linearise(u).jacobian()[row]
+    kept, more = shared_with(force, between)
     return PlaceDerivatives(
-        there.by_part(program.bodies, len(row)) / 2,
-        by_joint.at(there, other.u, row),
-        face(program.linearise(other.u).jacobian()[row], other.force, program.length),
+        sp.hstack([by_body, by_body @ between], format="csr"),
+        sp.hstack([by_joint.at(some, u, row), by_joint_between], format="csr"),
+        face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([kept, more]), program.length),
     )
 
 
