@@ -154,6 +154,65 @@ def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_wort
         assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3)
 
 
+def table_on_humps() -> Drawing:
+    """A table on three humps under a low ceiling, pushed down beside its middle; it may slide further to the right than to the left."""
+    humps = [
+        polygon_part(name, [(x - 0.7, -2), (x + 0.7, -2), (x + 0.2, 0), (x - 0.2, 0)], fixed=True)
+        for name, x in (("left", -6), ("middle", -1), ("right", 4))
+    ]
+    table = polygon_part("table", [(-8, 0), (8, 0), (8, 2), (1, 2), (1, 6), (-1, 6), (-1, 2), (-8, 2)])
+    tray = shapely.box(-12, -5, 12, 10) - shapely.box(-9, -2, 9.5, 7)
+    goal = Pull("table", (0.0, -1.0), (0.3, 5.0))
+    return Drawing((table, *humps, part_at("tray", tray, fixed=True)), 0.2, goals=(goal,))
+
+
+@pytest.mark.searches
+def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
+    """Then the left hump need not carry anything, and at most what it does where the table lies furthest to the right."""
+    ranking = wr.rank(assemble(table_on_humps()))
+    names = ranking.answer.assembly.names
+    joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
+    for hump in ("left", "middle", "right"):
+        k = joints[frozenset(("table", hump))]
+        looser, tighter = (joint_again(table_on_humps(), ("table", hump), h) for h in (2e-3, -2e-3))
+        assert ranking.joint_looser[k] == pytest.approx(looser, rel=5e-3, abs=1e-4)
+        assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3, abs=1e-4)
+
+
+@pytest.mark.searches
+def test_other_optima_are_in_balance() -> None:
+    """The forces there hold the table against its pull, and against turning about where it lies now."""
+    found = ended(wr.flex(assemble(table_on_humps())))
+    program, solution = found.program, found.solution
+    row = touching(program, solution.u, solution.lam).row
+    others = other_optima(program, solution.u, row, solution.lam[row])
+    load = program.linearise(solution.u).jacobian()[row].T @ solution.lam[row]
+    assert len(others) > 1
+    for other in others:
+        assert other.force.min() >= 0
+        assert program.linearise(other.u).jacobian()[row].T @ other.force == pytest.approx(
+            load, abs=1e-6 * abs(load).max()
+        )
+
+
+def block_at_a_wall() -> Drawing:
+    """A block in a tray, pulled against a wall along which it may slide by a quarter of its side, up or down."""
+    tray = [(0, -3), (6, -3), (6, 7), (0, 7), (0, 5), (4.4, 5), (4.4, -1), (0, -1)]
+    parts = box("wall", -2, -3, 0, 7, fixed=True), box("block", 0, 0, 4, 4), polygon_part("tray", tray, fixed=True)
+    return Drawing(parts, 0.1, goals=(Pull("block", (-1.0, 0.0)),))
+
+
+@pytest.mark.searches
+def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_that_it_faced() -> None:
+    """A step stands up below the block there: all of the gap is lost, wherever it lies."""
+    ranking = wr.rank(assemble(block_at_a_wall()))
+    (joint,) = ranking.joints.tolist()
+    again = joint_again(block_at_a_wall(), tuple(ranking.answer.assembly.names[k] for k in joint), -2e-3)
+    assert again == pytest.approx(1.0, abs=1e-3)
+    assert ranking.joint_tighter[0] == pytest.approx(again, abs=1e-3)
+    assert ranking.joint_looser[0] <= 1 + 1e-6
+
+
 @pytest.mark.searches
 def test_a_ranking_is_that_of_the_answer_not_of_the_border_of_a_cell(tmp_path: Path) -> None:
     """A wedge that turns until it jams between others: one round in new cells ended lower, held by nothing that touches."""

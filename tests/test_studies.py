@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import threading
 from dataclasses import replace
 from itertools import combinations, pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
 import wiggleroom as wr
-from tests.flexing import slot
+from tests.flexing import box, polygon_part, slot
 from tests.oracle import blocks, chain
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
@@ -177,32 +175,67 @@ def test_swallowtails_come_apart_where_they_are_known_to() -> None:
     assert [s.verdict == "unbounded" for s in found.steps] == [False, False, False, True]
 
 
-@pytest.mark.searches
-def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends(tmp_path: Path) -> None:
-    """A bolt that is pulled against a wall leaves through the mouth above it, 0.2 mm narrower than the bolt less gap: from 0.1 mm on."""
+def caged_bolt(*others: wr.Part) -> wr.Assembly:
+    """A bolt pulled against a wall, below a mouth 0.2 mm narrower than itself, by which it leaves from a gap of 0.1 mm on."""
     cage = [
-        [-10, -8],
-        [10, -8],
-        [10, 5],
-        [4.9, 5],
-        [4.9, 3],
-        [5, 3],
-        [5, -5],
-        [-5, -5],
-        [-5, 3],
-        [-4.9, 3],
-        [-4.9, 5],
-        [-10, 5],
+        (-10, -8),
+        (10, -8),
+        (10, 5),
+        (4.9, 5),
+        (4.9, 3),
+        (5, 3),
+        (5, -5),
+        (-5, -5),
+        (-5, 3),
+        (-4.9, 3),
+        (-4.9, 5),
+        (-10, 5),
     ]
-    bolt = [[-5, -5], [5, -5], [5, 3], [-5, 3]]
-    parts = [{"name": "cage", "outline": cage, "fixed": True}, {"name": "bolt", "outline": bolt}]
-    file = tmp_path / "cage.json"
-    file.write_text(json.dumps({"format": "wiggleroom/1", "gap": 0.05, "parts": parts}))
-    found = wr.sweep(wr.read(file), [0.05, 0.09, 0.12, 0.2, 0.3, 0.5], wr.Pull("bolt", (1, 0)))
+    parts = polygon_part("cage", cage, fixed=True), box("bolt", -5, -5, 5, 3)
+    return assemble(wr.Drawing((*parts, *others), 0.05, goals=(wr.Pull("bolt", (1, 0)),)))
+
+
+@pytest.mark.searches
+def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends() -> None:
+    found = wr.sweep(caged_bolt(), [0.05, 0.09, 0.12, 0.2, 0.3, 0.5])
     assert [s.verdict == "unbounded" for s in found.steps] == [s.gap > 0.1 for s in found.steps]
     assert [s.objective for s in found.steps[:2]] == pytest.approx([0.05, 0.09])
     assert found.lost is not None
     assert 0.1 <= found.lost[1] < 0.102
+
+
+@pytest.mark.searches
+def test_the_largest_gap_that_is_searched_is_one_at_which_parts_can_be_made() -> None:
+    """A needle beside the bolt vanishes at a gap of 0.4 mm; where the bolt leaves, what cannot be made does not."""
+    found = wr.sweep(caged_bolt(box("needle", 20, 0, 20.4, 5, fixed=True)), [0.05, 0.2, 0.3, 0.5])
+    assert [s.verdict for s in found.steps[1:]] == ["unbounded", "unbounded", "cannot be made"]
+    assert found.lost is not None
+    assert found.lost[0] < 0.2
+    assert 0.1 <= found.lost[1] <= 0.2
+
+
+class LaterStop:
+    """Is set from the second time on that it is asked once `armed`."""
+
+    def __init__(self) -> None:
+        self.armed, self.asked = False, 0
+
+    def is_set(self) -> bool:
+        self.asked += self.armed
+        return self.asked > 1
+
+
+@pytest.mark.searches
+def test_a_sweep_that_is_stopped_where_it_searches_again_keeps_what_it_found() -> None:
+    stop = LaterStop()
+
+    def progress(done: int, total: int) -> None:
+        stop.armed = done == total
+
+    found = wr.sweep(caged_bolt(), [0.05, 0.07, 0.09, 0.2], stop=stop, progress=progress)
+    assert [s.objective for s in found.steps[:3]] == pytest.approx([0.05, 0.07, 0.09])
+    assert all(s.verdict.ends for s in found.steps[:3])
+    assert found.lost == (0.09, 0.2)
 
 
 @pytest.mark.searches

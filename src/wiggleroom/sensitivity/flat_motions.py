@@ -93,7 +93,7 @@ def other_optima(program: Program, u: Floats, holds: Ints, force: Floats) -> lis
     lam[holds] = force
     pattern = program.pattern
     upper = sp.csc_matrix((at.condensed(np.zeros(program.rows), lam) / size, pattern.indices, pattern.indptr))
-    curvature = upper + sp.triu(upper, 1).T
+    curvature = -(upper + sp.triu(upper, 1).T)  # of the Lagrangian; a condensed matrix holds its opposite
     scaled = (sp.diags_array(share) @ jacobian[holds]).tocsr()
     loaded = np.flatnonzero(np.repeat(abs(scaled).sum(axis=0).reshape(-1, 3).any(axis=1), 3))
     curvature, scaled = curvature[loaded][:, loaded], scaled[:, loaded]

@@ -41,7 +41,7 @@ from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.contact_program import on_contacts
 from wiggleroom.sensitivity.dual_face import face, shared_with
-from wiggleroom.sensitivity.flat_motions import OtherOptimum, other_optima
+from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
 from wiggleroom.sensitivity.gap_study import (
     DIFFERENCE_STEP,
@@ -250,28 +250,30 @@ def _derivatives(assembly: Assembly, program: Program, solution: Solution) -> Ga
     """Derivatives from the multipliers of a program, those of corners that touch where these can carry what its walls do."""
     program, lam = on_contacts(program, solution.u, solution.lam)
     active = touching(program, solution.u, lam)
-    row, total = active.row, float(active.force.sum())
-    by_joint = JointGains(assembly, program, gains(program, solution.u, row))
+    row = active.row
+    some = gains(program, solution.u, row)
+    by_joint = JointGains(assembly, program, some)
+    total = float(active.force.sum())
     others = other_optima(program, solution.u, row, lam[row])
     return GapDerivatives(
-        _at_optimum(program, by_joint, row, OtherOptimum(solution.u, lam[row])),
+        _at_place(program, by_joint, row, solution.u, lam[row]),
         by_joint.joints,
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
-        tuple(_at_optimum(program, by_joint, row, other) for other in others),
+        tuple(_at_place(program, by_joint, row, other.u, other.force) for other in others),
     )
 
 
-def _at_optimum(program: Program, by_joint: JointGains, row: Ints, optimum: OtherOptimum) -> PlaceDerivatives:
-    """Derivatives by the gap of every part and joint, by the forces of some rows and of contacts between these."""
-    u, some = optimum.u, gains(program, optimum.u, row)
+def _at_place(program: Program, by_joint: JointGains, row: Ints, u: Floats, force: Floats) -> PlaceDerivatives:
+    """Derivatives by the gap of every part and joint at one optimum `u` (V,), held by the forces (k,) of some rows."""
+    some = gains(program, u, row)
     between, by_joint_between = by_joint.between(some, u, row)
     by_body = some.by_part(program.bodies, len(row)) / 2
     jacobian = program.linearise(u).jacobian()[row]
-    force, more = shared_with(optimum.force, between)
+    kept, more = shared_with(force, between)
     return PlaceDerivatives(
         sp.hstack([by_body, by_body @ between], format="csr"),
         sp.hstack([by_joint.at(some, u, row), by_joint_between], format="csr"),
-        face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([force, more]), program.length),
+        face(sp.vstack([jacobian, between.T @ jacobian], format="csr"), np.concatenate([kept, more]), program.length),
     )
 
 

@@ -191,7 +191,7 @@ def sweep_over(
     steps: list[SweepStep] = []
     state: _Held[Found] | None = None
     ends: dict[float, _Held[Found]] = {}
-    searched = sizes[0], sizes[-1], study.assembly.gap
+    searched = sizes[0], _largest_made(study, sizes), study.assembly.gap
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
@@ -216,7 +216,8 @@ def sweep_over(
     if free is not None and held is not None:
         lost = _lost(study, held, free, stop)
         least = lost[1]
-        steps = [s if s.gap < least or s.verdict == Verdict.UNBOUNDED else _beyond(s.gap) for s in steps]
+        kept = Verdict.UNBOUNDED, Verdict.NOT_MAKEABLE
+        steps = [s if s.gap < least or s.verdict in kept else _beyond(s.gap) for s in steps]
     return Sweep(study.assembly, study.goals, tuple(steps), lost)
 
 
@@ -232,6 +233,17 @@ def _gaps(assembly: MadeAssembly, gaps: Sequence[float] | None, wrong: list[str]
     if not asked:
         wrong.append("sweep: name at least one gap")
     return sorted(float(g) for g in asked - odd)
+
+
+def _largest_made(study: GapStudy[Found], sizes: Sequence[float]) -> float:
+    """The largest of some gaps, in order, at which the parts can be made; the smallest where there is none."""
+    for gap in reversed(sizes):
+        try:
+            study.at_gap(gap)
+        except InputError:
+            continue
+        return gap
+    return sizes[0]
 
 
 def _step(
@@ -286,6 +298,8 @@ def _freed_sooner(
         if step.verdict == Verdict.UNBOUNDED:
             free, steps = k, [*steps[:k], step, *(_looser(study, step, s.gap) for s in steps[k + 1 :])]
             continue
+        if stop is not None and stop.is_set():
+            break  # a search that was not finished says nothing
         low, steps = k, [*steps[:k], _not_lower(study, step, steps[:k]), *steps[k + 1 :]]
         if state is not None and state.gap == gap:
             ends[gap] = state
@@ -303,11 +317,11 @@ def _beyond(gap: float) -> SweepStep:
 
 
 def _looser(study: GapStudy[Found], step: SweepStep, gap: float) -> SweepStep:
-    """The step of a gap at which parts leave by the path of a smaller gap."""
+    """The step of a gap at which parts leave by the path of a smaller gap, where they can be made."""
     try:
         made = study.at_gap(gap)
-    except InputError:
-        return replace(step, gap=gap, answer=None)
+    except InputError as why:
+        return SweepStep(gap, None, verdict_of(why), False)
     return replace(step, gap=gap, answer=step.answer and made.with_assembly(step.answer))
 
 
@@ -322,6 +336,8 @@ def _lost(study: GapStudy[Found], held: _Held[Found], free: float, stop: Stop | 
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:
             free, tries = gap, list(BISECTION_SHARES)
+        elif stop is not None and stop.is_set():
+            break  # a search that was not finished says nothing
         elif state is not None and state.gap == gap:
             low, held, tries = gap, state, list(BISECTION_SHARES)
         else:
