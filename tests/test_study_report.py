@@ -235,7 +235,7 @@ def test_a_sweep_is_read_along_its_slider(studies: dict[type, Any], opened: Any)
     plays(at)  # it leaves, as a film
     at.get_by_role("tab", name="Gaps").click()
     assert at.locator(".sorts tbody tr").nth(3).inner_text().split()[-2:] == ["unbounded", "checked"]
-    assert "loses its end between" in at.locator(".sure").inner_text()
+    assert "nothing stops the motion from a gap of" in at.locator(".sure").inner_text()
 
 
 @pytest.mark.slow

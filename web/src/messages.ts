@@ -454,7 +454,7 @@ export interface SweepReply {
   kind: "sweep";
   id: number;
   steps: StepReply[];
-  lost: [number, number] | null; // gaps between which the motion loses its end [mm]
+  lost: [number, number] | null; // at the first gap [mm] a search found an end of the motion, at the second nothing stops it
   command: string; // the command that answers the same
 }
 

@@ -96,7 +96,10 @@ class SweepReply(Reply, tag="sweep", kw_only=True):
     """The whole sweep."""
 
     steps: list[StepReply]
-    lost: Annotated[tuple[float, float] | None, Meta(description="gaps between which the motion loses its end [mm]")]
+    lost: Annotated[
+        tuple[float, float] | None,
+        Meta(description="at the first gap [mm] a search found an end of the motion, at the second nothing stops it"),
+    ]
     command: Command
 
 

@@ -97,7 +97,8 @@ class SweepResult(Struct, tag_field="format", tag="wiggleroom.sweep/1", kw_only=
     dimension: InSpace | UnsetType = UNSET
     gaps: list[SweepEntry]
     lost_between: Annotated[
-        tuple[float, float] | None, Meta(description="gaps [mm] between which the motion loses its end")
+        tuple[float, float] | None,
+        Meta(description="at the first gap [mm] a search found an end of the motion, at the second nothing stops it"),
     ]
     notes: Notes = msgspec.field(default_factory=list)
     command: Command

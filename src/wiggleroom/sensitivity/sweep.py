@@ -68,8 +68,8 @@ class Sweep(Drawable):
     steps : tuple of SweepStep
         Gaps in order of size.
     lost : (float, float) or None [mm]
-        At the first gap the motion still ends, at the second nothing stops it; None where no gap of the sweep is so
-        large.
+        At the first gap a search found an end of the motion, at the second nothing stops it, along a path that was checked; None where
+        no gap of the sweep is so large. A search may miss a narrow way out, so the first is no proof.
     """
 
     assembly: Any

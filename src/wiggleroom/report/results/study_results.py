@@ -181,7 +181,8 @@ def _listed(words: list[str]) -> str:
 def lost_sentence(found: Sweep) -> str:
     """Say at which gap nothing stops the motion any more."""
     if found.lost is not None:
-        return f"the motion loses its end between gaps of {number(found.lost[0])} and {number(found.lost[1])} mm"
+        low, high = (number(gap) for gap in found.lost)
+        return f"nothing stops the motion from a gap of {high} mm on; at {low} mm a search found an end"
     free = [s.gap for s in found.steps if s.verdict == Verdict.UNBOUNDED]
     if free:
         return f"nothing stops the motion at a gap of {number(free[0])} mm, the first that leaves room"
