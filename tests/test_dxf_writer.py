@@ -83,6 +83,18 @@ def test_any_part_comes_back(tmp_path_factory, rows, word):
         assert material(part).symmetric_difference(material(other)).area < 1e-6
 
 
+@pytest.mark.parametrize("name", ["score", "Raster 2", "engraved lid"])
+@pytest.mark.parametrize("ending", ["dxf", "svg"])
+def test_a_part_may_be_called_like_an_engraving(tmp_path, ending, name):
+    """Elements of such names are left out of drawings by others; of one that we wrote they are parts, with their holes."""
+    square = np.array([[0.0, 0], [6, 0], [6, 6], [0, 6]])
+    lid = Part(name, (Region(square, (square[::-1] / 2 + 1,)),))
+    write_drawing(Drawing((lid, Part("box", (Region(square),), (20.0, 0.0, 0.0)))), tmp_path / f"x.{ending}")
+    again = read_drawing(tmp_path / f"x.{ending}")
+    assert [(part.name, len(part.regions[0].holes)) for part in again.parts] == [(name, 1), ("box", 0)]
+    assert not again.notes
+
+
 def test_a_part_copied_in_another_program_is_another_part(tmp_path):
     """Pieces of one part are told by name and number; copies of them are not more pieces of it."""
     square = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])

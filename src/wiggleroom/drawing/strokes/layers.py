@@ -205,7 +205,8 @@ def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
         for mark in dict.fromkeys((group.name, *group.marks)):
             if mark and is_auxiliary_layer(mark):
                 return f'in "{mark}", by its name not cut; --only "{mark}" reads it'
-    for mark in (stroke.label, stroke.name, *stroke.marks):
+    told = stroke.whole or stroke.piece is not None  # the file says that it is a part: its name says nothing else
+    for mark in stroke.marks if told else (stroke.label, stroke.name, *stroke.marks):
         if mark and is_engraved(mark):
             return f'called "{mark}", by its name not cut'
     return "" if visible else "without line or fill"

@@ -9,6 +9,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from wiggleroom.drawing.model import Drawing, Part, Points, Region
+from wiggleroom.drawing.strokes.layers import is_engraved
 from wiggleroom.drawing.writers.glue_groups import glued_names
 from wiggleroom.drawing.writers.lettering import Label, labels_of, lettered
 
@@ -86,7 +87,7 @@ def _label(label: Label, shift: Points, bottom: float) -> str:
 
 def _path(part: Part, rings: list[Points], bottom: float) -> str:
     colour = ' fill="red"' if part.fixed else ""
-    colour += f' data-pieces="{len(part.regions)}"' if len(part.regions) > 1 else ""
+    colour += f' data-pieces="{len(part.regions)}"' if len(part.regions) > 1 or is_engraved(part.name) else ""
     data = "".join(_data(ring, bottom) for ring in rings)
     return f'<path id={quoteattr(part.name)}{colour} d="{data}"/>'
 
