@@ -15,7 +15,7 @@ from wiggleroom.maximise import witness
 from wiggleroom.parallel.batches import in_batches
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.search.prepare import prepare_as_drawn
-from wiggleroom.solve import interior_point
+from wiggleroom.solve import interior_point, interior_point_settings
 from wiggleroom.solve.carried_multipliers import even_multipliers, pair_wrenches
 from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import factor
@@ -170,3 +170,16 @@ def test_paths_are_judged_alike_in_batches(monkeypatch):
 def test_batches_keep_their_order():
     assert in_batches(1000, 7, lambda some: list(range(1000))[some])[0] == list(range(142))
     assert np.concatenate(in_batches(1000, 7, lambda some: np.arange(1000)[some])).tolist() == list(range(1000))
+
+
+@pytest.mark.slow
+def test_coarse_rounds_of_a_large_jigsaw_begin_early_enough(monkeypatch):
+    """Late points carry multipliers that hold the next round back: it ends lower, after more iterations."""
+    pieces = wr.patterns.jigsaw(70, 20, 0.01)
+    goal = wr.Pull(pieces.parts[-1].name, (0, 1))
+    found = wr.flex(pieces, goal, search=0)
+    monkeypatch.setattr(interior_point_settings, "COARSE_WARM_START_GAP", interior_point_settings.WARM_START_GAP)
+    late = wr.flex(pieces, goal, search=0)
+    assert found.path == late.path == "checked"
+    assert found.objective > late.objective
+    assert found.iterations < late.iterations

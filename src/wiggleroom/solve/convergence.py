@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.solve.interior_point_settings import SETTINGS, WARM_START_GAP, settings_for
+from wiggleroom.solve.interior_point_settings import SETTINGS, settings_for, warm_start_gap
 from wiggleroom.solve.newton_step import Iterate
 from wiggleroom.solve.row_operations import farthest_pulled, residual_work, violation
 from wiggleroom.verdict import SolverStatus
@@ -94,7 +94,7 @@ class ConvergenceMonitor:
         if inside:
             self.feasible = state.u, self.mu, state.lam
             self.path.append(state.u)
-            if k == 0 or gap > WARM_START_GAP * max(abs(value), 1.0):
+            if k == 0 or gap > warm_start_gap(len(state.u), self.tolerance) * max(abs(value), 1.0):
                 self.inner = state.u, self.mu, state.lam
                 if self.reached is not None:
                     self.reached(state.u)

@@ -8,6 +8,9 @@ INITIAL_BARRIER = 0.1
 """Complementarity to begin with, as a share of the objective's largest derivative."""
 WARM_START_GAP = 3e-2
 """The next program starts at the last feasible iterate whose complementarity was still this share of the objective."""
+COARSE_TOLERANCE, COARSE_PROGRAM, COARSE_WARM_START_GAP = 1e-3, 3000, 0.1
+"""The same share for programs that are solved to a tolerance above the first and have more variables than the second: their walls are far
+from the last ones, and multipliers from later on hold the next program back."""
 SLACK_TOLERANCE = 1e-12
 """Slacks that are right to this share of `program.length` are exact."""
 MAX_LIFTS = 8
@@ -133,6 +136,12 @@ VERY_LARGE_PROGRAM = 100_000
 VERY_LARGE_SETTINGS = replace(LARGE_SETTINGS, max_iterations=200, moving_centring=0.7)
 FULL_SHIFT_PROGRAM = 200_000
 """Up to so many variables the first shift for a longer step is `longer_step_shift`."""
+
+
+def warm_start_gap(variables: int, tolerance: float) -> float:
+    """The share of the objective that complementarity still is where the next program starts."""
+    coarse = variables > COARSE_PROGRAM and tolerance > COARSE_TOLERANCE
+    return COARSE_WARM_START_GAP if coarse else WARM_START_GAP
 
 
 def settings_for(variables: int) -> Settings:
