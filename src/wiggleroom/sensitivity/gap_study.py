@@ -96,6 +96,10 @@ class GapStudy(Protocol[Found]):
     def clearance(self) -> float:
         """Typical clearance between neighbours [mm]."""
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether `answer_onward` begins where a smaller gap ended, not at rest as a direct question does."""
+
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm]; InputError where parts cannot be made, OverlapError where they overlap."""
 

@@ -107,6 +107,11 @@ class PlanarStudy:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether a larger gap begins where a smaller one ended."""
+        return True
+
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm] of the whole assembly."""
         return replace(self, question=assemble(self.assembly.drawing, gap=gap), found=None)

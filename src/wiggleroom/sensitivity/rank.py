@@ -184,7 +184,7 @@ def rank(
     if by == "duals" and not exact:
         derivatives = study.derivatives(answer)
         ranking = ranking_of(answer, derivatives, stop=stop)
-        slides = derivatives.elsewhere and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
+        slides = bool(derivatives.elsewhere) and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
         if not slides:
             return ranking
     found = study.quotients(answer)

@@ -92,9 +92,9 @@ def sweep(
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
     Each gap begins with the motion of the gap before, which is free of overlap there too, because every part has become
-    smaller: so the curve never falls, and a path that was checked stays checked. The first gap, the last, and the drawing's own
-    are searched as a direct question is: the way out may begin elsewhere than where the motion ends. Where there is one, the
-    smallest gap that has it is searched for as well.
+    smaller: so the curve never falls, and a path that was checked stays checked. The first gap, the largest at which parts
+    can be made, and the drawing's own are searched as a direct question is: the way out may begin elsewhere than where the
+    motion ends. Where there is one, the smallest gap that has it is searched for as well.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def sweep_over(
     steps: list[SweepStep] = []
     state: _Held[Found] | None = None
     ends: dict[float, _Held[Found]] = {}
-    searched = sizes[0], _largest_made(study, sizes), study.assembly.gap
+    searched = (sizes[0], _largest_made(study, sizes), study.assembly.gap) if study.goes_on else sizes
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
@@ -331,7 +331,7 @@ def _lost(study: GapStudy[Found], held: _Held[Found], free: float, stop: Stop | 
     while free - low > BRACKET_TOLERANCE * free and tries and not (stop is not None and stop.is_set()):
         gap = low + tries[0] * (free - low)
         step, state = _step(study, gap, held, stop)
-        if step.objective is not None:  # a narrow escape path may show from rest and not from there
+        if step.objective is not None and study.goes_on:  # a narrow escape path may show from rest and not from there
             anew, _ = _step(study, gap, None, stop)
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:

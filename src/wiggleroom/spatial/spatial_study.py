@@ -59,6 +59,11 @@ class SpatialStudy:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether a larger gap begins where a smaller one ended."""
+        return False
+
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm] of the whole assembly."""
         return replace(self, assembly=assemble_spatial(self.assembly.drawing, gap=gap), found=None)
