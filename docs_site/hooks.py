@@ -10,6 +10,7 @@ from typing import Any
 from mkdocs.structure.files import File, Files
 
 from docs_site.live_pages import PICTURE
+from wiggleroom.schema.generate import tables
 
 TOP = Path(__file__).parents[1]
 LIVE = TOP / "out" / "live"
@@ -20,10 +21,11 @@ ELSEWHERE = {
     "extras/inkscape/README.md": "extras-inkscape.md",
     "extras/freecad/README.md": "extras-freecad.md",
     "examples/drawings/SOURCES.md": "drawings-sources.md",
+    "benchmarks/results/measurements.md": "measurements.md",
 }
 """Pages that stand outside docs/, and their places in the site."""
 TYPED = ("json.md", "page-protocol.md")
-"""Pages whose tables hold types with brackets, which are no links."""
+"""Pages whose tables are generated; the types in them hold brackets, which are no links."""
 LINK = re.compile(r"(?<=\]\()([^)\s#:]+)(#[^)\s]*)?(?=\))")
 
 
@@ -48,7 +50,7 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
         return markdown
     if source in TYPED:
         markdown = re.sub(
-            r"^\| `.*$", lambda m: m[0].replace("[", "&#91;").replace("]", "&#93;"), markdown, flags=re.MULTILINE
+            r"^\| `.*$", lambda m: m[0].replace("[", "&#91;").replace("]", "&#93;"), tables(markdown), flags=re.MULTILINE
         )
     if source == "gallery.md":
         markdown = PICTURE.sub(live, markdown)

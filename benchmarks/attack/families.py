@@ -79,7 +79,7 @@ FAMILIES: tuple[Family, ...] = (
     framed.split_sleeves,
 )
 MEASURED_FAMILIES = FAMILIES[:41]
-"""Those that the figures of `ablation` and `invariance` in docs/measurements.md are about."""
+"""Those that the figures of `ablation` and `invariance` in benchmarks/results/measurements.md are about."""
 LEAST = 2e-3
 """Parts lie apart by at least so much [mm]: what touches is another question."""
 TRIES = 40

@@ -1,6 +1,6 @@
 """Write what is generated from the structures: `python -m wiggleroom.schema.generate FOLDER` with the top of the checkout.
 
-JSON schemas of all formats, the page's TypeScript types, and the tables of the docs.
+JSON schemas of all formats and the page's TypeScript types. The tables of the docs are made when the site is built.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def typescript() -> str:
 
 
 def tables(text: str) -> str:
-    """Text of a page of the docs, the tables between its marks made anew."""
+    """Text of a page of the docs, with tables between its marks."""
     groups: dict[str, list[type[Struct]]] = {cls.__name__: [cls] for cls in RESULTS}
     groups |= {
         "requests": list(get_args(AnyRequest)),
@@ -82,8 +82,6 @@ def generated(top: Path) -> dict[Path, str]:
     """Every generated file below the top of a checkout, and what it should hold."""
     found = {top / "docs" / "schema" / name: text for name, text in json_schemas().items()}
     found[top / "web" / "src" / "messages.ts"] = typescript()
-    for page in (top / "docs" / "json.md", top / "docs" / "page-protocol.md"):
-        found[page] = tables(page.read_text(encoding="utf-8"))
     return found
 
 
