@@ -111,17 +111,18 @@ def test_random_mechanisms_that_repeat_do_so(seed, tmp_path):
 
 @pytest.mark.parametrize(("slot", "turns"), [(0, 0), (1, 1)])
 def test_a_stop_work_ends_after_some_turns(slot, turns, tmp_path):
-    """A Geneva drive with a slot missing lets its driver turn a few times; then the pin meets the wheel's rim."""
+    """A Geneva drive with a slot missing lets its driver turn a few times; then the pin meets the wheel's rim.
+
+    A climb from rest may end at any earlier place where the pin is caught, so the value has no lower limit but rest.
+    """
     shapes = DRAWN["geneva"]()
     plug = affinity.rotate(shapely.box(25, -3.2, 56, 3.2), (2 * slot + 1) * 30, origin=(0, 0))
     shapes["wheel"] = shapely.union(shapes["wheel"], affinity.translate(plug, -60))
     parts = [drawing.part(name, shape, fixed=name.startswith("axle")) for name, shape in shapes.items()]
     answer = wr.flex(assembled(drawing.assembly(parts, []), tmp_path, gap=0.3), wr.Turn("driver"), search=0)
     assert answer.verdict in ("optimal", "stationary", "stopped")
-    assert answer.objective < 2 * np.pi * turns + np.radians(125)
+    assert np.radians(90) < answer.objective < 2 * np.pi * turns + np.radians(125)
     assert answer.path == "checked"
-    if answer.verdict != "stopped":
-        assert answer.objective > 2 * np.pi * turns + np.radians(90)
 
 
 def test_a_row_that_unfolds_far_is_not_said_to_leave(tmp_path):
