@@ -55,6 +55,12 @@ class _Corners:
         return self.loops.points + self.inward[:, None] * self.normal
 
     @property
+    def turn(self) -> NDArray[np.float64]:
+        """Sine of the angle between both edges, positive where the corner is convex."""
+        left = self.along[self.before]
+        return left[:, 0] * self.along[:, 1] - left[:, 1] * self.along[:, 0]
+
+    @property
     def mixed(self) -> NDArray[np.bool_]:
         """Where one edge moves inward and the other outward."""
         return self.inward[self.before] * self.inward < 0
@@ -63,10 +69,20 @@ class _Corners:
     def shortens(self) -> NDArray[np.bool_]:
         """Where both edges lose length, of edges that move to the same side."""
         left = self.along[self.before]
-        turn = left[:, 0] * self.along[:, 1] - left[:, 1] * self.along[:, 0]
-        stepped = turn * np.sign(self.inward[self.before] + self.inward) > STRAIGHT
+        stepped = self.turn * np.sign(self.inward[self.before] + self.inward) > STRAIGHT
         mitred = (dot_products(self.shift, left) < 0) & (dot_products(self.shift, self.along) > 0)
         return np.where(self.step, stepped, mitred) & ~self.mixed
+
+    @property
+    def taken(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Points]:
+        """Sharp corners where the outgoing edge cuts off what the other one adds, or the incoming one does; and down to where."""
+        behind, ahead, left = self.inward[self.before], self.inward, self.along[self.before]
+        sharp = self.mixed & ~self.step & (dot_products(left, self.along) < -RIGHT_ANGLE)
+        outgoing = np.where(self.turn > 0, ahead, -ahead) > 0
+        run = np.maximum(np.abs(self.turn), 1e-18)
+        back, on = ((np.abs(by) / run)[:, None] for by in (ahead, behind))
+        foot = self.loops.points + np.where(outgoing[:, None], -back * left, on * self.along)
+        return sharp & outgoing, sharp & ~outgoing, foot
 
     @property
     def steps(self) -> tuple[Points, Points]:
@@ -209,13 +225,19 @@ def sweeps_all(loops: Loops, inward: NDArray[np.float64], made: shapely.Polygon)
     Strips go on to the end of their edges where mitres and steps cut across them; an edge that is shorter than that does not cover it.
     """
     corner = _corners(loops, inward)
+    outgoing, incoming, foot = corner.taken
     first, second = _ends(corner)
-    three = [
-        np.stack(some, axis=1) for some in ((loops.points, corner.end, first), (loops.points, second, corner.start))
+    short = corner.shortens
+    sides = [
+        (short, corner.end, first),
+        (short, second, corner.start),
+        (outgoing, foot, corner.start),
+        (incoming, corner.end, foot),
     ]
-    inside = corner.shortens & (corner.inward[corner.before] + corner.inward > 0)
-    for some, cut in ((inside, True), (corner.shortens & ~inside, False)):
-        swept = shapely.union_all(shapely.make_valid(shapely.polygons(np.concatenate([t[some] for t in three]))))
+    cuts = np.where(corner.mixed, corner.turn, corner.inward[corner.before] + corner.inward) > 0
+    for cut in (True, False):
+        corners = [np.stack([loops.points, x, y], axis=1)[some & (cuts == cut)] for some, x, y in sides]
+        swept = shapely.union_all(shapely.make_valid(shapely.polygons(np.concatenate(corners))))
         left = shapely.intersection(swept, made) if cut else shapely.difference(swept, made)
         if left.area > ROUNDING * made.area:
             return False
@@ -237,11 +259,14 @@ def resolved(loops: Loops, inward: NDArray[np.float64]) -> list[shapely.Polygon]
     """
     corner = _corners(loops, inward)
     through = corner.shortens | (corner.step & corner.mixed)
-    first, second = _ends(corner)
-    first, second = (np.where(through[:, None], x, y) for x, y in ((corner.end, first), (corner.start, second)))
-    three = np.stack([first, loops.points, second], axis=1)
-    keep = np.column_stack([np.ones(len(through), dtype=bool), through, through | corner.step])
-    raw = Loops(three[keep], _more(loops, keep))
+    outgoing, incoming, foot = corner.taken
+    low, high = _ends(corner)
+    first = np.where((through | incoming)[:, None], corner.end, low)
+    second = np.where((through | outgoing)[:, None], corner.start, high)
+    five = np.stack([first, foot, loops.points, foot, second], axis=1)
+    bent = through | outgoing | incoming
+    keep = np.stack([np.full(len(bent), True), outgoing, bent, incoming, bent | corner.step], axis=1)
+    raw = Loops(five[keep], _more(loops, keep))
     ends = np.stack([raw.points, raw.points[raw.after]], axis=1)
     segments = ends[(ends[:, 0] != ends[:, 1]).any(axis=1)]
     net = shapely.union_all(shapely.linestrings(segments))
