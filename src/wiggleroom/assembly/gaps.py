@@ -45,6 +45,8 @@ class OutlineShapes:
         Region of each loop, counted through all shapes.
     owner : (regions,) int
         Shape of each region.
+    outward : (loops,) float64 [mm]
+        Offset of each loop.
     """
 
     shape: NDArray[np.int64]
@@ -52,6 +54,7 @@ class OutlineShapes:
     loops: Loops
     region: NDArray[np.int64]
     owner: NDArray[np.int64]
+    outward: NDArray[np.float64]
 
     @property
     def loop_shape(self) -> NDArray[np.int64]:
@@ -64,10 +67,13 @@ class OutlineShapes:
         return np.searchsorted(self.loop_shape, np.arange(len(self.first) + 1))
 
     def on_loop(self, loop: int, stretches: Sequence[Stretch]) -> list[Stretch]:
-        """Stretches of a shape's edges that lie on one of its loops, their edges counted from the loop's first."""
+        """Stretches of a shape's edges that lie on one of its loops, edges counted from the loop's first, the loop's offset applied."""
         before = int(self.loops.starts[loop] - self.loops.starts[self.members[self.loop_shape[loop]]])
         count = int(self.loops.counts[loop])
-        return [replace(s, edge=s.edge - before) for s in stretches if 0 <= s.edge - before < count]
+        out = float(self.outward[loop])
+        return [
+            replace(s, edge=s.edge - before, inward=s.inward - out) for s in stretches if 0 <= s.edge - before < count
+        ]
 
 
 def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
@@ -96,8 +102,7 @@ def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     if not drawing.parts:
         return (), ()
     shapes = outline_shapes(drawing)
-    inward = drawing.gap / 2 - np.array([drawing.parts[i].offset for i in shapes.first])
-    loops, amounts, findings = _joints(drawing, shapes, inward)
+    loops, amounts, findings = _joints(drawing, shapes, drawing.gap / 2 - shapes.outward)
     own = np.zeros(len(shapes.owner), dtype=bool)
     if drawing.gaps:
         own = np.isin([drawing.parts[i].name for i in shapes.first], [n for j in drawing.gaps for n in j.parts])[
@@ -124,7 +129,7 @@ def outline_shapes(drawing: Drawing) -> OutlineShapes:
     shape: list[int] = []
     first: list[int] = []
     for i, part in enumerate(drawing.parts):
-        key = (part.name,) if part.name in alone else (*map(id, part.regions), part.offset)
+        key = (part.name,) if part.name in alone else (*map(id, part.regions), part.offset, part.outline_offsets)
         if key not in keys:
             keys[key] = len(first)
             first.append(i)
@@ -132,10 +137,12 @@ def outline_shapes(drawing: Drawing) -> OutlineShapes:
     chosen = [drawing.parts[i] for i in first]
     rings, region = region_rings([r for p in chosen for r in p.regions])
     owner = np.repeat(np.arange(len(chosen)), [len(p.regions) for p in chosen])
+    counts = [sum(1 + len(r.holes) for r in p.regions) for p in chosen]
     sizes, index = np.zeros(len(chosen)), np.array(region)
     np.maximum.at(sizes, owner, extents([r.outer for p in chosen for r in p.regions]).max(axis=1))
     loops = _oriented(cleaned(chained(rings), sizes[owner[index]]), index)
-    return OutlineShapes(np.array(shape), first, loops, index, owner)
+    outward = [p.offset + more for p, k in zip(chosen, counts, strict=True) for more in p.outline_offsets or (0.0,) * k]
+    return OutlineShapes(np.array(shape), first, loops, index, owner, np.array(outward))
 
 
 def _oriented(loops: Loops, region: NDArray[np.int64]) -> Loops:
@@ -151,21 +158,21 @@ def _joints(drawing: Drawing, shapes: OutlineShapes, inward: NDArray[np.float64]
     """Outlines split where a joint's own gap begins and ends, and the displacement of every edge (n,) [mm]."""
     loops = shapes.loops
     if not drawing.gaps:
-        return loops, np.repeat(inward[shapes.loop_shape], loops.counts), []
+        return loops, np.repeat(inward, loops.counts), []
     stretches, findings = joint_stretches(drawing, shapes)
     rings, amounts = [], []
     for k, (ring, shape) in enumerate(zip(loops.rings(), shapes.loop_shape.tolist(), strict=True)):
         mine = shapes.on_loop(k, stretches.get(shape, []))
-        points, moves = ring, np.full(len(ring), inward[shape])
+        points, moves = ring, np.full(len(ring), inward[k])
         if mine:
-            points, moves = split_ring(ring, float(inward[shape]), mine)
+            points, moves = split_ring(ring, float(inward[k]), mine)
         rings.append(points)
         amounts.append(moves)
     return chained(rings), np.concatenate(amounts), findings
 
 
 def joint_stretches(drawing: Drawing, shapes: OutlineShapes) -> tuple[dict[int, list[Stretch]], list[str]]:
-    """Stretches of edges that a joint's own gap moves, by shape; edges count through all loops of the shape."""
+    """Stretches of edges that a joint's own gap moves, by shape; edges count through all loops of the shape, and offsets do not."""
     index = {part.name: i for i, part in enumerate(drawing.parts)}
     stretches: dict[int, list[Stretch]] = defaultdict(list)
     findings = []
@@ -181,8 +188,8 @@ def joint_stretches(drawing: Drawing, shapes: OutlineShapes) -> tuple[dict[int, 
         both = facing_stretches(a, b, reach, slack), facing_stretches(b, a, reach, slack)
         if not all(both):
             findings.append(_apart(joint))
-        for found, s, part in zip(both, of, pair, strict=True):
-            stretches[s] += [Stretch(e, low, high, joint.gap / 2 - part.offset, number) for e, low, high in found]
+        for found, s in zip(both, of, strict=True):
+            stretches[s] += [Stretch(e, low, high, joint.gap / 2, number) for e, low, high in found]
     return stretches, findings
 
 

@@ -164,7 +164,8 @@ class JointGains:
         c, s = np.cos(one.at[2]), np.sin(one.at[2])
         size = SAME_PLACE * self._assembly.size
         place = np.round(np.array([c * x + s * y, c * y - s * x, angle * self._assembly.size]) / size)
-        return (id(one.regions), one.offset, id(other.regions), other.offset, *place.tolist())
+        alike = ((id(part.regions), part.offset, part.outline_offsets) for part in (one, other))
+        return (*alike, *place.tolist())
 
     def at(self, some: Gains, u: Floats, holds: Ints) -> sp.csr_matrix:
         """Gain (m, k) of each of k rows at u (3F,) for 1 mm more gap in each joint; `some` are the gains of the same walls there."""

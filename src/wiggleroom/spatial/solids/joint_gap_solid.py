@@ -310,7 +310,7 @@ class _Cells:
             sign = 1.0 if cut else -1.0
             if sign * side.depth <= 0:
                 continue
-            for at, which in ((i - 1, 0), ((i + 1) % len(sides), 1)):
+            for at, which in (((i - 1) % len(sides), 0), ((i + 1) % len(sides), 1)):
                 if not (self._is_oblique(k, sides[at]) and sides[at].reflex == side.reflex):
                     caps[which] = rows[2 + at]
             beside = np.array([*-end[0][:3], margin - end[0][3]])
