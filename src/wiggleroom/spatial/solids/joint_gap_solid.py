@@ -1,15 +1,13 @@
 """The gap of one joint in space: where faces of two parts face each other they move inward by half of it.
 
 A region of a face that moves further in than the rest is cut away, one that moves less is built up: by convex bodies between the depth
-of the face and that of the region. Inside a face they end at right angles to it, in a step. Towards another face they end as strips of
-edges do in the plane (`assembly/mitre.py`): what a face sweeps ends at right angles to it at a convex edge, and at a reflex edge goes on
-up to the other face's moved plane. So corners are mitred where both planes meet within what both sweep, and what is made only gets
-smaller as any gap grows.
+of the face and that of the region. Towards another face they end where its own moved plane is, so that corners are mitred; inside a face
+they end at right angles to it, in a step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -19,7 +17,6 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.facing import joint_reach
-from wiggleroom.assembly.mitre import RIGHT_ANGLE
 from wiggleroom.spatial.solids.facing_faces import FlatFace, facing_regions, flat_faces
 from wiggleroom.spatial.solids.made_solids import drawn_surface
 from wiggleroom.spatial.solids.mesh_pieces import convex_pieces
@@ -143,8 +140,7 @@ def with_joint_gaps(
     size = float(np.ptp(made.surface.vertices, axis=0).max())
     far = 4 * float(np.abs(made.surface.vertices).max())
     cells = _Cells(faces, patched.patches, depth, further, SAME * size, far)
-    pads: dict[int, list[Any]] = {}
-    swept: dict[int, list[Any]] = {}
+    pads: list[Any] = []
     cuts: list[Any] = []
     steps: list[Floats] = []
     for patch in patched.patches:
@@ -157,22 +153,15 @@ def with_joint_gaps(
                 "meets another one in a region of too many corners for a gap of its own: simpler faces would do"
             ]
         for ring, sides, free in found:
-            some, away, walls = cells.bodies(patch.face, own, ring, sides, free)
-            if own < depth[patch.face]:
-                pads.setdefault(patch.face, []).extend(some)
-                swept.setdefault(patch.face, []).extend(away)
-            else:
-                cuts += some
-            steps += walls
+            body, walls = cells.body(patch.face, own, ring, sides, free)
+            if body is not None:
+                (pads if own < depth[patch.face] else cuts).append(body)
+                steps += walls
     if not pads and not cuts:
         return made, []
     solid = solid_of(made.surface)
     lumps = len(connected_solids(solid))
-    if pads:
-        built = [
-            union_of(some) - union_of(swept[k]) if swept[k] else union_of(some) for k, some in pads.items() if some
-        ]
-        solid = union_of([solid, *built])
+    solid = union_of([solid, *pads]) if pads else solid
     solid = solid - union_of(cuts) if cuts else solid
     complaint = f"at gap {gap:g} and the gaps of its joints: a smaller gap would leave it whole"
     if not is_sound(solid) or solid.volume() <= 0:
@@ -273,95 +262,41 @@ class _Cells:
         f, g = self.faces[one], self.faces[other]
         return np.asarray((points @ f.frame + f.normal * f.level) @ g.frame.T)
 
-    def bodies(
-        self, k: int, own: float, ring: Floats, sides: Sequence[_Side], free: Sequence[bool]
-    ) -> tuple[list[Any], list[Any], list[Floats]]:
-        """Solids of the library over a cell of face k, between the depth of the face and its own.
-
-        Also those that neighbouring faces sweep there, to be taken away from what is built up; and steps (4,), outward normals and offsets.
-        """
+    def body(
+        self, k: int, own: float, ring: Floats, sides: Iterable[_Side], free: Iterable[bool]
+    ) -> tuple[Any | None, list[Floats]]:
+        """Solid of the library over a cell of face k, between the depth of the face and its own; and its steps (4,) inside the face."""
         face, depth = self.faces[k], float(self.depth[k])
-        cut, margin = own > depth, MARGIN * abs(own - depth)
-        high, low = (depth - margin, own) if cut else (own, depth + margin)
-        ends = [self._side_end(k, corner, after) for corner, after in zip(ring, np.roll(ring, -1, axis=0), strict=True)]
+        cut, margin = own > depth, abs(own - depth)
+        high = depth - MARGIN * margin if cut else own
+        low = own if cut else depth + margin
         rows = [np.array([*face.normal, face.level - high]), np.array([*-face.normal, low - face.level])]
         steps = []
-        for end, side, step in zip(ends, sides, free, strict=True):
-            rows.append(self._row(k, own, end, side, margin))
-            if (step and side.other < 0) or self._is_oblique(k, side):
-                steps.append(-rows[-1] if cut else rows[-1])
-        found, swept = [self._behind(rows)], []
-        for i, (end, side) in enumerate(zip(ends, sides, strict=True)):
-            other = self.faces[side.other]
+        origin = face.normal * face.level
+        for corner, after, side, step in zip(ring, np.roll(ring, -1, axis=0), sides, free, strict=True):
             if side.other < 0:
+                out = np.array([after[1] - corner[1], corner[0] - after[0]]) @ face.frame
+                out /= np.linalg.norm(out)
+                rows.append(np.array([*out, out @ (origin + corner @ face.frame)]))
+                if step:
+                    steps.append(-rows[-1] if cut else rows[-1])
                 continue
-            caps = [np.array([*-end[1], -end[1] @ end[2][0]]), np.array([*end[1], end[1] @ end[2][1]])]
-            across = self._across(k, side, end)
-            outside = (
-                np.array([*other.normal, other.level + self.near]),
-                np.array([*-other.normal, side.depth - other.level]),
+            # the mitre: a plane through the edges where both faces meet before and after
+            n, level, before = (
+                self.faces[side.other].normal,
+                self.faces[side.other].level,
+                float(self.depth[side.other]),
             )
-            if not side.reflex and not cut and side.depth > 0 and abs(face.normal @ other.normal) > RIGHT_ANGLE:
-                swept.append(self._behind([*outside, -across, *caps]))
-                steps.append(across)
-            if not self._is_oblique(k, side) or side.reflex != cut or (own if cut else -own) <= 0:
-                continue
-            # between both faces, where their strips spread: what lies nearer to both than they move
-            sign = 1.0 if cut else -1.0
-            if sign * side.depth <= 0:
-                continue
-            for at, which in (((i - 1) % len(sides), 0), ((i + 1) % len(sides), 1)):
-                if not (self._is_oblique(k, sides[at]) and sides[at].reflex == side.reflex):
-                    caps[which] = rows[2 + at]
-            beside = np.array([*-end[0][:3], margin - end[0][3]])
-            beyond = np.array([*across[:3], across[3] + margin])
-            found.append(
-                self._behind([
-                    beside, beyond, *caps,
-                    sign * np.array([*-face.normal, own - face.level]), sign * np.array([*-other.normal, side.depth - other.level]),
-                    np.array([*sign * face.normal, sign * face.level + margin]),
-                    np.array([*sign * other.normal, sign * other.level + margin]),
-                ])
-            )  # fmt: skip
-        return [b for b in found if b is not None], [b for b in swept if b is not None], steps
-
-    def _side_end(self, k: int, corner: Floats, after: Floats) -> tuple[Floats, Floats, Floats]:
-        """The plane (4,) at right angles to face k through a side of a cell, outward; its direction (3,); and its ends (2, 3) [mm]."""
-        face = self.faces[k]
-        ends = face.normal * face.level + np.array([corner, after]) @ face.frame
-        along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-        out = np.cross(along, face.normal)
-        return np.array([*out, out @ ends[0]]), along, ends
-
-    def _is_oblique(self, k: int, side: _Side) -> bool:
-        """True where a side ends at a face that turns by less than a right angle."""
-        return side.other >= 0 and float(self.faces[k].normal @ self.faces[side.other].normal) > RIGHT_ANGLE
-
-    def _across(self, k: int, side: _Side, end: tuple[Floats, Floats, Floats]) -> Floats:
-        """The plane (4,) at right angles to the other face through a side, towards that face."""
-        other = self.faces[side.other].normal
-        on = end[0][:3] - (end[0][:3] @ other) * other
-        on *= np.sign(self.faces[k].normal @ other) / max(float(np.linalg.norm(on)), 1e-300)
-        return np.array([*on, on @ end[2][0]])
-
-    def _row(self, k: int, own: float, end: tuple[Floats, Floats, Floats], side: _Side, margin: float) -> Floats:
-        """The plane (4,) that a body over a cell ends at on one side, outward."""
-        out = end[0]
-        if side.other < 0:
-            return out
-        cut, oblique = own > float(self.depth[k]), self._is_oblique(k, side)
-        other, before = self.faces[side.other], float(self.depth[side.other])
-        if side.reflex and oblique and not cut:  # what lies between both faces is nearer to this one than it moves
-            return self._across(k, side, end)
-        if oblique:
-            return out
-        if side.reflex:
-            return np.array([*-other.normal, (side.depth if cut else before + margin) - other.level])
-        return np.array([*other.normal, other.level - (min(before, side.depth, 0.0) - margin if cut else side.depth)])
-
-    def _behind(self, rows: Sequence[Floats]) -> Any | None:
+            mitre = (side.depth - before) * face.normal - (own - depth) * n
+            across = (own - depth) * (level - before) - (side.depth - before) * (face.level - depth)
+            sign = (1.0 if cut else -1.0) * (-1.0 if side.reflex else 1.0) / float(np.linalg.norm(mitre))
+            rows.append(np.array([*(-sign * mitre), sign * across + MARGIN * margin]))
+            if side.reflex:
+                rows.append(np.array([*-n, side.depth + (0.0 if cut else margin) - level]))
+            else:
+                rows.append(np.array([*n, level - (min(before, side.depth) - MARGIN * margin if cut else side.depth)]))
         planes = np.array(rows)
-        return behind_planes(planes[:, :3], planes[:, 3], self.far)
+        return behind_planes(planes[:, :3], planes[:, 3], self.far), steps
 
 
 def _along_reflex(polygon: shapely.Polygon, near: float) -> tuple[Floats, Floats] | None:
