@@ -204,7 +204,10 @@ def spatial_allowable_gap(
     if not assembly.drawing.gaps or found.certainty is not Certainty.PROVEN:
         return found
     why = "; ".join(
-        [*filter(None, [found.why]), "solids with a joint that has a gap of its own may grow a little as the gap grows"]
+        [
+            *filter(None, [found.why]),
+            "not proven: solids with a gap of a single joint may grow by a sliver as the gap grows",
+        ]
     )
     return replace(found, certainty=Certainty.SEARCHED, proven_gap=None, why=why)
 
