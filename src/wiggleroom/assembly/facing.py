@@ -15,6 +15,10 @@ OPPOSITE = -np.cos(np.radians(15.0))
 """Edges face each other where their directions are opposite to within this; flattened curves need some room."""
 
 
+LEEWAY = 1e-3
+"""Sides of a joint may lie apart by this share of the smaller part's size more than its parts do: drawings are not exact."""
+
+
 @dataclass(frozen=True)
 class Stretch:
     """Part of one edge, from `low` to `high` [mm] along it, that moves inward by `inward` [mm], for joint `joint` of the drawing."""
@@ -26,22 +30,24 @@ class Stretch:
     joint: int
 
 
-def joint_reach(drawn: float, gap: float, room: float) -> tuple[float, float]:
+def joint_reach(drawn: float, deep: float, size: float, room: float = 0.0) -> tuple[float, float]:
     """How far apart two sides of a joint may lie [mm], and how far behind each other; edges in the plane, faces in space.
 
-    Half of the joint's gap opens parts that are drawn larger. The drawing's own gap has no say: the same sides face each other whatever it
-    is, so parts only get smaller as it grows.
+    Only the parts as drawn have a say: the same sides face each other whatever the gaps are, so parts only get smaller as these grow.
 
     Parameters
     ----------
     drawn : float [mm]
-        Distance of both parts as drawn.
-    gap : float [mm]
-        The joint's.
+        Distance of both parts.
+    deep : float [mm]
+        How far they overlap, where they are drawn larger than they will be.
+    size : float [mm]
+        Of the smaller part.
     room : float [mm]
-        For rounding, and for flattened curves.
+        For flattened curves.
     """
-    return drawn + room + 0.1 * max(drawn, gap), room + max(0.1 * drawn, 0.5 * gap)
+    near = room + LEEWAY * size
+    return 1.1 * drawn + near, max(0.1 * drawn, deep) + near
 
 
 def facing_stretches(a: Loops, b: Loops, reach: float, slack: float) -> list[tuple[int, float, float]]:

@@ -24,7 +24,7 @@ from wiggleroom.assembly.loops import (
     region_rings,
     signed_areas,
 )
-from wiggleroom.assembly.mitre import offset_ring, resolved
+from wiggleroom.assembly.mitre import offset_ring, resolved, sweeps_all
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap, Part, Points, Region
 from wiggleroom.drawing.outlines.rings import extents
 
@@ -45,6 +45,8 @@ class OutlineShapes:
         Region of each loop, counted through all shapes.
     owner : (regions,) int
         Shape of each region.
+    outward : (loops,) float64 [mm]
+        Offset of each loop.
     """
 
     shape: NDArray[np.int64]
@@ -52,6 +54,7 @@ class OutlineShapes:
     loops: Loops
     region: NDArray[np.int64]
     owner: NDArray[np.int64]
+    outward: NDArray[np.float64]
 
     @property
     def loop_shape(self) -> NDArray[np.int64]:
@@ -64,10 +67,13 @@ class OutlineShapes:
         return np.searchsorted(self.loop_shape, np.arange(len(self.first) + 1))
 
     def on_loop(self, loop: int, stretches: Sequence[Stretch]) -> list[Stretch]:
-        """Stretches of a shape's edges that lie on one of its loops, their edges counted from the loop's first."""
+        """Stretches of a shape's edges that lie on one of its loops, edges counted from the loop's first, the loop's offset applied."""
         before = int(self.loops.starts[loop] - self.loops.starts[self.members[self.loop_shape[loop]]])
         count = int(self.loops.counts[loop])
-        return [replace(s, edge=s.edge - before) for s in stretches if 0 <= s.edge - before < count]
+        out = float(self.outward[loop])
+        return [
+            replace(s, edge=s.edge - before, inward=s.inward - out) for s in stretches if 0 <= s.edge - before < count
+        ]
 
 
 def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
@@ -96,9 +102,13 @@ def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     if not drawing.parts:
         return (), ()
     shapes = outline_shapes(drawing)
-    inward = drawing.gap / 2 - np.array([drawing.parts[i].offset for i in shapes.first])
-    loops, amounts, findings = _joints(drawing, shapes, inward)
-    regions, trouble = _moved_regions(loops, amounts, shapes)
+    loops, amounts, findings = _joints(drawing, shapes, drawing.gap / 2 - shapes.outward)
+    own = np.zeros(len(shapes.owner), dtype=bool)
+    if drawing.gaps:
+        own = np.isin([drawing.parts[i].name for i in shapes.first], [n for j in drawing.gaps for n in j.parts])[
+            shapes.owner
+        ]
+    regions, trouble = _moved_regions(loops, amounts, shapes, own)
     by_shape: list[list[Region]] = [[] for _ in shapes.first]
     for region, shape in zip(regions, shapes.owner, strict=True):
         by_shape[shape] += [region] if region is not None else []
@@ -119,7 +129,7 @@ def outline_shapes(drawing: Drawing) -> OutlineShapes:
     shape: list[int] = []
     first: list[int] = []
     for i, part in enumerate(drawing.parts):
-        key = (part.name,) if part.name in alone else (*map(id, part.regions), part.offset)
+        key = (part.name,) if part.name in alone else (*map(id, part.regions), part.offset, part.outline_offsets)
         if key not in keys:
             keys[key] = len(first)
             first.append(i)
@@ -127,10 +137,12 @@ def outline_shapes(drawing: Drawing) -> OutlineShapes:
     chosen = [drawing.parts[i] for i in first]
     rings, region = region_rings([r for p in chosen for r in p.regions])
     owner = np.repeat(np.arange(len(chosen)), [len(p.regions) for p in chosen])
+    counts = [sum(1 + len(r.holes) for r in p.regions) for p in chosen]
     sizes, index = np.zeros(len(chosen)), np.array(region)
     np.maximum.at(sizes, owner, extents([r.outer for p in chosen for r in p.regions]).max(axis=1))
     loops = _oriented(cleaned(chained(rings), sizes[owner[index]]), index)
-    return OutlineShapes(np.array(shape), first, loops, index, owner)
+    outward = [p.offset + more for p, k in zip(chosen, counts, strict=True) for more in p.outline_offsets or (0.0,) * k]
+    return OutlineShapes(np.array(shape), first, loops, index, owner, np.array(outward))
 
 
 def _oriented(loops: Loops, region: NDArray[np.int64]) -> Loops:
@@ -146,23 +158,22 @@ def _joints(drawing: Drawing, shapes: OutlineShapes, inward: NDArray[np.float64]
     """Outlines split where a joint's own gap begins and ends, and the displacement of every edge (n,) [mm]."""
     loops = shapes.loops
     if not drawing.gaps:
-        return loops, np.repeat(inward[shapes.loop_shape], loops.counts), []
+        return loops, np.repeat(inward, loops.counts), []
     stretches, findings = joint_stretches(drawing, shapes)
     rings, amounts = [], []
     for k, (ring, shape) in enumerate(zip(loops.rings(), shapes.loop_shape.tolist(), strict=True)):
         mine = shapes.on_loop(k, stretches.get(shape, []))
-        points, moves = ring, np.full(len(ring), inward[shape])
+        points, moves = ring, np.full(len(ring), inward[k])
         if mine:
-            points, moves = split_ring(ring, float(inward[shape]), mine)
+            points, moves = split_ring(ring, float(inward[k]), mine)
         rings.append(points)
         amounts.append(moves)
     return chained(rings), np.concatenate(amounts), findings
 
 
 def joint_stretches(drawing: Drawing, shapes: OutlineShapes) -> tuple[dict[int, list[Stretch]], list[str]]:
-    """Stretches of edges that a joint's own gap moves, by shape; edges count through all loops of the shape."""
+    """Stretches of edges that a joint's own gap moves, by shape; edges count through all loops of the shape, and offsets do not."""
     index = {part.name: i for i, part in enumerate(drawing.parts)}
-    size = max(np.ptp(place(r.outer, p.at), axis=0).max() for p in drawing.parts for r in p.regions)
     stretches: dict[int, list[Stretch]] = defaultdict(list)
     findings = []
     rings = shapes.loops.rings()
@@ -173,41 +184,53 @@ def joint_stretches(drawing: Drawing, shapes: OutlineShapes) -> tuple[dict[int, 
             chained([place(ring, part.at) for ring in rings[shapes.members[s] : shapes.members[s + 1]]])
             for s, part in zip(of, pair, strict=True)
         )
-        reach, slack = _reach(joint, pair, drawing.flattening, size)
+        reach, slack = _reach(pair, drawing.flattening)
         both = facing_stretches(a, b, reach, slack), facing_stretches(b, a, reach, slack)
         if not all(both):
             findings.append(_apart(joint))
-        for found, s, part in zip(both, of, pair, strict=True):
-            stretches[s] += [Stretch(e, low, high, joint.gap / 2 - part.offset, number) for e, low, high in found]
+        for found, s in zip(both, of, strict=True):
+            stretches[s] += [Stretch(e, low, high, joint.gap / 2, number) for e, low, high in found]
     return stretches, findings
 
 
-def _reach(joint: JointGap, pair: list[Part], flattening: Flattening | None, size: float) -> tuple[float, float]:
+def _reach(pair: list[Part], flattening: Flattening | None) -> tuple[float, float]:
     """How far apart edges of a joint may lie [mm], and how far behind each other, with room for flattened curves."""
     shapes, owner = placed_regions(pair)
-    drawn = float(shapely.distance(shapes[owner == 0][:, None], shapes[owner == 1]).min())
+    one, other = shapes[owner == 0], shapes[owner == 1]
+    drawn = float(shapely.distance(one[:, None], other).min())
+    deep = 0.0
+    if drawn == 0:
+        common = shapely.get_parts(shapely.intersection(one[:, None], other).ravel())
+        common = common[shapely.area(common) > 0]
+        deep = float((4 * shapely.area(common) / shapely.length(common)).max(initial=0.0))
+    size = min(float(np.ptp(shapely.total_bounds(some).reshape(2, 2), axis=0).max()) for some in (one, other))
     error = 0.0 if flattening is None else flattening.error
-    return joint_reach(drawn, joint.gap, 1e-6 * size + 2 * error)
+    return joint_reach(drawn, deep, size, 2 * error)
 
 
 def _moved_regions(
-    loops: Loops, amounts: NDArray[np.float64], shapes: OutlineShapes
+    loops: Loops, amounts: NDArray[np.float64], shapes: OutlineShapes, own: NDArray[np.bool_]
 ) -> tuple[list[Region | None], dict[int, str]]:
-    """Every region as made, and what went wrong by shape."""
+    """Every region as made, and what went wrong by shape; `own` (regions,) names those with a joint that has a gap of its own."""
     new, forward = offset_ring(loops, amounts)
     forward_regions = np.ones(len(shapes.owner), dtype=bool)
     np.logical_and.at(forward_regions, shapes.region, forward)
-    fine = forward_regions & are_valid(polygons(new, shapes.region))
+    made = polygons(new, shapes.region)
+    fine = forward_regions & are_valid(made)
     rings = new.rings()
     members = np.searchsorted(shapes.region, np.arange(len(fine) + 1))
     regions: list[Region | None] = []
     trouble: dict[int, str] = {}
     for i, (low, high) in enumerate(pairwise(members)):
-        if fine[i]:
+        if fine[i] and not own[i]:
             regions.append(Region(rings[low], tuple(rings[low + 1 : high])))
             continue
         chosen = (shapes.region[loops.owner] == i).nonzero()[0]
-        pieces = resolved(Loops(loops.points[chosen], loops.counts[low:high]), amounts[chosen])
+        drawn = Loops(loops.points[chosen], loops.counts[low:high])
+        if fine[i] and sweeps_all(drawn, amounts[chosen], made[i]):
+            regions.append(Region(rings[low], tuple(rings[low + 1 : high])))
+            continue
+        pieces = resolved(drawn, amounts[chosen])
         wrong = _what_went_wrong(pieces, high - low - 1)
         regions.append(None if wrong else region_of(pieces[0]))
         if wrong:

@@ -73,14 +73,12 @@ def joint_edges(drawing: Drawing, pair: tuple[int, int]) -> tuple[JointEdges, Jo
         mine = stretches.get(shape, [])
         if not any(s.joint == number for s in mine):
             return None
-        moves = [replace(s, inward=AT_JOINT if s.joint == number else 0.0) for s in mine]
-        usual = drawing.gap / 2 - some.parts[part].offset
         pieces = []
         for loop in np.flatnonzero(shapes.loop_shape == shape).tolist():
             ring = shapes.loops.rings()[loop]
-            points, inward = split_ring(ring, usual, shapes.on_loop(loop, mine))
-            pieces.append(
-                (points, np.roll(points, -1, axis=0), inward, split_ring(ring, 0.0, shapes.on_loop(loop, moves))[1])
-            )
+            own = shapes.on_loop(loop, mine)
+            points, inward = split_ring(ring, drawing.gap / 2 - float(shapes.outward[loop]), own)
+            moves = [replace(s, inward=AT_JOINT if s.joint == number else 0.0) for s in own]
+            pieces.append((points, np.roll(points, -1, axis=0), inward, split_ring(ring, 0.0, moves)[1]))
         found.append(JointEdges(*(np.concatenate(column) for column in zip(*pieces, strict=True))))
     return found[0], found[1]

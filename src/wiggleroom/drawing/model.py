@@ -45,6 +45,8 @@ class Part:
         Extra outward displacement of this part's boundary (negative: smaller, looser).
     aliases : tuple of str
         What else a drawing calls it, such as its id beside a label; a question may use these too.
+    outline_offsets : tuple of float [mm]
+        Extra offsets of single outlines, counted through the outer outlines, each followed by its holes; none where it is empty.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Part:
     fixed: bool = False
     offset: float = 0.0
     aliases: tuple[str, ...] = ()
+    outline_offsets: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.joint_edges import JointEdges, joint_edges
-from wiggleroom.assembly.mitre import STEP_COSINE
+from wiggleroom.assembly.mitre import fits
 from wiggleroom.compiled.jit_options import NO_ALLOCATION, njit
 from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.program.gap_sensitivity import Gains
@@ -87,8 +87,8 @@ def _at_joints(of: Ints, part: Ints, joint: Ints, outline: Ints) -> _At:
 
 
 @njit(**NO_ALLOCATION)
-def _nearest_moves(outline, first, start, ahead, length, inward, moves, point, along, out):
-    """Fill `out` (q,) with how far the piece of each outline moves that, as made, is nearest to a point and runs along a unit vector."""
+def _nearest_pieces(outline, first, start, ahead, length, inward, point, along, out):
+    """Fill `out` (q,) with the piece of each outline that, as made, is nearest to a point and runs along a unit vector."""
     for q in range(len(outline)):
         begin, end = first[outline[q]], first[outline[q] + 1]
         longest = 0.0
@@ -104,7 +104,7 @@ def _nearest_moves(outline, first, start, ahead, length, inward, moves, point, a
             turned = 1.0 - along[q, 0] * ahead[k, 0] - along[q, 1] * ahead[k, 1]
             off = np.hypot(beside, beyond) + longest * turned
             if off < least:
-                least, out[q] = off, moves[k]
+                least, out[q] = off, k
 
 
 class JointGains:
@@ -134,7 +134,7 @@ class JointGains:
         before, body = np.argsort(shapes.after)[some.corner], some.corner_body
         spot = shapes.corner[some.corner]
         self._behind, self._ahead = (
-            self._moves(self._corner, some.corner_part, body, spot, edge) for edge in (before, some.corner)
+            self._nearest(self._corner, some.corner_part, body, spot, edge) for edge in (before, some.corner)
         )
         self._normals = shapes.normal[before], shapes.normal[some.corner]
 
@@ -164,7 +164,8 @@ class JointGains:
         c, s = np.cos(one.at[2]), np.sin(one.at[2])
         size = SAME_PLACE * self._assembly.size
         place = np.round(np.array([c * x + s * y, c * y - s * x, angle * self._assembly.size]) / size)
-        return (id(one.regions), one.offset, id(other.regions), other.offset, *place.tolist())
+        alike = ((id(part.regions), part.offset, part.outline_offsets) for part in (one, other))
+        return (*alike, *place.tolist())
 
     def at(self, some: Gains, u: Floats, holds: Ints) -> sp.csr_matrix:
         """Gain (m, k) of each of k rows at u (3F,) for 1 mm more gap in each joint; `some` are the gains of the same walls there."""
@@ -174,7 +175,10 @@ class JointGains:
         by_edge = self._moves(self._edge, some.edge_part, some.edge_body, spot, some.edge)
         wall = self._corner.wall
         one, other = (normal[wall] for normal in self._normals)
-        by_corner = _corner_gain(some.toward[wall], one, other, self._behind, self._ahead)
+        behind, ahead = self._behind, self._ahead
+        mitred = fits(self._pieces.inward[behind], self._pieces.inward[ahead], (one * other).sum(axis=1))
+        moves = self._pieces.moves
+        by_corner = _corner_gain(some.toward[wall], one, other, moves[behind], moves[ahead], mitred)
         joint = np.concatenate([self._edge.joint, self._corner.joint])
         column = some.column[np.concatenate([self._edge.wall, wall])]
         shape = len(self.joints), len(holds)
@@ -227,25 +231,32 @@ class JointGains:
 
     def _moves(self, where: _At, part: Ints, body: Ints, point: Floats, edge: Ints) -> Floats:
         """How far the edges of walls (w,), at points (w, 2) of the frames of their bodies, move for each of the pairs of wall and joint."""
+        return self._pieces.moves[self._nearest(where, part, body, point, edge)]
+
+    def _nearest(self, where: _At, part: Ints, body: Ints, point: Floats, edge: Ints) -> Ints:
+        """The pieces of outlines that these edges are."""
         bodies = self._program.bodies
         rest, at = bodies.rest[body], np.array([p.at for p in self._assembly.parts])[part]
         along = np.column_stack([-bodies.shapes.normal[edge][:, 1], bodies.shapes.normal[edge][:, 0]])
         turn = rest[:, 2] - at[:, 2]
         spot = self._in_parts(part, body, point)
-        out = np.empty(len(where.wall))
-        _nearest_moves(where.outline, *self._pieces, spot[where.wall], rotated(along, turn)[where.wall], out)
+        out = np.zeros(len(where.wall), dtype=np.int64)
+        some = self._pieces[:5]
+        _nearest_pieces(where.outline, *some, spot[where.wall], rotated(along, turn)[where.wall], out)
         return out
 
 
-def _corner_gain(toward: Floats, one: Floats, other: Floats, behind: Floats, ahead: Floats) -> Floats:
+def _corner_gain(
+    toward: Floats, one: Floats, other: Floats, behind: Floats, ahead: Floats, mitred: NDArray[np.bool_]
+) -> Floats:
     """What walls gain where the edges before and after their corners move inward by `behind` and `ahead` (q,).
 
-    With the edges' outward normals `one` and `other` (q, 2) a corner moves by m with one . m = -behind and other . m = -ahead. Where
-    edges that turn little move differently a step joins them, and the nearer of its two corners counts.
+    With the edges' outward normals `one` and `other` (q, 2) a mitred corner moves by m with one . m = -behind and other . m = -ahead. Where
+    a step joins both edges the nearer of its two corners counts.
     """
     total, apart = one + other, one - other
     mean, half = (behind + ahead) / 2, (behind - ahead) / 2
     along = [(toward * d).sum(axis=1) / np.maximum((d * d).sum(axis=1), 1e-18) for d in (total, apart)]
-    mitred = -2 * (mean * along[0] + np.where(half != 0, half * along[1], 0.0))
+    meet = -2 * (mean * along[0] + np.where(half != 0, half * along[1], 0.0))
     stepped = np.minimum(-behind * (toward * one).sum(axis=1), -ahead * (toward * other).sum(axis=1))
-    return np.where((half != 0) & ((one * other).sum(axis=1) > STEP_COSINE), stepped, mitred)
+    return np.where((half != 0) & ~mitred, stepped, meet)

@@ -33,6 +33,7 @@ from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial, spatial_question_findings
 from wiggleroom.spatial.spatial_joint_gains import HoldingCorners, spatial_joint_gains
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
+from wiggleroom.verdict import Certainty
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -197,8 +198,18 @@ def spatial_allowable_gap(
         raise InputError("gap: --fits is for drawings; of an assembly in space ask --at-most or --holds")
     deadline = Deadline(seconds, stop)
     if at_most is None:
-        return held_gap(assembly, spatial_largest_gap(assembly, stop=deadline), deadline)
-    return MotionBorder(spatial_study_of(assembly, goals), at_most, deadline, progress).enclose()
+        found = held_gap(assembly, spatial_largest_gap(assembly, stop=deadline), deadline)
+    else:
+        found = MotionBorder(spatial_study_of(assembly, goals), at_most, deadline, progress).enclose()
+    if not assembly.drawing.gaps or found.certainty is not Certainty.PROVEN:
+        return found
+    why = "; ".join(
+        [
+            *filter(None, [found.why]),
+            "not proven: solids with a gap of a single joint may grow by a sliver as the gap grows",
+        ]
+    )
+    return replace(found, certainty=Certainty.SEARCHED, proven_gap=None, why=why)
 
 
 def _moved_inward(assembly: SpatialAssembly, inward: Floats) -> SpatialAssembly:

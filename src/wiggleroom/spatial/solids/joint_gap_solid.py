@@ -87,13 +87,13 @@ def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], li
     names = list(dict.fromkeys(name for joint in drawing.gaps for name in joint.parts))
     surface = {name: drawn_surface(part[name].solid) for name in names}
     faces = {name: tuple(flat_faces(surface[name])) for name in names}
-    size = max(float(np.ptp(s.vertices, axis=0).max()) for s in surface.values())
     patches: dict[str, list[FacePatch]] = {name: [] for name in names}
     findings = []
     for number, joint in enumerate(drawing.gaps):
         one, other = joint.parts
-        drawn = _distance(part[one], surface[one], part[other], surface[other])
-        reach, slack = joint_reach(drawn, joint.gap, 1e-6 * size)
+        drawn, deep = _apart(part[one], surface[one], part[other], surface[other])
+        size = min(float(np.ptp(surface[name].vertices, axis=0).max()) for name in joint.parts)
+        reach, slack = joint_reach(drawn, deep, size)
         for name, across in ((one, other), (other, one)):
             seen = flat_faces(_seen(part[name], part[across], surface[across]))
             regions = facing_regions(faces[name], seen, reach, slack)
@@ -112,11 +112,14 @@ def _seen(part: SpatialPart, other: SpatialPart, surface: Surface) -> Surface:
     return Surface((surface.vertices @ other.R.T + other.at - part.at) @ part.R, surface.faces)
 
 
-def _distance(part: SpatialPart, surface: Surface, other: SpatialPart, across: Surface) -> float:
-    """How far apart two parts are drawn [mm]."""
+def _apart(part: SpatialPart, surface: Surface, other: SpatialPart, across: Surface) -> tuple[float, float]:
+    """How far apart two parts are drawn [mm], and how deep they overlap."""
     seen = _seen(part, other, across)
     far = float(np.ptp(np.vstack([surface.vertices, seen.vertices]), axis=0).max())
-    return float(solid_of(surface).min_gap(solid_of(seen), 2 * far))
+    one, two = solid_of(surface), solid_of(seen)
+    drawn = float(one.min_gap(two, 2 * far))
+    common = connected_solids(one ^ two) if drawn == 0 else []
+    return drawn, max((6 * c.volume() / c.surface_area() for c in common if c.volume() > 0), default=0.0)
 
 
 def with_joint_gaps(
