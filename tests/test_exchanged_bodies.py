@@ -94,7 +94,8 @@ class SlidePuzzle:
 def _ring(border: frozenset[Cell]) -> list[list[float]]:
     """The border of a tray as one ring."""
     whole = shapely.union_all([shapely.box(x * CELL, y * CELL, (x + 1) * CELL, (y + 1) * CELL) for x, y in border])
-    assert isinstance(whole, shapely.Polygon) and not whole.interiors
+    assert isinstance(whole, shapely.Polygon)
+    assert not whole.interiors
     return [list(p) for p in whole.exterior.coords[:-1]]
 
 
