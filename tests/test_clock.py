@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+
+ROOT = Path(__file__).parent.parent
 
 ASKED = """
 import sys, time
@@ -30,12 +33,12 @@ print(told(wr.check(grid)))
 print(told(wr.check(wr.patterns.jigsaw(2, 2, gap=0.5, pitch=40))))
 """,
     "displacement bound whose work ends": """
-print(furthest(grid, 90.0), furthest(grid, 200.0))
+print(furthest(grid, 20.0), furthest(grid, 200.0))
 """,
     "proof": """
 answer = wr.flex(grid)
-for work in (None, 40.0, 300.0, 1200.0):
-    done = wr.prove(answer, 1e-3 if work else 0.05, work=work)
+for work in (40.0, 400.0, 1200.0):
+    done = wr.prove(answer, 1e-3, work=work)
     print(told(done), done.bound.why)
 """,
     "proof of a question": """
@@ -43,23 +46,31 @@ print(told(wr.flex(tees, prove=0.02)))
 """,
     "certificate": """
 done = wr.prove(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02)), 0.05, certify=True)
-print(told(done), hash(str(sorted(done.bound.certificate))) is None)
+print(told(done), len(str(done.bound.certificate)))
 """,
     "bound by work": """
 answer = wr.flex(grid, search=0)
 print([told(with_bound_by_work(answer, work)) for work in (10.0, 100.0, 20_000.0)])
 """,
     "bound in space": """
-print(told(wr.flex(wr.read("examples/41_drawer_in_a_case/drawer.json"))))
+from tests.test_spatial_bound import dovetail
+print(told(wr.flex(dovetail(2, 1.0), wr.Pull("hook", (0.0, 1.0, 0.0)))))
 """,
 }
 
 
-@pytest.mark.parametrize("place", PLACES)
+QUICK = "displacement bound whose work ends", "bound in space"
+
+
+@pytest.mark.parametrize("place", [p if p in QUICK else pytest.param(p, marks=pytest.mark.slow) for p in PLACES])
 def test_answers_do_not_depend_on_the_clock(place):
     def answered(pace):
         ran = subprocess.run(
-            [sys.executable, "-c", ASKED + PLACES[place], str(pace)], capture_output=True, text=True, check=False
+            [sys.executable, "-c", ASKED + PLACES[place], str(pace)],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=ROOT,
         )
         assert not ran.returncode, ran.stderr
         return ran.stdout
