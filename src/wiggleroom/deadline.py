@@ -63,7 +63,8 @@ class Deadline:
         return self.over or (self.stop is not None and self.stop.is_set())
 
 
-Item, Result = TypeVar("Item"), TypeVar("Result")
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 @dataclass(eq=False)

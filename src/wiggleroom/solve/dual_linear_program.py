@@ -8,6 +8,8 @@ multipliers prove bounds that are worked out elsewhere.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -90,7 +92,7 @@ class DualLinearProgram:
         self.work = ITERATION_WORK + ITERATION_WORK_PER_ENTRY * matrix.nnz
         budget = budget or WorkBudget()
         budget.spend(BUILD_ITERATIONS * self.work)
-        self.highs = quiet_solver(highspy, budget, n, self.work)
+        self.highs = quiet_solver(highspy, partial(budget.spend, self.work), n)
         self.highs.passModel(standard_form(highspy, cost, matrix, np.zeros(n)))
         self.every = np.arange(n, dtype=np.int32)
         self.x: Floats = np.zeros(n)
@@ -102,7 +104,7 @@ class DualLinearProgram:
         other.up, other.down, other.every, other.x = self.up, self.down, self.every, self.x
         other.count, other.more = self.count, True
         other.work = self.work
-        other.highs = quiet_solver(highspy, budget, len(self.every), self.work)
+        other.highs = quiet_solver(highspy, partial(budget.spend, self.work), len(self.every))
         other.highs.passModel(self.highs.getLp())
         other.highs.setBasis(self.highs.getBasis())
         used = np.flatnonzero(row).astype(np.int32)
@@ -150,8 +152,8 @@ def standard_form(highspy: Any, cost: Floats, matrix: sp.csc_matrix, total: Floa
     return lp
 
 
-def quiet_solver(highspy: Any, budget: WorkBudget, rows: int, work: float) -> Any:
-    """Simplex method of HiGHS that prints nothing, for programs with so many rows, which charges some work for every iteration."""
+def quiet_solver(highspy: Any, over: Callable[[], bool], rows: int) -> Any:
+    """Simplex method of HiGHS that prints nothing, for programs with so many rows, which asks at every iteration whether it is `over`."""
 
     class Silent(highspy.Highs):  # type: ignore[misc]
         """Prints nothing: where its constructor asks for callbacks, HiGHS 1.16 would print a line before it can be told."""
@@ -163,7 +165,7 @@ def quiet_solver(highspy: Any, budget: WorkBudget, rows: int, work: float) -> An
     solver = Silent()
 
     def interrupt(kind: Any, message: str, found: Any, answer: Any, more: Any) -> None:  # noqa: ARG001
-        answer.user_interrupt = budget.spend(work)
+        answer.user_interrupt = over()
 
     solver.setCallback(interrupt, None)
     for kind in ("kCallbackSimplexInterrupt", "kCallbackIpmInterrupt"):
