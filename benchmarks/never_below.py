@@ -31,13 +31,14 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.bound import branch_and_bound
-from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
+from wiggleroom.bound.branch_and_bound import BranchAndBound
 from wiggleroom.bound.certificate import certificate
 from wiggleroom.bound.confined_pairs import confined_pairs
 from wiggleroom.bound.dual_bound import quick_bound
 from wiggleroom.bound.joint_constraints import first_ranges, narrowed
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
@@ -245,10 +246,12 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
     """Bounds that are asked for too little; infinite where joints do not close."""
     surveyed = survey(assembly)
     goal = objective(assembly, surveyed.bodies, goals)
-    links, closed = outer_regions(surveyed, lambda: False)
+    links, closed = outer_regions(surveyed, WorkBudget())
     ranges = first_ranges(surveyed.bodies.fixed, links, closed)
     regions = [region for region in closed if isinstance(region, OuterRegion)]
-    links, regions, ranges = confined_pairs(surveyed, links, regions, ranges, ProcessorTime(CONFINED_SECONDS).is_set)
+    links, regions, ranges = confined_pairs(
+        surveyed, links, regions, ranges, WorkBudget(stop=ProcessorTime(CONFINED_SECONDS))
+    )
     if not isinstance(goal, PointMotion) or not (surveyed.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
     found = []
@@ -258,7 +261,7 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
     ):
         branch_and_bound.MANY_BODIES, before = many, branch_and_bound.MANY_BODIES
         bounding = BranchAndBound(
-            surveyed, links, [*regions], goal, cut, Deadline(None, ProcessorTime(seconds)), lambda *_: None
+            surveyed, links, [*regions], goal, cut, WorkBudget(stop=ProcessorTime(seconds)), lambda *_: None
         )
         found.append(bounding.run(narrowed(bounding.first(), ranges.low, ranges.high), cut))
         branch_and_bound.MANY_BODIES = before
@@ -270,8 +273,8 @@ def _certified(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> lis
     """What certificates state that were asked for too little, with and without windows; all of them must verify."""
     surveyed = survey(assembly)
     goal = objective(assembly, surveyed.bodies, goals)
-    clock = Deadline(None, ProcessorTime(CERTIFIED_SECONDS))
-    links, regions = outer_regions(surveyed, clock.is_set, certify=True)
+    budget = WorkBudget(stop=ProcessorTime(CERTIFIED_SECONDS))
+    links, regions = outer_regions(surveyed, budget, certify=True)
     ranges = first_ranges(surveyed.bodies.fixed, links, regions)
     if not isinstance(goal, PointMotion) or not (surveyed.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
@@ -280,8 +283,8 @@ def _certified(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> lis
         proof = ProofNode()
         branch_and_bound.MANY_BODIES, before = many, branch_and_bound.MANY_BODIES
         cut = SHARES[-1] * truth
-        clock = Deadline(None, ProcessorTime(WINDOW_SECONDS))
-        bounding = BranchAndBound(surveyed, links, [*regions], goal, cut, clock, lambda *_: None, proof)
+        budget = WorkBudget(stop=ProcessorTime(WINDOW_SECONDS))
+        bounding = BranchAndBound(surveyed, links, [*regions], goal, cut, budget, lambda *_: None, proof)
         ranges = bounding.first()
         bounding.run(ranges, cut)
         branch_and_bound.MANY_BODIES = before

@@ -10,8 +10,9 @@ import wiggleroom as wr
 from tests.flexing import random_assembly
 from tests.oracle import random_joints
 from tests.oracle.slices import Slices
-from wiggleroom.bound.congruent_joints import CongruentJoint, congruent_joints
+from wiggleroom.bound.congruent_joints import CONGRUENCE_WORK, CongruentJoint, congruent_joints
 from wiggleroom.bound.outer_regions import outer_regions
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.outer_region import outer_region, pivot_of
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of
 from wiggleroom.geometry.relative_pose import rotated
@@ -110,11 +111,10 @@ def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
 
 def test_panels_with_one_joint_need_one_region() -> None:
     surveyed = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
-    joints, regions = outer_regions(surveyed, lambda: False)
+    joints, regions = outer_regions(surveyed, WorkBudget())
     assert (len(joints.a), len(regions)) == (24, 1)
 
 
 def test_looking_for_joints_that_are_alike_stops_when_asked() -> None:
-    asked = iter([False, True])
-    joints, found = congruent_joints([pair(), pair(), pair()], over=lambda: next(asked))
+    joints, found = congruent_joints([pair(), pair(), pair()], budget=WorkBudget(1.5 * CONGRUENCE_WORK))
     assert len(joints) == len(found) == 1

@@ -66,6 +66,19 @@ def test_width_is_the_smallest():
     assert overlap_width(turned) == pytest.approx(0.25)
 
 
+@pytest.mark.parametrize("width", [0.2, 1e-3, 1e-7])
+def test_rings_frames_and_bent_strips_are_as_wide_as_their_material(width):
+    def disc(radius):
+        return shapely.buffer(shapely.Point(0, 0), radius, quad_segs=64)
+
+    frame = shapely.difference(shapely.box(0, 0, 3, 2), shapely.box(width, width, 3 - width, 2 - width))
+    corner = shapely.union(shapely.box(0, 0, 5, width), shapely.box(0, 0, width, 5))
+    ring = shapely.difference(disc(5), disc(5 - width))
+    assert overlap_width(frame) == pytest.approx(width, rel=1e-4)
+    assert overlap_width(corner) == pytest.approx(width, rel=1e-4)
+    assert overlap_width(ring) == pytest.approx(width, rel=1e-3)
+
+
 def test_a_part_inside_another_overlaps_and_one_in_a_hole_does_not():
     plate = Region(np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]]))
     hole = np.array([[3.0, 3.0], [3.0, 6.0], [6.0, 6.0], [6.0, 3.0]])

@@ -41,6 +41,19 @@ def test_a_disc_goes_as_far_as_its_clearance(count, gap, tmp_path):
     assert "searched with fewer" in answer.bound.why
 
 
+def test_the_work_of_all_climbs_is_told(tmp_path):
+    """Outlines of many corners are climbed several times; rounds and seconds are those of all of them."""
+    told = []
+    assembly = in_a_hole(ring(600, petals=5), shapely.buffer(shapely.Polygon(ring(600, petals=5)), 0.03), tmp_path)
+    answer = wr.flex(assembly, search=0, progress=told.append)
+    solving = [(p.round, p.iteration) for p in told if p.stage == "solve"]
+    rounds = 1 + sum(after[0] != before[0] for before, after in pairwise(solving))
+    assert answer.rounds >= rounds
+    assert answer.iterations >= len(set(solving))
+    spent = {k: v for k, v in answer.seconds.items() if k != "total"}
+    assert sum(spent.values()) <= answer.seconds["total"] * 1.02
+
+
 BENDS = ((0.0, 0.0), (-0.6, 0.0), (-0.6, 0.7), (0.8, 0.7))
 
 

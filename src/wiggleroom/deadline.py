@@ -1,10 +1,13 @@
-"""A limit on the time of long work, in the form of a request to stop."""
+"""Limits on long work, in the form of a request to stop: on its time where somebody asks for that, else on work that is counted."""
 
 from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from wiggleroom.errors import InputError, Stop
 
@@ -58,6 +61,87 @@ class Deadline:
     def is_set(self) -> bool:
         """True where it was asked to stop, or the time is over."""
         return self.over or (self.stop is not None and self.stop.is_set())
+
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+@dataclass(eq=False)
+class WorkBudget:
+    """Ends work once so much of it was counted, at the same place on every machine; a request to stop ends it earlier.
+
+    Parameters
+    ----------
+    work : float
+        About milliseconds of one machine; infinite without a limit.
+    stop : optional
+        Anything with `is_set()`.
+    whole : WorkBudget, optional
+        What this is a part of: what is spent here is spent there too.
+
+    Examples
+    --------
+    >>> budget = WorkBudget(10.0)
+    >>> budget.spend(4.0), budget.part(0.5).spend(3.0), budget.left, budget.spend(3.0)
+    (False, True, 3.0, True)
+    """
+
+    work: float = math.inf
+    stop: Stop | None = None
+    whole: WorkBudget | None = None
+    spent: float = field(default=0.0, init=False)
+
+    @property
+    def left(self) -> float:
+        """Work that may still be done."""
+        return max(self.work - self.spent, 0.0)
+
+    def spend(self, work: float) -> bool:
+        """Count some work; True where it was the last."""
+        self.spent += work
+        if self.whole is not None:
+            self.whole.spend(work)
+        return self.is_set()
+
+    def is_set(self) -> bool:
+        """True where the work is spent, or it was asked to stop."""
+        return (
+            self.spent >= self.work
+            or (self.whole is not None and self.whole.is_set())
+            or (self.stop is not None and self.stop.is_set())
+        )
+
+    def part(self, share: float) -> WorkBudget:
+        """A budget of a share of what is left."""
+        return WorkBudget(share * self.left, whole=self)
+
+    def in_order(
+        self, function: Callable[[Item, WorkBudget], Result], items: Sequence[Item], workers: int
+    ) -> Iterator[Result]:
+        """Results of a function of some items and a budget, worked out side by side; which there are does not depend on the threads.
+
+        Each may spend all that is left now. Items are left out once those before them have spent it.
+        """
+        own = [WorkBudget(self.left, self._asked) for _ in items]
+        with ThreadPoolExecutor(workers) as pool:
+            done = [pool.submit(function, item, budget) for item, budget in zip(items, own, strict=True)]
+            try:
+                for future, budget in zip(done, own, strict=True):
+                    if self.is_set():
+                        return
+                    result = future.result()
+                    self.spend(budget.spent)
+                    yield result
+            finally:
+                for future, budget in zip(done, own, strict=True):
+                    future.cancel()
+                    budget.work = 0.0
+
+    @property
+    def _asked(self) -> Stop | None:
+        """The request to stop, of this or of what it is a part of."""
+        return self.stop if self.whole is None else self.whole._asked
 
 
 GRACE_SECONDS = 1.0

@@ -83,24 +83,29 @@ def flex_walls(ready: Prepared, query: MotionQuery) -> Answer:
     """The answer; it holds a bound, or says why there is none, only where the search itself came to that."""
     if ready.simplified:
         return _refined(ready, query)
-    if query.search != 0 and query.start is None:
-        answer = _in_own_frame(ready, query)
-        if answer is not None:
-            return answer
-    return _climbed(ready, query)
+    own = _in_own_frame(ready, query) if query.search != 0 and query.start is None else None
+    if own is None:
+        return _climbed(ready, query)
+    if audit_path(ready.assembly, own.waypoints).free:
+        return own
+    # rounding has moved a part too far
+    answer = _climbed(ready, replace(query, began=time.perf_counter()))
+    return _with_work(answer, (own, answer), query)
 
 
 def _refined(ready: Prepared, query: MotionQuery) -> Answer:
     """Answer for outlines of many corners: fewer corners first, more where parts touch, as long as that gains."""
     answer = _climbed(ready, query)
-    places, from_rest = contact_places(answer), replace(query, start=None)
+    places, climbs = contact_places(answer), [answer]
     for _ in range(MAX_REFINEMENTS if query.start is None else 0):
         if answer.verdict is Verdict.PROVEN:
-            return answer
+            return _with_work(answer, climbs, query)
+        again_from_rest = replace(query, start=None, began=time.perf_counter())
         finer = prepare_simplified(ready.assembly, places, query.stop) if answer.verdict.ends and len(places) else None
         if finer is None or query.stopped:
             break
-        again = _climbed(finer, from_rest)
+        again = _climbed(finer, again_from_rest)
+        climbs.append(again)
         places = np.concatenate([places, contact_places(again)])
         before, answer = answer, _better(answer, again)
         if answer.objective is None or before.objective is None or answer is before:
@@ -111,7 +116,21 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
     # The conditions hold for parts that are a little larger; of the parts as drawn that is no more than a good motion.
     verdict = Verdict.STATIONARY if answer.verdict.ends else answer.verdict
     bound = replace(answer.bound or Bound(None, None, 0.0), why=why)
-    return replace(answer, verdict=verdict, bound=bound)
+    return _with_work(replace(answer, verdict=verdict, bound=bound), climbs, query)
+
+
+def _with_work(answer: Answer, climbs: Sequence[Answer], query: MotionQuery) -> Answer:
+    """The answer with the rounds, iterations and seconds of all climbs that led to it."""
+    seconds: dict[str, float] = {}
+    for climb in climbs:
+        for stage, spent in climb.seconds.items():
+            seconds[stage] = seconds.get(stage, 0.0) + spent
+    return replace(
+        answer,
+        rounds=sum(climb.rounds for climb in climbs),
+        iterations=sum(climb.iterations for climb in climbs),
+        seconds=seconds | {"total": time.perf_counter() - query.began},
+    )
 
 
 def _better(one: Answer, other: Answer) -> Answer:
@@ -136,8 +155,6 @@ def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
         return None
     found = with_quick_bound(_climbed(own, replace(query, goals=frame.goals, tell=told)), query.stop)
     answer = frame.answer(found, ready.assembly, query.goals)
-    if not audit_path(ready.assembly, answer.waypoints).free:
-        return None  # rounding has moved a part too far
     motion = of_bodies(ready.assembly, ready.bodies, answer.waypoints[-1:])[0]
     goal = ready.objective(query.goals)
     answer = replace(

@@ -91,7 +91,7 @@ def flex(
     start: Answer | None = None,
     search: int | None = None,
     prove: float | None = None,
-    seconds: float = 60.0,
+    seconds: float | None = None,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
@@ -115,8 +115,8 @@ def flex(
         to 1,000 the first climb is made nine times instead), for models that approximate, and from an earlier answer.
     prove : float, optional
         Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
-    seconds : float
-        For `prove`: time that the proof may take.
+    seconds : float, optional
+        For `prove`: time that the proof may take, instead of a fixed amount of work.
     stop : optional
         Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
     progress : callable, optional

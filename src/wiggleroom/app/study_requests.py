@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from wiggleroom.app.document import Document
     from wiggleroom.sensitivity.sweep import SweepStep
 
-BOUND_SECONDS = 20.0
-"""Time for a quick bound that was not asked for [s]."""
+BOUND_WORK = 20_000.0
+"""Work of a quick bound that was not asked for, about milliseconds."""
 
 
 def rank(document: Document, request: RankRequest, out: Reporter) -> None:
@@ -144,10 +144,10 @@ def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
 
 def bound(document: Document, request: BoundRequest, out: Reporter) -> None:
     """What a direct question finds beyond the climb from rest, and a quick bound of that; in idle time."""
-    from wiggleroom.bound.dual_bound import with_bound_in_time
+    from wiggleroom.bound.dual_bound import with_bound_by_work
 
     answer = searched(document, request.design, out)
-    done = with_bound_in_time(answer, BOUND_SECONDS, out.stop) if find_spec("highspy") else answer
+    done = with_bound_by_work(answer, BOUND_WORK, out.stop) if find_spec("highspy") else answer
     out.check()
     within = None if done.bound is None else done.bound.within
     out.reply(BoundReply(at_most=done.at_most, within=within, words=proven(done)))

@@ -7,14 +7,19 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from wiggleroom.assembly.assembly import Assembly
+import numpy as np
+
+from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.findings import examine_parts, opened_overlaps, overlap_findings
 from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
-from wiggleroom.drawing.model import Drawing, Goal, part_of
+from wiggleroom.drawing.model import Drawing, Goal, Part, Region, part_of
 from wiggleroom.drawing.strokes.chord_error import flattened_for
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError, OverlapError, Stop, go_on
+
+FAR_REFERENCE = 1000.0
+"""A reference point further from the middle of its outline than this multiple of the drawing's size is moved there."""
 
 
 def assemble(
@@ -63,11 +68,13 @@ def assemble(
         else p
         for p in drawing.parts
     )
-    used = replace(
-        drawing,
-        parts=parts,
-        gap=float(drawing.gap if gap is None else gap),
-        goals=tuple(goals) or drawing.goals,
+    used = _with_near_references(
+        replace(
+            drawing,
+            parts=parts,
+            gap=float(drawing.gap if gap is None else gap),
+            goals=tuple(goals) or drawing.goals,
+        )
     )
     made, findings = examine_parts(used)
     overlapping = overlap_findings(used, made)
@@ -76,6 +83,45 @@ def assemble(
     if overlapping:
         raise OverlapError(overlapping)
     return Assembly(made, used)
+
+
+def _with_near_references(drawing: Drawing) -> Drawing:
+    """The drawing with reference points that lie very far from their outlines moved into the middle of these, which is noted.
+
+    About such a point the least turn is a long way: no path of few straight pieces would be left, and pulls would measure rounding.
+    """
+    if not drawing.parts or not all(_sound(part) for part in drawing.parts):
+        return drawing  # the findings say what is wrong
+    boxes = [np.concatenate([r.outer for r in part.regions]) for part in drawing.parts]
+    middle = np.array([(b.min(axis=0) + b.max(axis=0)) / 2 for b in boxes])
+    placed = [place(b, part.at) for b, part in zip(boxes, drawing.parts, strict=True)]
+    size = float(np.ptp(np.concatenate(placed), axis=0).max())
+    far = np.hypot(*middle.T) > FAR_REFERENCE * size
+    if not far.any():
+        return drawing
+    moved: dict[tuple[int, float, float], tuple[Region, ...]] = {}
+    parts, notes = [], []
+    for part, m, away in zip(drawing.parts, middle, far.tolist(), strict=True):
+        if not away:
+            parts.append(part)
+            continue
+        key = id(part.regions), float(m[0]), float(m[1])
+        if key not in moved:
+            moved[key] = tuple(Region(r.outer - m, tuple(h - m for h in r.holes)) for r in part.regions)
+        x, y = place(m[None], part.at)[0].tolist()
+        parts.append(replace(part, regions=moved[key], at=(x, y, part.at[2])))
+        notes.append(
+            f'{drawing.source or "the drawing"}: part "{part.name}": its reference point lies {np.hypot(*m):.3g} mm from its outline; '
+            "the middle of the outline takes its place"
+        )
+    return replace(drawing, parts=tuple(parts), notes=(*drawing.notes, *notes))
+
+
+def _sound(part: Part) -> bool:
+    """True where a part has outlines, and all of it is finite."""
+    outlines = [np.asarray(r.outer) for r in part.regions]
+    shaped = all(o.ndim == 2 and o.shape[1] == 2 and len(o) and np.isfinite(o).all() for o in outlines)
+    return bool(outlines) and shaped and bool(np.isfinite(part.at).all())
 
 
 def with_notes(assembly: Assembly) -> Assembly:

@@ -17,6 +17,11 @@ OVERLAP_TOLERANCE = 1e-9
 CONTACT_TOLERANCE = 1e-6
 """A clearance below this share of the drawing's size counts as touching."""
 
+CONVEX = 1e-6
+"""A piece of overlap that fills its hull but for this share is convex."""
+BISECTIONS = 20
+"""The largest disc in a piece is found to this power of a half."""
+
 
 def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     """Pairs of parts that overlap at rest, with depth [mm], in order.
@@ -71,13 +76,16 @@ def overlap_areas(drawing: Drawing, parts: Sequence[Part]) -> list[shapely.Geome
 
 
 def overlap_width(shape: shapely.Geometry) -> float:
-    """Smallest width [mm] of a piece of overlap: that of its hull, times how much of the hull it fills.
+    """Width [mm] of a piece of overlap: the least of its hull where it is convex, else the diameter of the largest disc in it.
 
-    The second factor is 1 for a convex piece, and keeps a hair-thin bent one from looking thick.
+    So a ring or a bent strip is as wide as its material, however large it is.
 
     Examples
     --------
     >>> overlap_width(shapely.box(0, 0, 3, 0.5))
+    0.5
+    >>> frame = shapely.difference(shapely.box(0, 0, 3, 3), shapely.box(0.5, 0.5, 2.5, 2.5))
+    >>> round(overlap_width(frame), 6)
     0.5
     """
     hull = shapely.convex_hull(shape)
@@ -86,4 +94,20 @@ def overlap_width(shape: shapely.Geometry) -> float:
     corners: NDArray[np.float64] = shapely.get_coordinates(hull)
     edges = np.diff(corners, axis=0)
     normals = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.hypot(*edges.T)[:, None]
-    return float(np.ptp(corners @ normals.T, axis=0).min() * (shape.area / hull.area))
+    least = float(np.ptp(corners @ normals.T, axis=0).min() * (shape.area / hull.area))
+    return least if shape.area >= (1 - CONVEX) * hull.area else min(least, _largest_disc(shape))
+
+
+def _largest_disc(shape: shapely.Geometry) -> float:
+    """Diameter [mm] of the largest disc in a shape: it shrinks to nothing when its boundary moves inward by half of that."""
+    low = float(shape.area / shape.length)  # no shape is thinner than that all along
+    high = 2 * low
+    while not shapely.buffer(shape, -high, join_style="mitre").is_empty:
+        low, high = high, 2 * high
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        if shapely.buffer(shape, -middle, join_style="mitre").is_empty:
+            high = middle
+        else:
+            low = middle
+    return low + high

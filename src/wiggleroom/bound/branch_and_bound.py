@@ -1,4 +1,4 @@
-"""Branch and bound from outer regions: tighten, refine and split until nothing above the motion found is left, or the time is up.
+"""Branch and bound from outer regions: tighten, refine and split until nothing above the motion found is left, or the work is spent.
 
 The relaxation is asked for its best value. Then the range of every body's turn is cut to what motions worth at least `cut`, a little more
 than the witness, can have. That makes the relaxation tighter, again and again. At first only some bodies are asked about, the
@@ -30,10 +30,10 @@ from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
 from wiggleroom.bound.window_bounds import WindowProof, bounded_windows
-from wiggleroom.deadline import Deadline
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS, FINE_NORMALS, intervals_at_facets
-from wiggleroom.freespace.outer.outer_region import OuterRegion, with_narrower_intervals
+from wiggleroom.freespace.outer.outer_region import REFINEMENT_FACTOR, OuterRegion, slice_work, with_narrower_intervals
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
@@ -51,7 +51,7 @@ MAX_PROOF_DEPTH = 200
 MANY_BODIES = 60
 """With more bodies than this local windows pay, and only some bodies are asked about at first."""
 WINDOWS_SHARE = 0.4
-"""They may take this share of the time that is left: where few of them are congruent there are very many."""
+"""They may take this share of the work that is left: where few of them are congruent there are very many."""
 MAX_WHOLE_BODIES = 300
 """With more bodies than this programs of the whole take too long, and turns are tightened a neighbourhood at a time."""
 FIRST_HOPS, MIN_GAIN = 2, 0.5
@@ -70,7 +70,7 @@ class BranchAndBound:
     goal : PointMotion
     cut : float
         Motions worth less do not matter.
-    clock : Deadline
+    budget : WorkBudget
     tell : callable
         Told the bound so far and what is being done.
     proof : ProofNode, optional
@@ -84,7 +84,7 @@ class BranchAndBound:
     regions: list[OuterRegion | CagingSurface]
     goal: PointMotion
     cut: float
-    clock: Deadline
+    budget: WorkBudget
     tell: Callable[[float, str], None]
     proof: ProofNode | None = None
     windows: list[WindowProof] = field(default_factory=list)
@@ -113,9 +113,7 @@ class BranchAndBound:
         if held > MANY_BODIES:
             self.cuts.unlike = COARSE_NORMALS
             spans = WIDE_SPANS if held > MAX_WHOLE_BODIES else SPANS
-            left = self.clock.left
-            some = Deadline(WINDOWS_SHARE * left, self.clock) if 0 < left < np.inf else self.clock
-            for linkage, proof in bounded_windows(self.linkage, self.cuts, some.is_set, spans):
+            for linkage, proof in bounded_windows(self.linkage, self.cuts, self.budget.part(WINDOWS_SHARE), spans):
                 self.linkage = linkage
                 self.windows.append(proof)
                 self.tell(np.nan, f"windows of {len(proof.window.bodies)} bodies")
@@ -126,7 +124,7 @@ class BranchAndBound:
         """Value that no motion within `ranges` exceeds, from one linear program."""
         self.cuts.unlike = COARSE_NORMALS
         try:
-            return RelaxationInRanges(self.linkage, self.cuts, ranges).largest(self.weights, self.clock.is_set)[0]
+            return RelaxationInRanges(self.linkage, self.cuts, ranges).largest(self.weights, self.budget)[0]
         except InfeasibleRanges:
             return self.cut
 
@@ -140,7 +138,7 @@ class BranchAndBound:
             value = min(best, -todo[0][0])
             best = max(value, self.cut)
             self.tell(best, "linear program")
-            if best <= enough or self.clock.is_set():
+            if best <= enough or self.budget.is_set():
                 return best
             _, _, ranges, before, hops, step = heapq.heappop(todo)
             if step is not None and step.depth > MAX_PROOF_DEPTH:
@@ -168,7 +166,7 @@ class BranchAndBound:
             return []
         held = np.flatnonzero(program.linear.column >= 0)
         many = len(held) > MAX_WHOLE_BODIES
-        most, multipliers, y, x = program.largest(self.weights, self.clock.is_set, interior=many)
+        most, multipliers, y, x = program.largest(self.weights, self.budget, interior=many)
         value = min(before, most)
         if step is not None:
             step.at(ranges, program.at)
@@ -181,9 +179,9 @@ class BranchAndBound:
         asked = dominating(self.linkage, held, hops)
         self.tell(max(best, self.cut), f"turns of {len(asked)} of {len(held)} bodies")
         if many:
-            cuts = neighbourhood_cuts(program, multipliers, asked, self.cutoff, self.clock.is_set)
+            cuts = neighbourhood_cuts(program, multipliers, asked, self.cutoff, self.budget)
         else:
-            cuts = program.turn_cuts(asked, self.cutoff, self.clock.is_set)
+            cuts = program.turn_cuts(asked, self.cutoff, self.budget)
         left = after_cuts(ranges, cuts, self.linkage.turns)
         if step is not None:
             step.cuts = cuts
@@ -195,7 +193,7 @@ class BranchAndBound:
         share = (left.high - left.low)[held] / np.maximum((ranges.high - ranges.low)[held], 1e-300)
         if hops:
             return [(left, value, hops if gain > MIN_GAIN else hops - 1)]
-        if max(gain, float((1 - share).max(initial=0.0))) > MIN_REDUCTION or self.clock.is_set():
+        if max(gain, float((1 - share).max(initial=0.0))) > MIN_REDUCTION or self.budget.is_set():
             return [(left, value, 0)]
         if self._sharpen(program, y):
             return [(left, value, 0)]
@@ -231,7 +229,10 @@ class BranchAndBound:
         for kind, found in wanted.items():
             these = np.unique(np.concatenate(found))
             region = self.cuts.regions[kind]
-            if len(these) and isinstance(region, OuterRegion) and not self.clock.is_set():
+            if not len(these) or not isinstance(region, OuterRegion):
+                continue
+            work = len(these) * REFINEMENT_FACTOR * slice_work(region.material.a, region.material.b)
+            if not self.budget.spend(work):
                 self.cuts.replace(kind, with_narrower_intervals(region, these))
                 done = True
         return done

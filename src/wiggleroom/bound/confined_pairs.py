@@ -7,7 +7,7 @@ a linear program knows better how far the pair can get, so the box shrinks, more
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from wiggleroom.bound.congruent_joints import Congruence
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, turn_differences
 from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
-from wiggleroom.bound.outer_regions import JointPlacement, links_about, material_of, placement
+from wiggleroom.bound.outer_regions import PAIR_WORK, JointPlacement, links_about, material_of, placement
 from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_cuts
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.outer_region import Confinement, OuterRegion, confined_region
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.geometry.relative_pose import rotated
@@ -88,13 +89,13 @@ class _OpenPair:
     link: JointConstraints
 
 
-def _open_pairs(surveyed: Survey, joints: JointConstraints, known: Bools, over: Callable[[], bool]) -> list[_OpenPair]:
+def _open_pairs(surveyed: Survey, joints: JointConstraints, known: Bools, budget: WorkBudget) -> list[_OpenPair]:
     """Neighbours that are known to stay somewhere, and have no region yet."""
     them, near = surveyed.bodies, surveyed.near
     closed = {frozenset(pair) for pair in zip(joints.a.tolist(), joints.b.tolist(), strict=True)}
     found = []
     for a, b, clearance in zip(near.a.tolist(), near.b.tolist(), near.clearance.tolist(), strict=True):
-        if frozenset((a, b)) in closed or not (known[a] and known[b]) or over():
+        if frozenset((a, b)) in closed or not (known[a] and known[b]) or budget.spend(PAIR_WORK):
             continue
         material, pivot, lever = material_of(them, surveyed.geometry, a, b, clearance)
         place = placement(them, a, b, pivot, Congruence(0, False, 0.0, np.zeros(2)))
@@ -122,7 +123,7 @@ def _first_shift(pair: _OpenPair, boxes: ShiftBoxes, ranges: AngleRanges) -> tup
 
 
 def _proven_shift(
-    pair: _OpenPair, program: RelaxationInRanges, fixed: Bools, over: Callable[[], bool]
+    pair: _OpenPair, program: RelaxationInRanges, fixed: Bools, budget: WorkBudget
 ) -> tuple[Floats, Floats]:
     """The same, from the linear program."""
     ends = []
@@ -131,7 +132,7 @@ def _proven_shift(
         for body, (p, q), sign in ((pair.b, pair.link.arm_b[0], 1.0), (pair.a, pair.link.arm_a[0], -1.0)):
             if not fixed[body]:
                 weights[body] = sign * np.array([x, y, x * p + y * q, y * p - x * q, 0.0])
-        ends.append(np.inf if over() else program.largest(weights.ravel(), over)[0])
+        ends.append(np.inf if budget.is_set() else program.largest(weights.ravel(), budget)[0])
     return -np.array(ends[2:]), np.array(ends[:2])
 
 
@@ -156,9 +157,9 @@ def confined_pairs(
     joints: JointConstraints,
     regions: Sequence[OuterRegion],
     ranges: AngleRanges,
-    over: Callable[[], bool],
+    budget: WorkBudget,
 ) -> tuple[JointConstraints, list[OuterRegion], AngleRanges]:
-    """The joints and regions, and those of neighbours that other joints keep near each other, as far as they are known when it is `over`.
+    """The joints and regions, and those of neighbours that other joints keep near each other, as far as the budget goes.
 
     The ranges are narrower where that is found on the way.
     """
@@ -167,7 +168,7 @@ def confined_pairs(
     ranges = replace(ranges, low=np.where(fixed, 0.0, ranges.low), high=np.where(fixed, 0.0, ranges.high))
     known = np.isfinite(np.where(fixed, 0.0, ranges.far)) & np.isfinite(ranges.high - ranges.low)
     joints = joints.some(known[joints.a] & known[joints.b])  # parts that fly off together bound nothing
-    pairs = _open_pairs(surveyed, joints, known, over)
+    pairs = _open_pairs(surveyed, joints, known, budget)
     boxes = shift_boxes(fixed, joints, regions, ranges)
     shifts = [_first_shift(pair, boxes, ranges) for pair in pairs]
     found: dict[int, OuterRegion] = {}
@@ -176,13 +177,17 @@ def confined_pairs(
         changed = False
         for k, pair in enumerate(pairs):
             confinement = _confinement(pair, *shifts[k], ranges)
-            if confinement is None or over() or (k in found and not _shrunk(found[k].confinement, confinement)):
+            if (
+                confinement is None
+                or budget.is_set()
+                or (k in found and not _shrunk(found[k].confinement, confinement))
+            ):
                 continue
-            region = confined_region(pair.material, pair.lever, confinement, over)
+            region = confined_region(pair.material, pair.lever, confinement, budget)
             if region is not None:
                 found[k] = region
                 changed = True
-        if not changed or over():
+        if not changed or budget.is_set():
             break
         all_joints, all_regions = _joined(surveyed, joints, regions, [(pairs[k], found[k]) for k in sorted(found)])
         turns = turn_differences(all_joints, all_regions)
@@ -192,9 +197,9 @@ def confined_pairs(
         except InfeasibleRanges:  # rest is always there: rounding
             break
         for k, pair in enumerate(pairs):
-            least, most = _proven_shift(pair, program, fixed, over)
+            least, most = _proven_shift(pair, program, fixed, budget)
             shifts[k] = np.maximum(shifts[k][0], least), np.minimum(shifts[k][1], most)
-        cuts = program.turn_cuts(np.flatnonzero(known & ~fixed), None, over)
+        cuts = program.turn_cuts(np.flatnonzero(known & ~fixed), None, budget)
         ranges = after_cuts(ranges, cuts, turns)
     return all_joints, all_regions, ranges
 

@@ -8,7 +8,7 @@ which the same strips lie in the same way.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.geometry.relative_pose import rotated
 
@@ -23,6 +24,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
+CONGRUENCE_WORK = 3.0
+"""Work of looking for the joint of a pair among those that are known."""
 STRIP_WIDTHS = (20.0, 80.0, 320.0)
 """Widths of strips [clearances]: a joint seldom lets its bodies go further; the next width is for those that it does."""
 CORNER_REACH = 0.2
@@ -196,9 +199,11 @@ def _angle_keys(angles: Floats) -> list[int]:
 
 
 def congruent_joints(
-    materials: Sequence[PairMaterial], width: float = STRIP_WIDTHS[0], over: Callable[[], bool] = lambda: False
+    materials: Sequence[PairMaterial], width: float = STRIP_WIDTHS[0], budget: WorkBudget | None = None
 ) -> tuple[list[CongruentJoint], list[Congruence]]:
-    """Joints that differ, with strips of some width, and which of them each pair holds; of the first ones where it is `over` before."""
+    """Joints that differ, with strips of some width, and which of them each pair holds; of the first ones where the budget ends before."""
     known = KnownJoints(width)
-    found = [known.congruence(material) for material in itertools.takewhile(lambda _: not over(), materials)]
+    budget = budget or WorkBudget()
+    some = itertools.takewhile(lambda _: not budget.spend(CONGRUENCE_WORK), materials)
+    found = [known.congruence(material) for material in some]
     return known.joints, found

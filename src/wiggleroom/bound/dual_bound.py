@@ -22,11 +22,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.congruent_joints import CONGRUENCE_TOLERANCE, Congruence, KnownJoints
+from wiggleroom.bound.congruent_joints import CONGRUENCE_TOLERANCE, CONGRUENCE_WORK, Congruence, KnownJoints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import JointPlacement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
-from wiggleroom.deadline import Deadline
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
 from wiggleroom.geometry.bodies import Bodies, bodies
@@ -44,8 +44,6 @@ MAX_BOUND_RATIO = 2.0
 """A bound of more than this many times the motion found says too little to be stated."""
 ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
-CONGRUENCE_WORK = 3.0
-"""Work of looking for the joint of a pair among those that are known."""
 MANY_JOINTS = 60
 """Where so many pairs, those with the largest forces, each had a joint of its own, all others are taken to have one too."""
 ROUNDING_MARGIN = 1e-11
@@ -66,7 +64,7 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
     work = _work_of_search(answer.rounds, answer.iterations, found.program.rows, len(found.program.cells.a))
     if drawn is not None:
         work += _work_of_corners(drawn, found.program.cells.a, found.program.cells.b)
-    most = quick_bound(found, found.program.objective, work, drawn, stop)
+    most = quick_bound(found, found.program.objective, work, drawn, WorkBudget(stop=stop))
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
@@ -76,12 +74,12 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
     return with_bound(replace(answer, seconds=seconds), bound)
 
 
-def with_bound_in_time(answer: Answer, seconds: float, stop: Stop | None = None) -> Answer:
-    """The answer with the best bound that is found in some time, or until one is near enough; the same where there is none or one already.
+def with_bound_by_work(answer: Answer, work: float, stop: Stop | None = None) -> Answer:
+    """The answer with the best bound that some work finds, or until one is near enough; the same where there is none or one already.
 
     Of large assemblies small windows are looked at first, which takes seconds.
     """
-    clock = Deadline(seconds, stop)
+    began = time.perf_counter()
     found = answer.warm_start
     known = answer.bound is not None and answer.bound.at_most is not None
     if known or not answer.objective or not answer.verdict.ends or found is None:
@@ -89,22 +87,23 @@ def with_bound_in_time(answer: Answer, seconds: float, stop: Stop | None = None)
     if not isinstance(found.program.objective, PointMotion):
         return answer
     drawn = None if answer.bound is None else bodies(answer.assembly)
-    most = quick_bound(found, found.program.objective, np.inf, drawn, clock)
+    most = quick_bound(found, found.program.objective, np.inf, drawn, WorkBudget(work, stop))
     if stop is not None and stop.is_set():
         return answer
     if most is None or not answer.objective <= most <= MAX_BOUND_RATIO * answer.objective:
         return answer
-    return with_bound(answer, Bound(most, most / answer.objective - 1, clock.spent, kind="quick"))
+    return with_bound(answer, Bound(most, most / answer.objective - 1, time.perf_counter() - began, kind="quick"))
 
 
 def quick_bound(
-    found: Incumbent, goal: PointMotion, work: float, drawn: Bodies | None = None, stop: Stop | None = None
+    found: Incumbent, goal: PointMotion, work: float, drawn: Bodies | None = None, budget: WorkBudget | None = None
 ) -> float | None:
     """Value that no motion exceeds, from the end of a search; None where it would take too long, joints do not close or it is to stop.
 
     It is about the bodies that were searched, or about others, `drawn`, that lie at the same places. It may cost some `work`, about as
-    many milliseconds; infinite where only `stop` ends it.
+    many milliseconds; infinite where only the `budget` ends it.
     """
+    budget = budget or WorkBudget()
     them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
@@ -118,7 +117,7 @@ def quick_bound(
     near: list[NearSides] = []
     all_work = work
     for c in wanted:
-        if stop is not None and stop.is_set():
+        if budget.spend(CONGRUENCE_WORK):
             return None
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
@@ -136,7 +135,7 @@ def quick_bound(
     carried = np.bincount([one.joint for one in held], by_class[wanted], len(joints)) / by_class.sum()
     made: list[LocalOuterRegion | None] = []
     for sides, share in zip(near, carried, strict=True):
-        if stop is not None and stop.is_set():
+        if budget.spend(sides.work):
             return None
         made.append(local_outer_region(sides))
         if made[-1] is None and share > MAX_OMITTED_FORCE:
@@ -159,8 +158,7 @@ def quick_bound(
         return most
     from wiggleroom.bound.limited_tightening import tightened  # slow to import, and not always needed
 
-    over = (lambda: False) if stop is None else stop.is_set
-    return min(most, tightened(them, goal, links, pockets, found.value, work, over))
+    return min(most, tightened(them, goal, links, pockets, found.value, work, budget))
 
 
 def _wrenches(found: Incumbent) -> Floats:

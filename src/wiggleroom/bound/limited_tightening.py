@@ -5,7 +5,7 @@ Work is counted from the size of programs, not timed, so that every machine give
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
 from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
 from wiggleroom.bound.window_bounds import bounded_windows
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS
 from wiggleroom.geometry.bodies import Bodies
@@ -38,7 +39,7 @@ def tightened(
     regions: Sequence[LocalOuterRegion],
     found: float,
     work: float,
-    over: Callable[[], bool],
+    budget: WorkBudget,
 ) -> float:
     """Value that no motion exceeds, near `found`, the value of a motion; infinite where the work does not allow a program at all.
 
@@ -58,7 +59,7 @@ def tightened(
     many = bool(np.isinf(work)) and int(np.count_nonzero(held)) > MANY_BODIES
     if many:
         cuts.unlike = COARSE_NORMALS
-        for known, _ in bounded_windows(linkage, cuts, over):
+        for known, _ in bounded_windows(linkage, cuts, budget):
             linkage = known
     ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
     weights = goal_weights(goal, len(held))
@@ -67,21 +68,21 @@ def tightened(
     asked, near = dominating(linkage, bodies, HOPS), MANY_NEAR if many else NEAR
     first, again = _work_of_program(len(bodies), len(joints.a))
     best = np.inf
-    while work >= first and not over():
+    while work >= first and not budget.is_set():
         try:
             program = RelaxationInRanges(linkage, cuts, ranges)
         except InfeasibleRanges:
             return cutoff.worth
-        value, multipliers, *_ = program.largest(weights, over, interior=many)
+        value, multipliers, *_ = program.largest(weights, budget, interior=many)
         most = max(value, cutoff.worth if np.isfinite(best) else -np.inf)
         gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
         best, work = min(best, most), work - first - 2 * len(asked) * again
         if best <= (1 + near) * found or gain < MIN_GAIN or work < first:
             break
         new = (
-            neighbourhood_cuts(program, multipliers, asked, cutoff, over)
+            neighbourhood_cuts(program, multipliers, asked, cutoff, budget)
             if many
-            else program.turn_cuts(asked, cutoff, over)
+            else program.turn_cuts(asked, cutoff, budget)
         )
         ranges = after_cuts(ranges, new, linkage.turns)
         if np.any(ranges.low > ranges.high):

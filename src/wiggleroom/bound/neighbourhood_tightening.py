@@ -7,8 +7,6 @@ as small as the neighbourhood, and what follows is as safe: any multipliers give
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +17,7 @@ from wiggleroom.bound.joint_multipliers import TURN, LagrangianBound
 from wiggleroom.bound.linear_relaxation import relaxation
 from wiggleroom.bound.proof_steps import TurnCuts, rounded
 from wiggleroom.bound.turn_tightening import CHAINS, Cutoff, RelaxationInRanges, joined_bodies, news
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.solve.dual_linear_program import DualLinearProgram
 
 Floats = NDArray[np.float64]
@@ -40,7 +39,7 @@ class _Loads:
 
 
 def neighbourhood_cuts(
-    program: RelaxationInRanges, multipliers: Floats, bodies: Ints, cutoff: Cutoff, over: Callable[[], bool]
+    program: RelaxationInRanges, multipliers: Floats, bodies: Ints, cutoff: Cutoff, budget: WorkBudget
 ) -> TurnCuts:
     """Ends of the turns of some bodies, as far as they are news, about multipliers (P, 8) that bound what the cutoff is about."""
     lagrangian = program.lagrangian
@@ -60,12 +59,12 @@ def neighbourhood_cuts(
             cores.append((b, sorted(_ball(near, b, CORE) & left)))
             left -= set(cores[-1][1])
 
-    def cut(middle: int, core: list[int]) -> TurnCuts | None:
+    def cut(part: tuple[int, list[int]], own: WorkBudget) -> TurnCuts:
+        middle, core = part
         inside = _with_fixed(program, _ball(near, middle, REACH))
-        return None if over() else _Neighbourhood(program, loads, inside).cuts(core, cutoff, over)
+        return _Neighbourhood(program, loads, inside).cuts(core, cutoff, own)
 
-    with ThreadPoolExecutor(CHAINS) as pool:
-        found = [one for one in pool.map(cut, *zip(*cores, strict=True)) if one is not None] if cores else []
+    found = list(budget.in_order(cut, cores, CHAINS))
     if not found:
         return TurnCuts(bodies[:0], bodies[:0], np.zeros(0), np.zeros(0), (), (), multipliers)
     body, sign, end, goal = (np.concatenate([getattr(f, k) for f in found]) for k in ("body", "sign", "end", "goal"))
@@ -116,14 +115,14 @@ class _Neighbourhood:
         others[self.joints] = elsewhere[bodies] = False
         self.rest = float(loads.joint[others].sum() + loads.body[elsewhere].sum())
 
-    def cuts(self, core: list[int], cutoff: Cutoff, over: Callable[[], bool]) -> TurnCuts:
+    def cuts(self, core: list[int], cutoff: Cutoff, budget: WorkBudget) -> TurnCuts:
         """Largest values of sign times turn of the bodies in the core."""
         linear = self.linear
-        program = DualLinearProgram(linear.rows, linear.low, linear.high, linear.least, linear.most, over)
+        program = DualLinearProgram(linear.rows, linear.low, linear.high, linear.least, linear.most, budget)
         cost = linear.cost(self.weights)
         program.ask(cost)
         scale = 1.0 / max(float(np.abs(cost).max()), 1e-300)
-        program = program.with_row(cost * scale, (cutoff.worth - self.rest) * scale)
+        program = program.with_row(cost * scale, (cutoff.worth - self.rest) * scale, budget)
         asked, found = [(b, sign) for sign in (1, -1) for b in core[::sign]], []
         for b, sign in asked:
             column = linear.column[self.place[b]] + 2

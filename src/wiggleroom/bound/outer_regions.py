@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
@@ -19,6 +18,7 @@ from wiggleroom.bound.congruent_joints import (
     congruent_joints,
 )
 from wiggleroom.bound.joint_constraints import JointConstraints
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of, reached_slices
 from wiggleroom.freespace.outer.outer_slices import PairMaterial
@@ -34,6 +34,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 WORKERS = 2
+PAIR_WORK = 1.0
+"""Work of cutting two bodies out about the pivot of their joint."""
 """Number of regions that are worked out at once."""
 Region = TypeVar("Region")
 PIVOT_REACH = 3.0
@@ -41,30 +43,37 @@ PIVOT_REACH = 3.0
 
 
 def outer_regions(
-    surveyed: Survey, over: Callable[[], bool], certify: bool = False
+    surveyed: Survey, budget: WorkBudget, certify: bool = False
 ) -> tuple[JointConstraints, list[OuterRegion | CagingSurface]]:
-    """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done.
+    """Outer regions of the pairs whose joint closes, and which pair has which; fewer where the budget ends before all are done.
 
     With `certify` they are caging surfaces, which a certificate can show.
     """
-    return _regions(surveyed, over, lambda material, lever, most: _region(material, lever, most, over, certify))
+    return _regions(surveyed, budget, lambda material, lever, most, own: _region(material, lever, most, own, certify))
 
 
-def local_outer_regions(surveyed: Survey, over: Callable[[], bool]) -> tuple[JointConstraints, list[LocalOuterRegion]]:
+def local_outer_regions(surveyed: Survey, budget: WorkBudget) -> tuple[JointConstraints, list[LocalOuterRegion]]:
     """The same from walls round rest, in a fraction of the time: they may reach a little further, and close fewer joints."""
-    return _regions(surveyed, over, lambda material, _, __: local_outer_region(NearSides(material)))
+
+    def region(material: PairMaterial, _: float, __: float, own: WorkBudget) -> LocalOuterRegion | None:
+        sides = NearSides(material)
+        return None if own.spend(sides.work) else local_outer_region(sides)
+
+    return _regions(surveyed, budget, region)
 
 
 def _regions(
-    surveyed: Survey, over: Callable[[], bool], region_of: Callable[[PairMaterial, float, float], Region | None]
+    surveyed: Survey,
+    budget: WorkBudget,
+    region_of: Callable[[PairMaterial, float, float, WorkBudget], Region | None],
 ) -> tuple[JointConstraints, list[Region]]:
-    """Regions of the pairs whose joint closes; `region_of` is told the material, its lever [mm] and how far it counts [mm]."""
+    """Regions of the pairs whose joint closes; `region_of` is told the material, its lever [mm] how far it counts [mm], and its budget."""
     them, a, b = surveyed.bodies, surveyed.near.a, surveyed.near.b
     first, label = congruence_classes(them, a, b, relative_pose(them, a, b), CONGRUENCE_TOLERANCE)
     made = [
         material_of(them, surveyed.geometry, int(a[k]), int(b[k]), float(surveyed.near.clearance[k]))
         for k in first.tolist()
-        if not over()
+        if not budget.spend(PAIR_WORK)
     ]
     if len(made) < len(first):
         return links_about(them, a[:0], b[:0], np.zeros(0, dtype=np.int64), []), []
@@ -73,24 +82,26 @@ def _regions(
     regions: list[Region] = []
     kind = np.full(len(first), -1, dtype=np.int64)
 
-    def region(one: CongruentJoint, c: int) -> Region | None:
-        if over() or (one.strips is one.material and np.isfinite(one.width)):
+    def region(one: tuple[CongruentJoint, int], own: WorkBudget) -> Region | None:
+        joint, c = one
+        if joint.strips is joint.material and np.isfinite(joint.width):
             return None
-        most = min(one.width * one.material.clearance, float(limit[c]))
-        return region_of(one.strips, made[c][2], most)
+        most = min(joint.width * joint.material.clearance, float(limit[c]))
+        return region_of(joint.strips, made[c][2], most, own)
 
-    with ThreadPoolExecutor(WORKERS) as pool:
-        for width in (*STRIP_WIDTHS, np.inf):
-            # what strips alone leave open, wider ones may close, or whole bodies
-            open_ = np.flatnonzero(kind < 0).tolist()
-            joints, found = congruent_joints([made[c][0] for c in open_], width, over)
-            leader = [open_[next(i for i, one in enumerate(found) if one.joint == k)] for k in range(len(joints))]
-            closed = list(pool.map(region, joints, leader))
-            number = len(regions) - 1 + np.cumsum([r is not None for r in closed])
-            regions += [r for r in closed if r is not None]
-            for c, one in zip(open_, found, strict=False):  # fewer are found where it is over
-                if closed[one.joint] is not None:
-                    kind[c], held[c] = number[one.joint], one
+    for width in (*STRIP_WIDTHS, np.inf):
+        # what strips alone leave open, wider ones may close, or whole bodies
+        open_ = np.flatnonzero(kind < 0).tolist()
+        joints, found = congruent_joints([made[c][0] for c in open_], width, budget)
+        leader = [open_[next(i for i, one in enumerate(found) if one.joint == k)] for k in range(len(joints))]
+        closed: list[Region | None] = [None] * len(joints)  # also those that the budget does not reach
+        for k, r in enumerate(budget.in_order(region, [*zip(joints, leader, strict=True)], WORKERS)):
+            closed[k] = r
+        number = len(regions) - 1 + np.cumsum([r is not None for r in closed])
+        regions += [r for r in closed if r is not None]
+        for c, one in zip(open_, found, strict=False):  # fewer are found where the budget ends
+            if closed[one.joint] is not None:
+                kind[c], held[c] = number[one.joint], one
     known = np.flatnonzero(kind[label] >= 0)
     placements = [placement(them, int(a[k]), int(b[k]), made[c][1], held[c]) for c, k in enumerate(first.tolist())]
     label = label[known]
@@ -149,14 +160,14 @@ def material_of(
 
 
 def _region(
-    material: PairMaterial, lever: float, limit: float, over: Callable[[], bool], certify: bool
+    material: PairMaterial, lever: float, limit: float, budget: WorkBudget, certify: bool
 ) -> OuterRegion | CagingSurface | None:
-    """Region of one pair, None where the joint is open or it was `over` first."""
+    """Region of one pair, None where the joint is open or the budget ended first."""
     if not certify:
-        return outer_region(material, lever, limit, over)
+        return outer_region(material, lever, limit, budget)
     from wiggleroom.freespace.outer.caging_surface import caging_surface  # only certificates need it
 
     # chords are checked in every pair by themselves: of strips only their own size matters
     own = PairMaterial(material.a, material.b, material.clearance)
-    slices = reached_slices(own, lever, limit, over)
-    return None if slices is None else caging_surface(own, slices, over)
+    slices = reached_slices(own, lever, limit, budget)
+    return None if slices is None else caging_surface(own, slices, budget)

@@ -16,7 +16,7 @@ from wiggleroom.bound.confined_pairs import confined_pairs
 from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, narrowed
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
-from wiggleroom.deadline import Deadline
+from wiggleroom.deadline import Deadline, WorkBudget
 from wiggleroom.errors import InputError, Stop, WiggleroomError
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
@@ -31,6 +31,10 @@ Ints = NDArray[np.int64]
 CUTOFF_SHARE, MANY_CUTOFF_SHARE = 0.6, 0.95
 """Motions worth more than the witness by this share of what is asked for are looked for. The second share is that of assemblies with more
 bodies than `MANY_BODIES`: fewer motions are left, and the bound comes as near as asked in half the time, though seldom nearer."""
+WORK = 60_000.0
+"""Work of a proof for which neither time nor work is said: about a minute."""
+CONFINED_SHARE = 0.5
+"""Pairs that others keep together may take this share of the work that is left."""
 LOOSE_SHARE = 1.0
 """Where the first linear program allows this share more than the witness, pairs whose joints are open are looked at too."""
 
@@ -39,7 +43,8 @@ def prove(
     answer: Answer,
     within: float = 0.01,
     *,
-    seconds: float = 60.0,
+    seconds: float | None = None,
+    work: float | None = None,
     certify: bool = False,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -52,13 +57,15 @@ def prove(
         From `flex`, of pulls, turns or Ws.
     within : float
         Share of the answer's objective that the bound may lie above it, more than 0. Less takes longer.
-    seconds : float
-        The best bound that was found in this time is given, also where it is further away.
+    seconds : float, optional
+        The best bound that was found in this time is given, also where it is further away. It then depends on the speed of the machine.
+    work : float, optional
+        The best bound that this much counted work finds is given, about milliseconds; 60,000 where `seconds` is left out, else no limit.
     certify : bool
         Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer. Its own `at_most` is
         larger than that of the answer where the answer had a nearer bound already.
     stop : optional
-        Anything with `is_set()`; ends it like the time.
+        Anything with `is_set()`; ends it at once.
     progress : callable, optional
         Told a `Progress`: what is being done and for how long, and the bound so far.
 
@@ -84,11 +91,13 @@ def prove(
 
     Source: outer regions after Varava et al., "Free Space of Rigid Objects" (2020); tightening of bounds as in global optimisation.
     """
-    check_request(within, seconds)
+    check_request(within, seconds, work)
     if answer.model != "walls":
         finding = f"a bound is proven for the model walls only; this answer is of {answer.model}"
         raise InputError(finding)
     clock = Deadline(seconds, stop)
+    most_work = WORK if work is None and seconds is None else math.inf if work is None else work
+    budget = WorkBudget(most_work, clock)
     surveyed = survey(answer.assembly)
     goal = objective(answer.assembly, surveyed.bodies, answer.goals)
     if not isinstance(goal, PointMotion):
@@ -104,20 +113,20 @@ def prove(
             progress(Progress(f"proof, {clock.spent:.0f} s: {stage}", 0, 0, shown))
 
     tell("caging surfaces" if certify else "outer regions", math.nan)
-    joints, regions = outer_regions(surveyed, clock.is_set, certify)
+    joints, regions = outer_regions(surveyed, budget, certify)
     ranges = first_ranges(surveyed.bodies.fixed, joints, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     held = surveyed.bodies.fixed | np.isfinite(ranges.far)
     if not held[asked].all():
         return _not_proven(
-            answer, clock, _why_open(answer.assembly, surveyed, joints, asked[~held[asked]], clock, certify)
+            answer, clock, _why_open(answer.assembly, surveyed, joints, asked[~held[asked]], budget, certify)
         )
     proof = ProofNode() if certify else None
     cut = witness + (MANY_CUTOFF_SHARE if held.sum() > MANY_BODIES else CUTOFF_SHARE) * aim
 
     def bounding_of(joints: JointConstraints, regions: Sequence[OuterRegion | CagingSurface]) -> BranchAndBound:
         return BranchAndBound(
-            surveyed, joints, [*regions], goal, cut, clock, lambda most, doing: tell(doing, most), proof
+            surveyed, joints, [*regions], goal, cut, budget, lambda most, doing: tell(doing, most), proof
         )
 
     bounding = bounding_of(joints, regions)
@@ -125,21 +134,19 @@ def prove(
     few = not certify and held.sum() <= MANY_BODIES
     if few and bounding.relaxed(ranges) > witness + LOOSE_SHARE * abs(witness):
         tell("pairs that others keep together", math.nan)
-        left = clock.left
-        some = Deadline(left / 2, clock) if left > 0 else clock
-        joints, outer, ranges = confined_pairs(surveyed, joints, outer, ranges, some.is_set)
+        joints, outer, ranges = confined_pairs(surveyed, joints, outer, ranges, budget.part(CONFINED_SHARE))
         bounding = bounding_of(joints, outer)
     ranges = narrowed(bounding.first(), ranges.low, ranges.high)
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
-        return _not_proven(answer, clock, "no bound was found in the time given")
+        return _not_proven(answer, clock, "no bound was found in the time or work given")
     if most < witness and answer.path == PathState.CHECKED:
         wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
         raise WiggleroomError(wrong)
     if answer.at_most is not None and answer.at_most < most and not certify:
         if answer.at_most <= witness + aim:
             return answer  # the quick bound is as near as was asked for
-        return _not_proven(answer, clock, "nothing nearer was found in the time given")
+        return _not_proven(answer, clock, "nothing nearer was found in the time or work given")
     paper = None
     if proof is not None:
         paper = certificate(
@@ -160,11 +167,11 @@ def prove(
 
 
 def _why_open(
-    assembly: Assembly, surveyed: Survey, joints: JointConstraints, open_: Ints, clock: Deadline, certify: bool
+    assembly: Assembly, surveyed: Survey, joints: JointConstraints, open_: Ints, budget: WorkBudget, certify: bool
 ) -> str:
     """Why nothing bounds what is pulled, in a sentence."""
-    if clock.is_set():
-        return "there was no time to look at all joints"
+    if budget.is_set():
+        return "the time or work given did not suffice to look at all joints"
     part = assembly.names[surveyed.bodies.members[int(open_[0])][0]]
     near = (surveyed.near.a == open_[0]) | (surveyed.near.b == open_[0])
     closed = (joints.a == open_[0]) | (joints.b == open_[0])
@@ -182,13 +189,19 @@ def _not_proven(answer: Answer, clock: Deadline, why: str) -> Answer:
     return replace(answer, bound=replace(had, seconds=clock.spent, why=why, certificate=None))
 
 
-def check_request(within: float, seconds: float, names: tuple[str, str] = ("within", "seconds")) -> None:
+def check_request(
+    within: float,
+    seconds: float | None = None,
+    work: float | None = None,
+    names: tuple[str, str] = ("within", "seconds"),
+) -> None:
     """Refuse numbers that make no sense; `names` is what the asker calls them."""
     wrong = [
         f"{name} {value:g}: it must be {right}"
         for name, value, right, fits in (
             (names[0], within, "more than 0 and less than 10; 0.01 is one per cent", 0 < within < 10),
-            (names[1], seconds, "a number of seconds, more than 0", 0 < seconds < math.inf),
+            (names[1], seconds or 0.0, "a number of seconds, more than 0", seconds is None or 0 < seconds < math.inf),
+            ("work", work or 0.0, "more than 0", work is None or work > 0),
         )
         if not fits
     ]

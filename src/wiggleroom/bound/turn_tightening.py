@@ -5,8 +5,6 @@ Programs differ in their cost alone. They are asked in an order in which neighbo
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +21,7 @@ from wiggleroom.bound.joint_multipliers import TURN, LagrangianBound
 from wiggleroom.bound.joint_ranges import JointRanges, RegionCuts, joint_ranges
 from wiggleroom.bound.linear_relaxation import LinearRelaxation, relaxation
 from wiggleroom.bound.proof_steps import TurnCuts, rounded
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.solve.dual_linear_program import DualLinearProgram
 
 Floats = NDArray[np.float64]
@@ -89,52 +88,49 @@ class RelaxationInRanges:
         self.lagrangian = LagrangianBound(linkage.fixed, linkage.joints, self.at, ranges, linkage.deviation)
 
     def largest(
-        self, weights: Floats, over: Callable[[], bool], *, interior: bool = False
+        self, weights: Floats, budget: WorkBudget, *, interior: bool = False
     ) -> tuple[float, Floats, Floats, Floats]:
         """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 8) that prove it, those of rows, and where it is taken.
 
         By an `interior`-point method large programs are quicker, and `turn_cuts` with a cutoff has nothing to begin from.
         """
         linear = self.linear
-        self.program = program = self._program(over)
+        self.program = program = self._program(budget)
         y = program.ask(linear.cost(weights), interior=interior)
         multipliers = rounded(linear.multipliers(y[None]))
         most = self.lagrangian.most(weights[None], np.zeros(1), multipliers)
         return float(most[0]), multipliers[0], y, program.x * linear.unit
 
-    def _program(self, over: Callable[[], bool]) -> DualLinearProgram:
+    def _program(self, budget: WorkBudget) -> DualLinearProgram:
         linear = self.linear
-        return DualLinearProgram(linear.rows, linear.low, linear.high, linear.least, linear.most, over)
+        return DualLinearProgram(linear.rows, linear.low, linear.high, linear.least, linear.most, budget)
 
-    def turn_cuts(
-        self, bodies: Ints, cutoff: Cutoff | None, over: Callable[[], bool], chains: int = CHAINS
-    ) -> TurnCuts:
+    def turn_cuts(self, bodies: Ints, cutoff: Cutoff | None, budget: WorkBudget, chains: int = CHAINS) -> TurnCuts:
         """Ends of the turns of some bodies, as far as they are news; with a cutoff after `largest` of it, from where that ended."""
         asked = [(int(b), sign) for sign in (1, -1) for b in bodies[::sign]]
         half = -(-len(asked) // chains)
         groups = [asked[k : k + half] for k in range(0, len(asked), half)]
         if len(groups) > 1:
-            with ThreadPoolExecutor(len(groups)) as pool:
-                done = list(pool.map(lambda group: self._chain(group, cutoff, over), groups))
+            done = list(budget.in_order(lambda group, own: self._chain(group, cutoff, own), groups, len(groups)))
         else:
-            done = [self._chain(group, cutoff, over) for group in groups]
+            done = [self._chain(group, cutoff, budget) for group in groups]
         found = [one for chain in done for one in chain]
         return self._proven([one[0] for one in found], np.array([one[1] for one in found]), cutoff)
 
     def _chain(
-        self, asked: list[tuple[int, int]], cutoff: Cutoff | None, over: Callable[[], bool]
+        self, asked: list[tuple[int, int]], cutoff: Cutoff | None, budget: WorkBudget
     ) -> list[tuple[tuple[int, int], Floats]]:
         """Multipliers of rows for one question after the other, until it is over."""
         linear = self.linear
         if cutoff is None:
-            program = self._program(over)
+            program = self._program(budget)
         else:
             cost = linear.cost(cutoff.weights)
             scale = 1.0 / max(float(np.abs(cost).max()), 1e-300)
-            program = self.program.with_row(cost * scale, cutoff.worth * scale)
+            program = self.program.with_row(cost * scale, cutoff.worth * scale, budget)
         found = []
         for body, sign in asked:
-            if over():
+            if budget.is_set():
                 break
             cost = np.zeros(len(linear.unit))
             column = linear.column[body] + 2

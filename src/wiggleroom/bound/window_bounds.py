@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -15,6 +14,7 @@ from wiggleroom.bound.joint_ranges import RegionCuts
 from wiggleroom.bound.local_windows import SPANS, Window, deviation, window_joints, window_turns, windows, with_window
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_cuts
+from wiggleroom.deadline import WorkBudget
 
 Floats = NDArray[np.float64]
 
@@ -43,27 +43,22 @@ class WindowProof:
 
 
 def bounded_windows(
-    linkage: Linkage, regions: RegionCuts, over: Callable[[], bool], spans: Sequence[int] = SPANS
+    linkage: Linkage, regions: RegionCuts, budget: WorkBudget, spans: Sequence[int] = SPANS
 ) -> Iterator[tuple[Linkage, WindowProof]]:
     """The linkage with what one window after the other says of turns, and why that is so."""
     for span in spans:
         found = windows(linkage.place, linkage.joints, linkage.unit, span)
         # those of one span know of shorter spans only, so that several are worked on at once
         known = linkage
-        with ThreadPoolExecutor(WORKERS) as pool:
-            for proof in pool.map(partial(_bounded, linkage=known, regions=regions, over=over), found):
-                if proof is None:
-                    return
-                low, high = proof.last.low, proof.last.high
-                turns = with_window(linkage.turns, linkage.joints, proof.window, low, high)
-                linkage = replace(linkage, turns=turns)
-                yield linkage, proof
+        for proof in budget.in_order(partial(_bounded, linkage=known, regions=regions), found, WORKERS):
+            low, high = proof.last.low, proof.last.high
+            turns = with_window(linkage.turns, linkage.joints, proof.window, low, high)
+            linkage = replace(linkage, turns=turns)
+            yield linkage, proof
 
 
-def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]) -> WindowProof | None:
-    """What a window's own programs say; None where it is over before it begins."""
-    if over():
-        return None
+def _bounded(window: Window, budget: WorkBudget, *, linkage: Linkage, regions: RegionCuts) -> WindowProof:
+    """What a window's own programs say."""
     own = window.bodies
     fixed = np.zeros(len(own), dtype=bool)
     fixed[0] = True
@@ -82,7 +77,7 @@ def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callab
         program = RelaxationInRanges(small, regions, ranges)
         step = ProofNode()
         step.at(ranges, program.at)
-        step.cuts = program.turn_cuts(np.arange(1, len(own)), None, over, chains=1)
+        step.cuts = program.turn_cuts(np.arange(1, len(own)), None, budget, chains=1)
         ranges = after_cuts(ranges, step.cuts, small.turns)
         steps.append(step)
     return WindowProof(window, first, ranges, tuple(steps))

@@ -69,7 +69,8 @@ def flex(
         than 50 free parts (from 100 to 1,000 the first climb is made nine times instead), nor in space.
     prove
         Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
-        extra prove. The proof may take 60 seconds, or what --time leaves; then the best bound so far is given.
+        extra prove. The proof may take a fixed amount of work, about a minute, or else the time that --time leaves;
+        then the best bound so far is given.
     certificate
         For --prove: file for the proof, which wiggleroom verify checks.
     arrays

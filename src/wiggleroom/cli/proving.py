@@ -10,9 +10,6 @@ if TYPE_CHECKING:
     from wiggleroom.deadline import Deadline
     from wiggleroom.search.answer import Answer
 
-SECONDS = 60.0
-"""Time of a proof where `--time` says none [s]."""
-
 
 def check_proof(share: float, model: str) -> None:
     """Refuse, before the long work, what cannot be proven.
@@ -28,7 +25,7 @@ def check_proof(share: float, model: str) -> None:
     from wiggleroom.errors import InputError
     from wiggleroom.solve.dual_linear_program import need_highs
 
-    check_request(share, SECONDS, ("--prove", "--time"))
+    check_request(share, names=("--prove", "--time"))
     if model != "walls":
         wrong = f"--prove: a bound is proven with --model walls only, not {model}"
         raise InputError(wrong)
@@ -48,7 +45,7 @@ def with_proof(
     from wiggleroom.bound.prove import prove
     from wiggleroom.cli.say import note
 
-    limit = SECONDS if stop.seconds is None else stop.left
+    limit = None if stop.seconds is None else max(stop.left, 1e-9)
     done = prove(answer, share, seconds=limit, certify=certify, stop=stop, progress=show)
     if done.bound is None:
         return done

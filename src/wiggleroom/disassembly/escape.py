@@ -48,8 +48,8 @@ EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
 """So many sets that nearly leave are kept; each is looked at with boxes of motions."""
-FRAME_SECONDS = 2.0
-"""Time [s] for the bound on how far the parts of a frame can move."""
+FRAME_WORK = 2000.0
+"""Work, about milliseconds, for the bound on how far the parts of a frame can move."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,7 +277,7 @@ def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> Closed
     if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.ignored, 0.0, stop)):
         return known
     others = np.flatnonzero(known.group[bodies.body_of] != fixed_group)
-    far = furthest(without_parts(ready.assembly, others), FRAME_SECONDS, stop)
+    far = furthest(without_parts(ready.assembly, others), FRAME_WORK, stop)
     inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.ignored, far, stop)
     return replace(known, group=np.where(np.isin(known.group, known.group[inside]), fixed_group, known.group))
 

@@ -39,10 +39,10 @@ SAME_AREA = 1e-6
 """Parts as drawn whose areas differ by less than this share are equally large."""
 TRIAL_GAPS = 1e-4, 4e-6
 """Gaps, as shares of the drawing's size, with which parts that touch at rest are looked at: the next where they come apart with one."""
-MIN_BOUND_SECONDS = 1.0
-"""The bound on displacements may take as long as the verdict did, and at least this long [s]."""
-MIN_REFINED_SECONDS = 0.1
-"""The same for a tighter bound, where one is known already."""
+BOUND_WORK, BOUND_WORK_PER_PART = 1000.0, 50.0
+"""Work of the bound on displacements, about milliseconds, and for each part."""
+REFINED_SHARE = 0.1
+"""Share of it for a tighter bound, where one is known already."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +91,8 @@ class Interlock(Drawable):
     tight : bool
         True where parts touch at rest and their contacts alone lock them.
     at_most : float or None [mm]
-        A distance that no point of any part exceeds in any motion that starts at rest, proven; None where none was found as quickly as the
-        verdict.
+        A distance that no point of any part exceeds in any motion that starts at rest, proven; None where little work found
+        none.
     """
 
     assembly: Assembly
@@ -186,8 +186,8 @@ def interlock(
         whole = (
             done.around.far.max()
         )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
-        spent = max(time.perf_counter() - began, MIN_BOUND_SECONDS if np.isinf(whole) else MIN_REFINED_SECONDS)
-        found = furthest(done.left, spent, stop)
+        work = BOUND_WORK + BOUND_WORK_PER_PART * len(done.left.names)
+        found = furthest(done.left, work if np.isinf(whole) else REFINED_SHARE * work, stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
     held = stage.ended is Separability.INTERLOCKED and not bodies(done.left).fixed.all()
     return Interlock(

@@ -99,7 +99,7 @@ class SlideSearch:
     turned : int
         States in which every body was turned both ways; none where something left before.
     tilts : tuple of Tilt
-        Of every shape the largest, the largest first.
+        Of every class of exchangeable bodies the largest, the largest first.
     """
 
     path: SlidePath | None
@@ -134,8 +134,8 @@ def slide_search(
     budget, turn_budget : float
         Work at most, on slides and on turns.
     """
-    turns = TurnSpace(space)
-    search = _BreadthFirst(space, turns.order, motion, targets, stop, tell, budget)
+    turns = TurnSpace(space, targets)
+    search = _BreadthFirst(space, turns, motion, targets, stop, tell, budget)
     whole = search.slide()
     if search.path is not None or not whole:
         return search.result(whole)
@@ -150,9 +150,9 @@ def slide_search(
             if turn.aligned:
                 search.reach(turn_end(state, turn), turned, turn)
                 continue
-            shape, angle = int(space.bodies.shape[turn.who]), turn.angle
-            if shape not in tilts or angle > tilts[shape][0] + MIN_TILT:
-                tilts[shape] = angle, turned, turn
+            kind, angle = int(turns.kind[turn.who]), turn.angle
+            if kind not in tilts or angle > tilts[kind][0] + MIN_TILT:
+                tilts[kind] = angle, turned, turn
         turned += 1
         whole = search.slide()
         if search.path is not None or not whole:
@@ -174,7 +174,7 @@ class _BreadthFirst:
     def __init__(
         self,
         space: SlideSpace,
-        order: Ints,
+        turns: TurnSpace,
         motion: Floats,
         targets: Ints,
         stop: Stop | None,
@@ -184,7 +184,7 @@ class _BreadthFirst:
         self.space, self.targets, self.stop, self.tell = space, targets, stop, tell
         self.tree: StateTree[Slide | LocalTurn | None] = StateTree(space.bodies.radius, space.clearance)
         self.path: SlidePath | None = None
-        self._key = _Canonical(space, targets, order).key
+        self._key = _Canonical(space, turns.kind, turns.order).key
         self._seen: set[bytes] = set()
         self._waiting: deque[int] = deque()
         self._begin = space.work
@@ -249,16 +249,13 @@ class _BreadthFirst:
 
 
 class _Canonical:
-    """Keys of states: the same for states that differ by rounding, or by an exchange of bodies of the same shape."""
+    """Keys of states: the same for states that differ by rounding, or by an exchange of bodies of one class of `kind` (n,)."""
 
-    def __init__(self, space: SlideSpace, named: Ints, order: Ints) -> None:
+    def __init__(self, space: SlideSpace, kind: Ints, order: Ints) -> None:
         bodies = space.bodies
         self._rest, self._free = bodies.rest, np.flatnonzero(~bodies.fixed & space.there)
         cell = ROUNDING * space.clearance
         self._cell = np.array([cell, cell, cell / max(1e-12, float(bodies.radius.max()))])
-        kind = bodies.shape.copy()
-        for k, b in enumerate(named.tolist()):
-            kind[b] = kind.max() + 1 + k
         self._kind = kind[self._free]
         self._period = 2 * np.pi / order[bodies.shape[self._free]]
 

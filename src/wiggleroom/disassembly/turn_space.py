@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.disassembly.slide_space import SlideSpace
 from wiggleroom.disassembly.turn_moves import straight, turn_in_steps
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.congruence_classes import exchange_classes
 from wiggleroom.geometry.rotational_symmetry import symmetry_order
 
 Floats = NDArray[np.float64]
@@ -61,10 +62,14 @@ class TurnSpace:
     Parameters
     ----------
     space : SlideSpace
+    named : (k,) int64
+        Bodies that the question distinguishes from others.
     """
 
-    def __init__(self, space: SlideSpace) -> None:
+    def __init__(self, space: SlideSpace, named: Ints) -> None:
         bodies = space.bodies
+        self.kind = exchange_classes(bodies, space.ignored, named)
+        """Class (n,) of exchangeable bodies that each belongs to."""
         self._space, self._seen = space, set[bytes]()
         self._free = np.flatnonzero(~bodies.fixed & space.there)
         half = len(space.directions) // 2
@@ -148,7 +153,7 @@ class TurnSpace:
         at = pose[who] - [*pose[b, :2], 0.0]
         at[:, 2] %= 2 * np.pi / self.order[bodies.shape[who]]
         cells = np.round(at / [cell, cell, cell / max(1e-12, float(bodies.radius.max()))]).astype(np.int64)
-        rows = np.column_stack([bodies.shape[who], cells])
+        rows = np.column_stack([self.kind[who], cells])
         key = rows[-1].tobytes() + rows[np.lexsort(rows.T)].tobytes()
         known = key in self._seen
         self._seen.add(key)

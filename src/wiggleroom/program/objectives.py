@@ -224,6 +224,11 @@ class Nearness:
     weight: float = 1.0
 
     @property
+    def most(self) -> float:
+        """What no motion exceeds [mm2]: all distances lost."""
+        return self.weight * float((self.apart**2).sum()) if self.weight >= 0 else np.inf
+
+    @property
     def couples(self) -> tuple[Ints, Ints]:
         """The pairs themselves."""
         return self.one.body, self.other.body
@@ -231,7 +236,7 @@ class Nearness:
     def value(self, motion: Floats) -> float:
         """Objective [mm2]."""
         change = self.other.moved(motion) - self.one.moved(motion)
-        return -self.weight * float((change * (2 * self.apart + change)).sum())
+        return 0.0 - self.weight * float((change * (2 * self.apart + change)).sum())
 
     def gradient(self, motion: Floats) -> Floats:
         """Derivatives (n, 3)."""

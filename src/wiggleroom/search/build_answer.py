@@ -16,6 +16,7 @@ from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.nonlinear_program import build_program
+from wiggleroom.program.objectives import Nearness
 from wiggleroom.search.answer import Answer, Contact, Period
 from wiggleroom.search.contact_forces import ContactForces, contact_forces, contacts
 from wiggleroom.search.incumbent import Incumbent
@@ -62,6 +63,8 @@ def answer_of(
         count, value, deepest = 1, first, 0.0
         if verdict.ends and not _best_at_rest(search):
             verdict = Verdict.STOPPED
+        if isinstance(search.objective, Nearness) and first >= search.objective.most:
+            verdict = Verdict.OPTIMAL  # neighbours are as near as they come, wherever the search went
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
     waypoints, period = repeats.waypoints if repeats else checked.waypoints(ready, count), None

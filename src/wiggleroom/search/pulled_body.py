@@ -19,7 +19,7 @@ MAX_FREE = 12
 
 
 def pulled_body(search: LocalSearch) -> PulledBody | None:
-    """The body that the goal is about, as drawn; None where there are several, or it is not about points and turns."""
+    """The body that the goal is about, as drawn; None where there are several, it meets nothing, or it is not about points and turns."""
     ready, goal = search.ready, search.objective
     if not isinstance(goal, PointMotion) or not 0 < (~ready.bodies.fixed).sum() <= MAX_FREE:
         return None
@@ -28,6 +28,8 @@ def pulled_body(search: LocalSearch) -> PulledBody | None:
     body = int(goal.body[0])
     drawn = bodies(ready.assembly) if ready.simplified else ready.bodies
     a, b = among_others(drawn, body, ready.ignored)
+    if a.is_empty:
+        return None
     mine = goal.body == body
     direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
     lever = np.array([(direction * spot).sum(), (spot[:, 0] * direction[:, 1] - spot[:, 1] * direction[:, 0]).sum()])

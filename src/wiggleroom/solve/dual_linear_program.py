@@ -9,11 +9,13 @@ multipliers prove bounds that are worked out elsewhere.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.errors import require_extra
 
 if TYPE_CHECKING:
@@ -21,6 +23,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+ITERATION_WORK, ITERATION_WORK_PER_ENTRY = 0.025, 1.2e-5
+"""Work of an iteration, and for each entry of the matrix."""
+BUILD_ITERATIONS = 30
+"""A program takes the work of so many iterations before the first one."""
 MAX_ITERATIONS_PER_ROW, MIN_ITERATION_LIMIT = 25, 10_000
 """A simplex method that takes more iterations than this for each of its rows is taken to cycle, but never before the second number."""
 
@@ -48,8 +54,8 @@ class DualLinearProgram:
     low, high : (m,) float64
     least, most : (n,) float64
         Finite.
-    over : callable, optional
-        Asked at every iteration; where it says True, the question ends with the multipliers that it has.
+    budget : WorkBudget, optional
+        Every iteration is charged to it; where it ends, the question ends with the multipliers that it has.
 
     Raises
     ------
@@ -72,7 +78,7 @@ class DualLinearProgram:
         high: Floats,
         least: Floats,
         most: Floats,
-        over: Callable[[], bool] = lambda: False,
+        budget: WorkBudget | None = None,
     ) -> None:
         import scipy.sparse as sp  # slow to import, and not always needed
 
@@ -83,20 +89,22 @@ class DualLinearProgram:
         one = sp.identity(n, format="csr")
         matrix = sp.hstack([rows[self.up].T, -rows[self.down].T, one, -one]).tocsc()
         cost = np.concatenate([high[self.up], -low[self.down], most, -least])
-        self.over = over
-        self.highs = quiet_solver(highspy, over, n)
+        self.work = ITERATION_WORK + ITERATION_WORK_PER_ENTRY * matrix.nnz
+        budget = budget or WorkBudget()
+        budget.spend(BUILD_ITERATIONS * self.work)
+        self.highs = quiet_solver(highspy, partial(budget.spend, self.work), n)
         self.highs.passModel(standard_form(highspy, cost, matrix, np.zeros(n)))
         self.every = np.arange(n, dtype=np.int32)
         self.x: Floats = np.zeros(n)
 
-    def with_row(self, row: Floats, low: float) -> DualLinearProgram:
-        """The same program with one more row (n,), row . x >= low, which begins where this one ended."""
+    def with_row(self, row: Floats, low: float, budget: WorkBudget) -> DualLinearProgram:
+        """The same program with one more row (n,), row . x >= low, which begins where this one ended; it is charged to another budget."""
         highspy = need_highs()
         other: DualLinearProgram = object.__new__(DualLinearProgram)
         other.up, other.down, other.every, other.x = self.up, self.down, self.every, self.x
         other.count, other.more = self.count, True
-        other.over = self.over
-        other.highs = quiet_solver(highspy, self.over, len(self.every))
+        other.work = self.work
+        other.highs = quiet_solver(highspy, partial(budget.spend, self.work), len(self.every))
         other.highs.passModel(self.highs.getLp())
         other.highs.setBasis(self.highs.getBasis())
         used = np.flatnonzero(row).astype(np.int32)

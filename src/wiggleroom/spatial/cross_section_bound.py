@@ -15,7 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.build import assemble
-from wiggleroom.bound.dual_bound import MAX_BOUND_RATIO, with_bound_in_time
+from wiggleroom.bound.dual_bound import MAX_BOUND_RATIO, with_bound_by_work
 from wiggleroom.drawing.model import Drawing, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.maximise import flex
@@ -30,8 +30,8 @@ Floats = NDArray[np.float64]
 
 MAX_LEVELS = 3
 """Number of cross-sections that are looked at, at most: those of most parts."""
-MAX_SECONDS = 5.0
-"""Time for the bound of one cross-section [s]."""
+MAX_WORK = 5000.0
+"""Work of the bound of one cross-section, about milliseconds."""
 ROUNDING = 1e-10
 """Corners of cross-sections are rounded to this share of the size, and outlines then moved inward by twice as much."""
 CRUMB = 1e-8
@@ -77,7 +77,7 @@ def cross_section_bound(
             ignore=tuple(pair for pair in assembly.drawing.ignore if set(pair) <= names),
         )
         try:
-            answer = with_bound_in_time(flex(assemble(drawing), asked, search=0, stop=stop), MAX_SECONDS, stop)
+            answer = with_bound_by_work(flex(assemble(drawing), asked, search=0, stop=stop), MAX_WORK, stop)
         except InputError:
             continue
         if answer.at_most is not None:

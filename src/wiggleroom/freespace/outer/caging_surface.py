@@ -8,7 +8,7 @@ and the corners of its loops bound what lies inside. The proof rests on the surf
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -16,9 +16,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, stitched
-from wiggleroom.freespace.outer.outer_region import ReachedSlices
+from wiggleroom.freespace.outer.outer_region import ReachedSlices, slice_work
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, core, forbidden, uncovered
 from wiggleroom.geometry.relative_pose import rotated
 
@@ -27,6 +28,8 @@ Ints = NDArray[np.int64]
 
 LOOP_OUTSETS = ((3e-4, 1.0), *((3e-4 * 2**k, 2.0 ** (-8 - k)) for k in range(1, 4)))
 """Loops run so far behind the walls, as shares of the clearance: the first that can be joined; the others for small steps only."""
+LOOP_SLICES = 1.2
+"""A loop takes the work of so many slices of both outlines."""
 CLOSING_STEP = 2.0**-12
 """A surface ends by a step no longer than this share of the turn, where shorter steps can be found: chains add up where it ends."""
 FIRST_ANGLE_STEP, MIN_ANGLE_STEP = 1 / 64, 2.0**-20
@@ -101,8 +104,8 @@ class CagingSurface:
         return points, np.zeros(len(points), dtype=np.int64)
 
 
-def caging_surface(whole: PairMaterial, slices: ReachedSlices, over: Callable[[], bool]) -> CagingSurface | None:
-    """CagingSurface round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
+def caging_surface(whole: PairMaterial, slices: ReachedSlices, budget: WorkBudget) -> CagingSurface | None:
+    """CagingSurface round rest; None where none was found, for example where a slice has several pieces, or the budget ended first."""
     window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in slices.pieces)
     first, last = float(slices.low[0]), float(slices.high[-1])
     material = whole.near(3 * window + 2 * np.sin(min(max(-first, last), np.pi) / 2) * whole.radius)
@@ -112,10 +115,10 @@ def caging_surface(whole: PairMaterial, slices: ReachedSlices, over: Callable[[]
         start = _loop(
             material, crossings, _pieces(material, 0.0, window, shapely.Point(0, 0)), 0.0, LOOP_OUTSETS[0][0], few
         )
-        if start is None or over():
+        if start is None or budget.spend(2 * LOOP_SLICES * slice_work(material.a, material.b)):
             continue
-        up = _half(material, crossings, start, window, last, few, over)
-        down = None if up is None else _half(material, crossings, start, window, first, few, over)
+        up = _half(material, crossings, start, window, last, few, budget)
+        down = None if up is None else _half(material, crossings, start, window, first, few, budget)
         if up is not None and down is not None:
             loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
             return CagingSurface(
@@ -131,13 +134,14 @@ def _half(
     window: float,
     end: float,
     few: bool,
-    over: Callable[[], bool],
+    budget: WorkBudget,
 ) -> list[tuple[Loop, Seam]] | None:
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
     ended: list[tuple[Loop, Seam]] | None = None  # as far as it went when a longer step would already have ended it
     here, step, kept = start, FIRST_ANGLE_STEP * end, 0
-    while not over() and len(done) < MAX_LOOPS and abs(here.angle) < 2 * abs(end) + 0.1:
+    work = LOOP_SLICES * slice_work(material.a, material.b)
+    while not budget.spend(work) and len(done) < MAX_LOOPS and abs(here.angle) < 2 * abs(end) + 0.1:
         if abs(step) <= MIN_ANGLE_STEP * abs(end):
             if ended is not None or kept:
                 break

@@ -7,7 +7,6 @@ new. Beyond the last intervals nothing is left over: no turn leads through them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,6 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, core, forbidden, uncovered
 from wiggleroom.freespace.outer.outer_walls import cut_corners, polyhedron
 
@@ -30,6 +30,10 @@ REFINEMENT_FACTOR = 4
 """Factor by which intervals are divided where they are refined."""
 MAX_INTERVALS = 1100
 """At most this many intervals are looked at to see whether B can turn all the way round."""
+SLICE_WORK, SLICE_WORK_PER_CORNER = 3.5, 0.065
+"""Work of a slice, and for each corner of both outlines where they are near each other."""
+POLYHEDRON_SHARE = 0.5
+"""A slice's polyhedra take this share of the work of the slice."""
 MAX_CONFINED_INTERVALS = 100
 """At most this many intervals share the turns of a confined pair."""
 
@@ -134,27 +138,33 @@ def _apart(material: PairMaterial, low: float, high: float, window: float) -> fl
 
 
 def outer_region(
-    material: PairMaterial, lever: float, limit: float, over: Callable[[], bool] | None = None
+    material: PairMaterial, lever: float, limit: float, budget: WorkBudget | None = None
 ) -> OuterRegion | None:
-    """Outer region in coarse intervals; None where it does not end within `limit` [mm], or is cut short by `over`."""
-    found = reached_slices(material, lever, limit, over)
-    return None if found is None else _outer(material, lever, found.low, found.high, list(found.pieces), {})
+    """Outer region in coarse intervals; None where it does not end within `limit` [mm], or where the budget ends first."""
+    found = reached_slices(material, lever, limit, budget)
+    if found is None:
+        return None
+    if budget is not None:
+        budget.spend(POLYHEDRON_SHARE * len(found.low) * slice_work(material.a, material.b))
+    return _outer(material, lever, found.low, found.high, list(found.pieces), {})
 
 
 def confined_region(
-    material: PairMaterial, lever: float, confinement: Confinement, over: Callable[[], bool] | None = None
+    material: PairMaterial, lever: float, confinement: Confinement, budget: WorkBudget | None = None
 ) -> OuterRegion | None:
-    """Outer region of a pair that is held together from elsewhere; None where it is cut short by `over`.
+    """Outer region of a pair that is held together from elsewhere; None where the budget ends first.
 
     Slices end at the rim of the confinement, and so do turns: no path leads on from there.
     """
     half = min(FIRST_BLUR * material.clearance / (2 * lever), MAX_HALF_WIDTH)
     half = max(half, (confinement.high - confinement.low) / (2 * MAX_CONFINED_INTERVALS))
     window = 1.01 * _window(np.array([confinement.translations], dtype=object))
-    found = _followed(material, half, window, over, confinement)
+    found = _followed(material, half, window, budget, confinement)
     if not isinstance(found, dict) or not found:
         return None
     slices = _sorted(found, half)
+    if budget is not None:
+        budget.spend(POLYHEDRON_SHARE * len(slices.low) * slice_work(material.a, material.b))
     return _outer(material, lever, slices.low, slices.high, list(slices.pieces), {}, confinement)
 
 
@@ -168,9 +178,9 @@ class ReachedSlices:
 
 
 def reached_slices(
-    material: PairMaterial, lever: float, limit: float, over: Callable[[], bool] | None = None
+    material: PairMaterial, lever: float, limit: float, budget: WorkBudget | None = None
 ) -> ReachedSlices | None:
-    """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm], or is cut short.
+    """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit`, or the budget does.
 
     Parameters
     ----------
@@ -179,13 +189,13 @@ def reached_slices(
         From `pivot_of`.
     limit : float [mm]
         The pivot is followed so far.
-    over : callable, optional
-        Asked now and then; True cuts the work short.
+    budget : WorkBudget, optional
+        Every slice is charged to it.
     """
     half = min(FIRST_BLUR * material.clearance / (2 * lever), MAX_HALF_WIDTH)
     window = min(4 * material.clearance, limit)
     while True:
-        found = _followed(material, half, window, over)
+        found = _followed(material, half, window, budget)
         if found is None or (isinstance(found, dict) and not found):  # rest itself is nowhere: rounding
             return None
         if isinstance(found, dict):
@@ -212,13 +222,14 @@ def _followed(
     material: PairMaterial,
     half: float,
     window: float,
-    over: Callable[[], bool] | None,
+    budget: WorkBudget | None,
     confinement: Confinement | None = None,
 ) -> dict[int, Pieces] | bool | None:
     """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round.
 
-    None where it was `over` first. A confined pair meets neither.
+    None where the budget ended first. A confined pair meets neither.
     """
+    budget = budget or WorkBudget()
     slices: dict[int, Leftover] = {}
     reached: dict[int, NDArray[np.bool_]] = {}
     todo: list[int] = []
@@ -226,6 +237,7 @@ def _followed(
     def reach(k: int, met: shapely.Geometry) -> None:
         if k not in slices:
             slices[k] = leftover(material, 2 * k * half, half, window, confinement)
+            budget.spend(slices[k].work)
             reached[k] = np.zeros(len(slices[k].pieces), dtype=bool)
         new = ~reached[k] & shapely.dwithin(slices[k].pieces, met, material.margin)
         new[new] = slices[k].open(new)
@@ -235,7 +247,7 @@ def _followed(
 
     reach(0, shapely.Point(0, 0))
     while todo:
-        if over is not None and over():
+        if budget.is_set():
             return None
         k = todo.pop()
         here = slices[k].pieces[reached[k]]
@@ -260,9 +272,19 @@ class Leftover:
     core: shapely.Geometry
     margin: float
 
+    @property
+    def work(self) -> float:
+        """About how long it took, in milliseconds of one machine."""
+        return slice_work(self.a, self.core)
+
     def open(self, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """True for those of some pieces that are not certainly forbidden."""
         return ~forbidden(self.a, self.core, self.pieces[which], self.margin)
+
+
+def slice_work(a: shapely.Geometry, b: shapely.Geometry) -> float:
+    """About how long a slice of two outlines takes, in milliseconds of one machine: from their corners alone."""
+    return SLICE_WORK + SLICE_WORK_PER_CORNER * float(shapely.get_num_coordinates([a, b]).sum())
 
 
 def leftover(

@@ -24,13 +24,13 @@ MAX_GOALS = 4
 def number(value: float, digits: int = 4) -> str:
     """`value` to `digits` significant digits, without an exponent wherever that stays readable.
 
-    >>> number(1.37234), number(0.00012345), number(-0.0), number(25000.0)
-    ('1.372', '0.0001234', '0', '25000')
+    >>> number(1.37234), number(0.00012345), number(-0.0), number(25000.0), number(1e99)
+    ('1.372', '0.0001234', '0', '25000', '1.000e+99')
     """
     if value == 0 or not math.isfinite(value):
         return "0" if value == 0 else str(value)
     places = digits - 1 - math.floor(math.log10(abs(value)))
-    if places > 12:
+    if not -12 < places <= 12:
         return f"{value:.{digits - 1}e}"
     rounded = f"{value:.{max(places, 0)}f}"
     return rounded.rstrip("0").rstrip(".") if "." in rounded else rounded
