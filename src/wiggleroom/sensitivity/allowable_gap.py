@@ -52,7 +52,8 @@ def allowable_gap(
     holds : bool
         Ask for the largest gap at which the parts interlock.
     fits : float, optional [mm]
-        Ask for the smallest gap at which the parts do not overlap at rest when every outline lies up to so much further out.
+        Ask for the smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline lies up to so
+        much further out. The assembly may be read with `overlapping`.
     seconds : float, optional [s]
         When this time is over, the best so far is given.
     stop, progress : optional
@@ -122,7 +123,7 @@ def held_gap(assembly: Any, border: LargestGap, deadline: Deadline) -> Allowable
 
 
 def _fitting(assembly: Assembly, larger: float) -> AllowableGap:
-    """Smallest gap at which outlines that lie `larger` further out do not overlap at rest."""
+    """Smallest gap at which outlines that lie `larger` further out do not overlap as drawn, not shifted."""
     trials: dict[float, Trial] = {}
     outward = dict.fromkeys(assembly.names, larger)
 
