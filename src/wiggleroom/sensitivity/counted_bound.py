@@ -10,7 +10,7 @@ from wiggleroom.errors import InputError, MissingExtraError, Stop
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.progress import Progress
 
-PROOF_STEPS = 400
+PROOF_STEPS = 100
 """Most steps of a proof: linear programs, and tightenings of all turns."""
 ENDLESS = 1e9
 """Stands for no limit of time [s]."""

@@ -76,7 +76,7 @@ OTHER_CLIMBS, MAX_OTHERS, OTHER_SHARE = 24, 4, 0.5
 """Draws begin also at optima of up to so many further climbs: the highest few that are worth this share of the answer at least."""
 
 
-MAX_WIDENED, STILL = 12, 1e-9
+MAX_WIDENED, STILL = 6, 1e-9
 """Paths of at most so many bodies are moved away from others; what moves less than this [mm, rad] stands."""
 WIDENING_STEPS = 1.0, 0.1, 0.01
 """They are moved by these multiples of the clearance, one after the other."""

@@ -22,6 +22,8 @@ RELATIVE_TOLERANCE = 1e-3
 """Both sides of a border end no further apart than this share of the gap: finer than any cutter."""
 MAX_WIDENINGS = 4
 """A path is moved away from other parts at most so many times while it is followed to smaller gaps."""
+JUMP = 0.01
+"""Only a motion that lies beyond the limit by this share is followed: one that is nearer ends at a contact."""
 BISECTION_SHARES = (0.5, 0.3, 0.7)
 """Where between two gaps the next one lies; the others where a search there was cut short."""
 
@@ -149,9 +151,9 @@ class SearchedGaps(Generic[Found]):
         The path is moved away from other parts, followed, and moved again where it got to.
         """
         begin = high
-        for _ in range(MAX_WIDENINGS):
-            answer = self.trials[high].answer
-            if answer is None or self.stopped:
+        for _ in range(MAX_WIDENINGS if self.searching else 0):  # a climb costs no more than this
+            answer, value = self.trials[high].answer, self.trials[high].value
+            if answer is None or value is None or value < (1 + JUMP) * self.limit < math.inf or self.stopped:
                 break
             answer = self.study.at_gap(high).with_room(answer, self.limit)
             good, bad = (1 - RELATIVE_TOLERANCE) * high, low

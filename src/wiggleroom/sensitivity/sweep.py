@@ -27,6 +27,8 @@ from wiggleroom.sensitivity.searched_gaps import SearchedGaps
 from wiggleroom.solve.dual_linear_program import need_highs
 from wiggleroom.verdict import Verdict
 
+PROOF_STEPS = 400
+"""Most steps of the proof of one gap."""
 DEFAULT_GAPS = 9
 """Gaps of a sweep that names none: from a quarter of the assembly's gap to twice it."""
 
@@ -149,7 +151,7 @@ def _with_band(
         step = steps[k]
         if step.answer is not None and step.objective is not None and not (stop is not None and stop.is_set()):
             done = (
-                counted_bound(step.answer, within, stop)
+                counted_bound(step.answer, within, stop, steps=PROOF_STEPS)
                 if seconds is None
                 else prove_bound(step.answer, within, seconds=seconds, stop=stop)
             )
