@@ -25,7 +25,7 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-MAX_SEARCHES, BATCH = 64, 4
+MAX_SEARCHES, BATCH = 48, 4
 """Draws that are searched at most, and how many at once: the same on any number of processors."""
 TESTED = 8
 """Draws that are searched, from the smallest to the largest, where there is no limit to decide about."""
