@@ -57,6 +57,7 @@ def test_draws_vary_about_the_answer_of_flex() -> None:
     assert (found.tightest, found.loosest) == (pytest.approx(ends[0]), pytest.approx(ends[1]))
 
 
+@pytest.mark.slow
 def test_draws_whose_climbs_fall_short_are_searched(tmp_path: Path) -> None:
     """A climb from rest leads to the answer here, but in this draw to 3 % less than the end of the answer does.
 

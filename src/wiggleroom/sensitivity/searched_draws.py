@@ -99,16 +99,12 @@ class SearchedDraws(Generic[Found]):
             return
         low, high = (climb.value for climb in climbs)
         tight = math.isnan(self.tightest)  # then it says nothing, and draws are tried in its place
-        if (tight or self.limit is None) and self.loosest < math.inf:
+        agree = not _falls_short(high, self.loosest) and (tight or not _falls_short(low, self.tightest))
+        if tight if agree and self.loosest < math.inf else self.limit is None:
             order = np.flatnonzero(self.fit)[np.argsort(self.value[self.fit], kind="stable")]
             self._search_draws(np.unique(order[np.linspace(0, len(order) - 1, TESTED).round().astype(int)]), many)
-        self.believed = (
-            self.loosest < math.inf
-            and not _falls_short(high, self.loosest)
-            and (tight or not _falls_short(low, self.tightest))
-            and not any(_falls_short(self.climbed[k], value) for k, value in self.searched.items())
-            and not many.stopped
-        )
+            agree = agree and not any(_falls_short(self.climbed[k], value) for k, value in self.searched.items())
+        self.believed = agree and self.loosest < math.inf and not many.stopped
         while self.limit is not None and not self._known and not many.stopped:
             some = self._most_deciding()
             if not len(some):

@@ -295,7 +295,10 @@ def sample_sure(found: Sample) -> list[tuple[str, str]]:
         what = unit(found.answer.goals)
         tight, loose = (_end_words(end, what) for end in (found.tightest, found.loosest))
         said.append(
-            ("bounds", f"every part at its tightest of all draws {tight}, at its loosest {loose}; both searched")
+            (
+                "bounds",
+                f"every part at its tightest of all draws {tight}, at its loosest {loose}; both asked as flex does",
+            )
         )
     if len(found.checked):
         off = f"off by up to {100 * found.largest_difference:.2g} %" if found.largest_difference else "right"
