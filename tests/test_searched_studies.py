@@ -48,6 +48,7 @@ def shafts() -> wr.Assembly:
     return assemble(wr.Drawing(parts, goals=(wr.Pull("slider", (0, 1)),)))
 
 
+@pytest.mark.slow
 @pytest.mark.searches
 def test_draws_in_which_a_passage_closes_still_move_as_far_as_the_tightest_of_them() -> None:
     found = wr.sample(shafts(), wr.Spread(0.005, "uniform", bias=-0.03), draws=6, seed=1, limit=0.5, workers=1)

@@ -100,7 +100,8 @@ class SearchedDraws(Generic[Found]):
         low, high = (climb.value for climb in climbs)
         tight = math.isnan(self.tightest)  # then it says nothing, and draws are tried in its place
         agree = not _falls_short(high, self.loosest) and (tight or not _falls_short(low, self.tightest))
-        if tight if agree and self.loosest < math.inf else self.limit is None:
+        wanted = tight if agree and self.loosest < math.inf else self.limit is None
+        if wanted:
             order = np.flatnonzero(self.fit)[np.argsort(self.value[self.fit], kind="stable")]
             self._search_draws(np.unique(order[np.linspace(0, len(order) - 1, TESTED).round().astype(int)]), many)
             agree = agree and not any(_falls_short(self.climbed[k], value) for k, value in self.searched.items())

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec import UNSET
 
-from wiggleroom.report.results.answer_words import goals_text, number, unit
+from wiggleroom.report.results.answer_words import goals_text, number, rounded_up, unit
 from wiggleroom.report.results.json_results import dimension
 from wiggleroom.report.results.table import columns
 from wiggleroom.schema.gap_schema import GapResult, GapTrial
@@ -94,7 +94,7 @@ def _certainty(found: AllowableGap) -> str:
     trial = next((t for t in found.trials if t.gap == found.gap), None)
     match found.question:
         case "at most" if found.certainty is Certainty.PROVEN and trial is not None and trial.at_most is not None:
-            return f"no motion at this gap is worth more than {number(trial.at_most)}"
+            return f"no motion at this gap is worth more than {rounded_up(trial.at_most)}"
         case "at most":
             return "no further motion was found at this gap, searched as flex does, which is no proof"
         case "holds":
