@@ -107,7 +107,7 @@ def test_what_was_climbed_is_not_called_optimal() -> None:
 def test_the_path_out_is_followed_to_the_gap_at_which_it_opens() -> None:
     wide = caged_bolt()
     loose = PlanarStudy(assemble(wide.drawing, gap=0.2), wide.goals)
-    answer = loose.with_room(loose.answer(None), np.inf)
+    answer = loose.with_room(loose.answer(None), np.inf, None)
     for gap, free in ((0.15, True), (0.0999, False)):
         there = PlanarStudy(assemble(wide.drawing, gap=gap), wide.goals).followed(answer, np.inf)
         assert (there is not None) is free

@@ -157,6 +157,7 @@ def test_a_gap_whose_motion_was_not_searched_in_time_is_said_to_be_stopped() -> 
     assert border._answer(low, "").stopped
 
 
+@pytest.mark.slow
 def test_draws_do_not_go_through_parts(tmp_path: Path) -> None:
     """A bolt holds three plates: the moved walls of one draw lead past a plate, to 3.5 mm in place of 0.31."""
     heights = {"first": (0.0, 0.518, 3.569), "second": (1.1, 0.688, 3.18), "third": (2.199, 0.611, 3.362)}

@@ -119,7 +119,7 @@ class GapStudy(Protocol[Found]):
     def in_place_of(self, lower: Found, smaller: Found) -> Found:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
 
-    def with_room(self, answer: Found, limit: float) -> Found:
+    def with_room(self, answer: Found, limit: float, stop: Stop | None) -> Found:
         """The answer with its path, up to where it is worth more than `limit`, as far from other parts as it can be moved."""
 
     def followed(self, looser: Found, limit: float) -> Found | None:

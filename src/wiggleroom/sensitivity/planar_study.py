@@ -140,12 +140,12 @@ class PlanarStudy:
         verdict = verdict_of_carried(smaller, lower)
         return replace(self.with_assembly(smaller), verdict=verdict, bound=None, at_most=None, search=None)
 
-    def with_room(self, answer: Answer, limit: float) -> Answer:
+    def with_room(self, answer: Answer, limit: float, stop: Stop | None) -> Answer:
         """The answer with its path, up to where it is worth more than `limit`, as far from other parts as it can be moved."""
         path = _cut(self.assembly, self.goals, answer, limit)
         if path is None or len(path) < 2:
             return answer
-        moved = _widened(self.assembly, path)
+        moved = _widened(self.assembly, path, stop)
         kept = replace(answer, waypoints=moved, motion=moved[-1])
         return answer if self.followed(kept, limit) is None else kept
 
@@ -301,7 +301,7 @@ def _cut(assembly: Assembly, goals: tuple[Goal, ...], answer: Answer, limit: flo
     return answer.waypoints if answer.objective is None else None
 
 
-def _widened(assembly: Assembly, path: Floats) -> Floats:
+def _widened(assembly: Assembly, path: Floats, stop: Stop | None) -> Floats:
     """The path (k, n, 3) of the parts, its waypoints but the first moved to where the least clearance is largest."""
     ready = survey(assembly)
     its = ready.bodies
@@ -311,6 +311,8 @@ def _widened(assembly: Assembly, path: Floats) -> Floats:
         return path
     moving = MovingBodies(who, as_one=False)
     for share in WIDENING_STEPS:
+        if stop is not None and stop.is_set():
+            break
         clearance = share * ready.clearance
         problem = ClearanceProblem(its, np.ones(len(its.fixed), bool), ready.ignored, clearance, ready.size, moving)
         moved = largest_clearance_path(problem, moved)

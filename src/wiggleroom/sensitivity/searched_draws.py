@@ -8,13 +8,13 @@ of all tighter ones. The state with every part as tight as in any draw, and that
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.sensitivity.found_motion import Found, is_checked, verdict_of
 from wiggleroom.sensitivity.gap_distribution import wilson
@@ -67,6 +67,7 @@ class SearchedDraws(Generic[Found]):
         self.loosest: float | None = None
         self.believed = False
         self._studies: dict[int, GapStudy[Found]] = {}
+        self._stop: Stop | None = None
 
     @property
     def fit(self) -> Bools:
@@ -91,9 +92,10 @@ class SearchedDraws(Generic[Found]):
         """Search the tightest and the loosest state, and where the climbs fall short of either, draws between them."""
         if not self.fit.any():
             return
+        self._stop = many.stop
         ends = [self.inward[self.fit].min(axis=0), self.inward[self.fit].max(axis=0)]
         climbs = many.each(*self.study.draws(self.answer, many.stop), ends)
-        found = many.each(searched_draw, self._bare, ends)
+        found = many.each(SearchedDraw(many.stop), self._bare, ends)
         self.tightest, self.loosest = (self._take(end, one) for end, one in zip(ends, found, strict=True))
         if self.tightest is None or self.loosest is None or None in climbs:
             return
@@ -131,7 +133,8 @@ class SearchedDraws(Generic[Found]):
         One that does not keep it is found sooner than that, and its path is followed to others.
         """
         left = np.setdiff1d(np.flatnonzero(self.undecided), list(self.searched))
-        inside = (self.inward[left, None] <= self.inward[None, left]).all(axis=2)  # the first is as tight as the second
+        some = self.inward[left]
+        inside: Bools = np.all(some[:, None] <= some[None], axis=2)  # the first is as tight as the second
         chosen: list[int] = []
         while len(chosen) < min(BATCH, len(left), MAX_SEARCHES - len(self.searched)):
             above, below = inside.sum(axis=1), inside.sum(axis=0)
@@ -145,7 +148,7 @@ class SearchedDraws(Generic[Found]):
         return left[chosen]
 
     def _search_draws(self, some: NDArray[np.int64], many: ParallelRun) -> None:
-        found = many.each(searched_draw, self._bare, list(self.inward[some]))
+        found = many.each(SearchedDraw(many.stop), self._bare, list(self.inward[some]))
         for k, one in zip(some.tolist(), found, strict=True):
             value = self._take(self.inward[k], one)
             if value is not None:
@@ -172,8 +175,10 @@ class SearchedDraws(Generic[Found]):
         asked = np.flatnonzero(self.fit & (self.value <= limit) & (self.value < math.inf))
         if not len(asked) or (value <= limit and value < math.inf):
             return
-        wide = self.study.with_inward(inward).with_room(found, limit)
+        wide = self.study.with_inward(inward).with_room(found, limit, self._stop)
         for k in asked.tolist():
+            if self._stop is not None and self._stop.is_set():
+                break
             if k not in self._studies:
                 self._studies[k] = self.study.with_inward(self.inward[k])
             kept = self._studies[k].followed(wide, limit)
@@ -186,9 +191,25 @@ def _falls_short(climb: float, search: float) -> bool:
     return not climb >= (1 - SAME_VALUE) * search
 
 
-def searched_draw(study: GapStudy[Any], inward: Floats) -> Any:
-    """Answer of a direct question with other boundaries, without what a search could go on from; a verdict where there is none."""
-    try:
-        return replace(study.with_inward(inward).answer(None), warm_start=None)
-    except InputError as why:
-        return verdict_of(why)
+@dataclass(frozen=True)
+class SearchedDraw:
+    """A direct question with other boundaries, as work for many processes.
+
+    Parameters
+    ----------
+    stop : optional
+        Asked within the search, in this process; others are ended.
+    """
+
+    stop: Stop | None = None
+
+    def __call__(self, study: GapStudy[Any], inward: Floats) -> Any:
+        """The answer, without what a search could go on from; a verdict where there is none."""
+        try:
+            return replace(study.with_inward(inward).answer(self.stop), warm_start=None)
+        except (InputError, StoppedError) as why:
+            return verdict_of(why)
+
+    def __reduce__(self) -> tuple[type[SearchedDraw], tuple[()]]:
+        """What other processes are sent: without `stop`."""
+        return SearchedDraw, ()

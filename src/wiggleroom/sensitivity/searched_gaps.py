@@ -155,7 +155,7 @@ class SearchedGaps(Generic[Found]):
             answer, value = self.trials[high].answer, self.trials[high].value
             if answer is None or value is None or value < (1 + JUMP) * self.limit < math.inf or self.stopped:
                 break
-            answer = self.study.at_gap(high).with_room(answer, self.limit)
+            answer = self.study.at_gap(high).with_room(answer, self.limit, self.stop)
             good, bad = (1 - RELATIVE_TOLERANCE) * high, low
             if not self._follows(answer, good):  # a contact ends it
                 break

@@ -92,7 +92,7 @@ class SpatialStudy:
         verdict = verdict_of_carried(smaller, lower)
         return replace(self.with_assembly(smaller), verdict=verdict, at_most=None, search=None)
 
-    def with_room(self, answer: SpatialAnswer, limit: float) -> SpatialAnswer:  # noqa: ARG002
+    def with_room(self, answer: SpatialAnswer, *_: Any) -> SpatialAnswer:
         """The answer as it is: paths in space are not followed."""
         return answer
 
