@@ -235,7 +235,9 @@ def test_a_sweep_that_is_stopped_where_it_searches_again_keeps_what_it_found() -
     found = wr.sweep(caged_bolt(), [0.05, 0.07, 0.09, 0.2], stop=stop, progress=progress)
     assert [s.objective for s in found.steps[:3]] == pytest.approx([0.05, 0.07, 0.09])
     assert all(s.verdict.ends for s in found.steps[:3])
-    assert found.lost == (0.09, 0.2)
+    assert found.lost is not None
+    assert found.lost[0] == 0.09
+    assert 0.1 < found.lost[1] <= 0.2  # the path out may have been followed a little before it was stopped
 
 
 @pytest.mark.searches
