@@ -16,7 +16,6 @@ from tests.oracle import blocks, chain
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import JointGap
-from wiggleroom.report.results.study_results import searched_less
 from wiggleroom.sensitivity.gap_distribution import wilson
 
 
@@ -201,7 +200,8 @@ def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends() -
     assert [s.verdict == "unbounded" for s in found.steps] == [s.gap > 0.1 for s in found.steps]
     assert [s.objective for s in found.steps[:2]] == pytest.approx([0.05, 0.09])
     assert found.lost is not None
-    assert 0.1 <= found.lost[1] < 0.102
+    assert found.lost[0] <= 0.1 * (1 + 1e-6)
+    assert 0.1 * (1 - 1e-9) <= found.lost[1] < 0.1003
 
 
 @pytest.mark.searches
@@ -235,18 +235,15 @@ def test_a_sweep_that_is_stopped_where_it_searches_again_keeps_what_it_found() -
     found = wr.sweep(caged_bolt(), [0.05, 0.07, 0.09, 0.2], stop=stop, progress=progress)
     assert [s.objective for s in found.steps[:3]] == pytest.approx([0.05, 0.07, 0.09])
     assert all(s.verdict.ends for s in found.steps[:3])
-    assert found.lost == (0.09, 0.2)
+    assert found.lost is not None
+    assert found.lost[0] == 0.09
+    assert 0.1 < found.lost[1] <= 0.2  # the path out may have been followed a little before it was stopped
 
 
 @pytest.mark.searches
-def test_a_sweep_says_where_it_searched_for_other_optima() -> None:
-    """At the first gap, the last and the assembly's own; not a word where all gaps were searched, nor where none was."""
-    found = wr.sweep(wr.patterns.chain(4, joint="tee", gap=0.02), [0.01, 0.02, 0.025, 0.03])
-    assert [step.answer.search is not None for step in found.steps] == [True, True, False, True]
-    (said,) = searched_less(found)
-    assert said.startswith("other optima were searched for at 0.01, 0.02 and 0.03 mm; ")
-    assert searched_less(replace(found, steps=found.steps[:2])) == []
-    assert searched_less(replace(found, steps=found.steps[2:3])) == []
+def test_every_gap_of_a_sweep_is_searched() -> None:
+    found = wr.sweep(wr.patterns.chain(3, joint="tee", gap=0.02), [0.01, 0.02, 0.025])
+    assert all(step.answer.search is not None for step in found.steps)
 
 
 def test_a_sweep_can_be_stopped() -> None:
@@ -283,7 +280,7 @@ def test_every_draw_of_the_slot_is_its_closed_form() -> None:
     assert found.good == ((exact <= 0.32) & ~misfit).sum()
     assert found.contributions == pytest.approx([0, 50, 50, 0, 0], abs=1e-3)
     assert found.foreseen == pytest.approx(0.05 / np.sqrt(2), rel=1e-4)
-    assert found.largest_difference < 1e-6
+    assert not found.undecided.any()
     assert found.value[found.worst] == np.nanmax(found.value)
 
 
@@ -301,8 +298,8 @@ def test_draws_on_a_jigsaw_are_what_flex_says() -> None:
     for value, extra in zip(found.value, found.extra, strict=True):
         offset = dict(zip(assembly.names, (-extra / 2).tolist(), strict=True))
         assert value == pytest.approx(wr.flex(assemble(assembly.drawing, offset=offset)).objective, rel=1e-3)
-    assert len(found.checked) == 10
-    assert found.largest_difference < 1e-3
+    assert not found.undecided.any()
+    assert found.tightest <= found.value.min() <= found.value.max() <= found.loosest
 
 
 def test_the_spread_is_foreseen_by_the_ranking() -> None:

@@ -36,6 +36,7 @@ def read(
     join: float | None = None,
     solid: Sequence[str] = (),
     stop: Stop | None = None,
+    overlapping: bool = False,
 ) -> Assembly | SpatialAssembly:
     """Assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
 
@@ -57,6 +58,8 @@ def read(
         Of drawings only: see `wiggleroom.assembly.build.read`.
     stop : optional
         Anything with `is_set()`; files in space are read in one go.
+    overlapping : bool
+        Accept parts of a drawing that overlap, for `allowable_gap` with `fits`.
 
     Raises
     ------
@@ -72,7 +75,7 @@ def read(
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())
     from wiggleroom.assembly.build import read as read_planar
 
-    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop)  # type: ignore[arg-type]
+    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, overlapping)  # type: ignore[arg-type]
 
 
 @overload

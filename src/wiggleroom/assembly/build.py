@@ -29,6 +29,7 @@ def assemble(
     fix: Sequence[str] = (),
     goals: Sequence[Goal] = (),
     offset: Mapping[str, float] | None = None,
+    overlapping: bool = False,
 ) -> Assembly:
     """Parts as they are made, with their roles.
 
@@ -43,6 +44,8 @@ def assemble(
         In place of the drawing's, where there are any.
     offset : mapping of names to float, optional [mm]
         Added to the offsets of single parts.
+    overlapping : bool
+        Accept parts that overlap, for `allowable_gap` with `fits`.
 
     Raises
     ------
@@ -77,11 +80,11 @@ def assemble(
         )
     )
     made, findings = examine_parts(used)
-    overlapping = overlap_findings(used, made)
+    overlaps = overlap_findings(used, made)
     if wrong or findings:
-        raise InputError((*wrong, *findings, *overlapping))
-    if overlapping:
-        raise OverlapError(overlapping)
+        raise InputError((*wrong, *findings, *overlaps))
+    if overlaps and not overlapping:
+        raise OverlapError(overlaps)
     return Assembly(made, used)
 
 
@@ -147,6 +150,7 @@ def read(
     join: float | None = None,
     solid: Sequence[str] = (),
     stop: Stop | None = None,
+    overlapping: bool = False,
 ) -> Assembly:
     """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
 
@@ -170,6 +174,8 @@ def read(
         Outlines inside others that are parts, not holes: names, points or "all".
     stop : optional
         Anything with `is_set()`, asked after every element and every outline of a drawing.
+    overlapping : bool
+        As for `assemble`.
 
     Raises
     ------
@@ -188,4 +194,4 @@ def read(
     fixed = [known(name) for name in fix]
     if known.wrong:
         raise InputError(known.wrong)
-    return with_notes(assemble(drawing, gap=gap, fix=fixed, goals=goals))
+    return with_notes(assemble(drawing, gap=gap, fix=fixed, goals=goals, overlapping=overlapping))

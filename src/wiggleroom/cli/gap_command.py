@@ -37,6 +37,8 @@ def gap(
 
     Example: wiggleroom gap puzzle.svg --fits 0.1 --kerf 0.15
 
+    --fits is about the parts where they are drawn, not shifted; they may overlap there.
+
     Parameters
     ----------
     file
@@ -46,7 +48,8 @@ def gap(
     holds
         The largest gap at which the parts interlock.
     fits
-        The smallest gap at which the parts fit beside each other when every outline is up to so much larger all round [mm].
+        The smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline is up to so much
+        larger all round [mm]; 0: as drawn.
     kerf
         Width of the cut [mm]: the answer is also given as the offset to set at the cutter.
     """
@@ -67,7 +70,8 @@ def gap(
         from wiggleroom.drawing.dimension import is_spatial_file
         from wiggleroom.gap_questions import allowable_gap
 
-        assembly = read_in_space(file, asked, stop=stop) if is_spatial_file(file) else read(file, asked, stop)
+        space, may_overlap = is_spatial_file(file), fits is not None
+        assembly = read_in_space(file, asked, stop=stop) if space else read(file, asked, stop, overlapping=may_overlap)
 
         found = allowable_gap(assembly, at_most=at_most, holds=holds, fits=fits, stop=stop, progress=show)
     from dataclasses import replace

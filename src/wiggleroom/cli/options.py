@@ -101,8 +101,10 @@ def read_options(asked: QuestionOptions) -> ReadOptions:
     )
 
 
-def read(file: str, asked: QuestionOptions, stop: Deadline | None = None) -> Assembly:
+def read(file: str, asked: QuestionOptions, stop: Deadline | None = None, *, overlapping: bool = False) -> Assembly:
     """Assembly that a file and the options describe; its notes, and what looks odd about it, go to stderr.
+
+    Parts may overlap where that is said.
 
     Raises
     ------
@@ -118,7 +120,7 @@ def read(file: str, asked: QuestionOptions, stop: Deadline | None = None) -> Ass
         drawing, fixed, wanted = _read_with_roles(file, asked)
         from wiggleroom.assembly.build import assemble, with_notes
 
-        assembly = with_notes(assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted))
+        assembly = with_notes(assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted, overlapping=overlapping))
     for line in assembly.drawing.notes[len(drawing.notes) :]:
         note(line)
     return assembly

@@ -17,10 +17,10 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies
 from wiggleroom.planning.steps import Step
 from wiggleroom.search.prepare import Survey
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies, largest_clearance_path
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
-from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, largest_clearance_path
 from wiggleroom.planning.steps import STILL, Step, finer
 from wiggleroom.search.prepare import Survey
 

@@ -19,9 +19,13 @@ class GapTrial(Struct, kw_only=True):
         float | UnsetType | None,
         Meta(description="largest motion [mm], turns in [rad]; null where it has no end or parts do not fit"),
     ] = UNSET
-    overlap: Annotated[float | UnsetType | None, Meta(description="deepest overlap at rest [mm]; of fits")] = UNSET
+    overlap: Annotated[
+        float | UnsetType | None, Meta(description="deepest overlap of parts as drawn, not shifted [mm]; of fits")
+    ] = UNSET
     at_most: AtMost
-    verdict: Annotated[str, Meta(description="that of the motion or the check; fits or overlaps")]
+    verdict: Annotated[
+        str, Meta(description="that of the motion or the check; climbed: not searched; fits or overlaps, as drawn")
+    ]
     path: PathChecked
 
 
@@ -31,7 +35,10 @@ class GapResult(Struct, tag_field="format", tag="wiggleroom.gap/1", kw_only=True
     dimension: InSpace | UnsetType = UNSET
     question: Literal["at most", "holds", "fits"]
     limit: Annotated[float | None, Meta(description="largest motion [mm, rad], or how much larger outlines are [mm]")]
-    gap: Annotated[float | None, Meta(description="the answer [mm]; null where there is none")]
+    gap: Annotated[
+        float | None,
+        Meta(description="the answer [mm], of fits that of parts as drawn, not shifted; null where there is none"),
+    ]
     certainty: Annotated[Certainty | None, Meta(description="what the answer rests on; null where there is none")]
     beyond: Annotated[float | None, Meta(description="nearest gap that was seen to fail [mm]")]
     searched_gap: Annotated[float | None, Meta(description="largest gap at which nothing against it was found [mm]")]

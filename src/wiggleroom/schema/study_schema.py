@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
@@ -69,7 +69,11 @@ class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_o
     tightened: Annotated[float | None, Meta(description="objective with the chosen parts tight")]
     verdict: Verdict
     lowered_percent: float | None
-    parts: Annotated[list[str], Meta(description="in the order in which they were chosen")]
+    parts: Annotated[list[str], Meta(description="chosen by rank in that order, else in the order of the assembly")]
+    chosen_by: Annotated[
+        Literal["rank", "draws", "all"],
+        Meta(description="by rank, as the best of choices at random, or as the best of all choices of as many parts"),
+    ]
     gap: Annotated[float, Meta(description="their share of the gap then [mm]")]
     limit: float | None
     reached: bool
@@ -121,7 +125,7 @@ class WorstDraw(Struct):
 
 
 class YieldEntry(Struct):
-    """Share of draws that keep the limit, with a 95 % interval."""
+    """Share of draws that keep the limit, with a 95 % interval; undecided draws are not in the share, the interval allows for them."""
 
     share: float | None
     low: float
@@ -129,10 +133,10 @@ class YieldEntry(Struct):
 
 
 class CheckedDraws(Struct):
-    """Draws that were solved again, pairs and free spaces worked out anew."""
+    """Draws that were searched as `flex` does."""
 
     draws: int
-    largest_difference: float | None
+    largest_difference: Annotated[float | None, Meta(description="largest share by which their climbs were off")]
 
 
 class SampleResult(Struct, tag_field="format", tag="wiggleroom.sample/1", kw_only=True, rename={"yields": "yield"}):
@@ -154,6 +158,14 @@ class SampleResult(Struct, tag_field="format", tag="wiggleroom.sample/1", kw_onl
     cut_short: Annotated[int, Meta(description="draws whose motion is safe but not an optimum")]
     limit: float | None
     yields: YieldEntry
+    undecided: Annotated[
+        int, Meta(description="draws that were only climbed, and may move further than found: beyond the limit, if any")
+    ]
+    tightest: Annotated[
+        float | str | None,
+        Meta(description='searched, with every part as tight as in any draw; or "unbounded" or "parts do not fit"'),
+    ]
+    loosest: Annotated[float | str | None, Meta(description="the same with every part as loose as in any draw")]
     contributions_percent: dict[str, float]
     checked: CheckedDraws
     notes: Notes = msgspec.field(default_factory=list)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.program.objectives import Objective
-from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.prepare import Prepared, Survey
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ MIN_SLOPE = 1e-3
 over twice the distance."""
 
 
-def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -> Floats | None:
+def recession_direction(ready: Prepared | Survey, objective: Objective, motion: Floats) -> Floats | None:
     """A direction (2,) in which some bodies leave without end from a motion (n, 3), and the objective grows; None where none was found.
 
     Source: a direction of recession of the free motions (Rockafellar, "Convex Analysis", section 8), of bodies that only translate. What
@@ -47,7 +47,7 @@ def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -
 
 
 def _taken_along(
-    ready: Prepared, shapes: NDArray[np.object_], body: int, direction: Floats
+    ready: Prepared | Survey, shapes: NDArray[np.object_], body: int, direction: Floats
 ) -> NDArray[np.bool_] | None:
     """Bodies (n,) that move along with one that goes straight; None where one of them stands."""
     n = len(shapes)
@@ -72,7 +72,9 @@ def _taken_along(
     return who
 
 
-def grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[np.bool_], direction: Floats) -> bool:
+def grows(
+    ready: Prepared | Survey, objective: Objective, motion: Floats, who: NDArray[np.bool_], direction: Floats
+) -> bool:
     """True where the objective grows without end."""
     away = np.zeros_like(motion)
     away[who, :2] = FAR * ready.size * direction
@@ -81,7 +83,7 @@ def grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[np
     return there - here > least and twice - there > (1 - MIN_SLOPE) * (there - here)
 
 
-def turns_for_ever(ready: Prepared, objective: Objective, motion: Floats) -> bool:
+def turns_for_ever(ready: Prepared | Survey, objective: Objective, motion: Floats) -> bool:
     """True where a body that is asked to turn does so without end from a motion (n, 3), together with what is near, clear of all else."""
     shapes, value = placed(ready.bodies, motion), objective.value(motion)
     slope = objective.gradient(motion)[:, 2]

@@ -21,7 +21,11 @@ from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder
 from wiggleroom.sensitivity.planar_study import study_of
+from wiggleroom.sensitivity.searched_gaps import RELATIVE_TOLERANCE
 from wiggleroom.verdict import Certainty, Verdict
+
+GEOMETRIC_TOLERANCE = 1e-6
+"""Both sides of the smallest gap that fits end no further apart than this share of it: it is a question of geometry, which costs little."""
 
 
 def allowable_gap(
@@ -48,7 +52,8 @@ def allowable_gap(
     holds : bool
         Ask for the largest gap at which the parts interlock.
     fits : float, optional [mm]
-        Ask for the smallest gap at which the parts do not overlap at rest when every outline lies up to so much further out.
+        Ask for the smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline lies up to so
+        much further out. The assembly may be read with `overlapping`.
     seconds : float, optional [s]
         When this time is over, the best so far is given.
     stop, progress : optional
@@ -102,7 +107,7 @@ def held_gap(assembly: Any, border: LargestGap, deadline: Deadline) -> Allowable
         if gap is not None and state is not None
     )
     near = border.holds is not None and border.parts_at is not None and (
-        border.parts_at - border.holds <= 2 * SETTINGS.relative_tolerance * border.parts_at
+        border.parts_at - border.holds <= 2 * RELATIVE_TOLERANCE * border.parts_at
     )  # fmt: skip
     if border.holds is None:
         why = "no gap was found that holds it together"
@@ -118,7 +123,7 @@ def held_gap(assembly: Any, border: LargestGap, deadline: Deadline) -> Allowable
 
 
 def _fitting(assembly: Assembly, larger: float) -> AllowableGap:
-    """Smallest gap at which outlines that lie `larger` further out do not overlap at rest."""
+    """Smallest gap at which outlines that lie `larger` further out do not overlap as drawn, not shifted."""
     trials: dict[float, Trial] = {}
     outward = dict.fromkeys(assembly.names, larger)
 
@@ -135,14 +140,14 @@ def _fitting(assembly: Assembly, larger: float) -> AllowableGap:
     while at(high).verdict == "overlaps" and high < 4 * size:
         low, high = high, 2 * high
     if at(high).verdict == Verdict.NOT_MAKEABLE:
-        while high - low > SETTINGS.geometric_tolerance * high and at((low + high) / 2).verdict != "fits":
+        while high - low > GEOMETRIC_TOLERANCE * high and at((low + high) / 2).verdict != "fits":
             middle = (low + high) / 2
             low, high = (middle, high) if at(middle).verdict == "overlaps" else (low, middle)
         high = (low + high) / 2
     if at(high).verdict != "fits":
         why = "no gap makes room: parts overlap at every gap at which they can be made"
         return _fits(assembly, larger, None, low, trials, why)
-    while high - low > SETTINGS.geometric_tolerance * high:
+    while high - low > GEOMETRIC_TOLERANCE * high:
         middle = (low + high) / 2
         low, high = (low, middle) if at(middle).verdict == "fits" else (middle, high)
     if (

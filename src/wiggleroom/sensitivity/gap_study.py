@@ -96,12 +96,11 @@ class GapStudy(Protocol[Found]):
     def clearance(self) -> float:
         """Typical clearance between neighbours [mm]."""
 
-    @property
-    def goes_on(self) -> bool:
-        """Whether `answer_onward` begins where a smaller gap ended, not at rest as a direct question does."""
-
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm]; InputError where parts cannot be made, OverlapError where they overlap."""
+
+    def with_inward(self, inward: Floats) -> Self:
+        """The same question with the boundary of each part moved inward by `inward` (n,) [mm]; InputError as for `at_gap`."""
 
     def answer(self, stop: Stop | None) -> Found:
         """Largest motion as a direct question finds it, without a bound."""
@@ -109,11 +108,8 @@ class GapStudy(Protocol[Found]):
     def flexed(self, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None) -> Found:
         """Answer of `wiggleroom.flex`, its quick bound included, from rest and `search` more starts (None: as many as usual)."""
 
-    def answer_onward(self, smaller: tuple[Self, Found] | None, search: bool, stop: Stop | None) -> tuple[Self, Found]:
-        """Largest motion, begun where that of a smaller gap ended, with `search` as a direct question too; and what it was asked of."""
-
     def bound(
-        self, answer: Found, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
+        self, answer: Found, within: float, stop: Stop | None, progress: Callable[[Progress], None] | None
     ) -> float | None:
         """A value that no motion exceeds, `within` a share of the answer where that can be; None where there is none."""
 
@@ -123,8 +119,11 @@ class GapStudy(Protocol[Found]):
     def in_place_of(self, lower: Found, smaller: Found) -> Found:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
 
-    def followed(self, larger: Found, limit: float) -> Found | None:
-        """The path of a larger gap, up to where it is worth more than `limit`, as an answer for this one; None where parts meet."""
+    def with_room(self, answer: Found, limit: float, stop: Stop | None) -> Found:
+        """The answer with its path, up to where it is worth more than `limit`, as far from other parts as it can be moved."""
+
+    def followed(self, looser: Found, limit: float) -> Found | None:
+        """The path of smaller parts, up to where it is worth more than `limit`, as an answer for these; None where parts meet."""
 
     def can_be_ranked(self, answer: Found) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
@@ -138,14 +137,8 @@ class GapStudy(Protocol[Found]):
     def moved(self, answer: Found, inward: Floats, stop: Stop | None) -> Found:
         """Largest motion when the boundary of each part moves inward by `inward` (n,) [mm]; negative moves it out."""
 
-    def confirmed(self, answer: Found, after: Found, inward: Floats, stop: Stop | None) -> Found:
-        """What a direct question finds where `moved` found `after`; the same where that does no more."""
-
     def draws(self, answer: Found, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: `work(shared, inward)` is a `PerturbedObjective`."""
-
-    def draws_afresh(self, answer: Found) -> tuple[Work, Any] | None:
-        """The same, pairs and free spaces worked out anew; None where `draws` does that too."""
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the boundary of each part (n,) may move out [mm] until `aim` of the gap `whole` is left."""

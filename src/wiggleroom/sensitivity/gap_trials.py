@@ -10,6 +10,9 @@ from wiggleroom.verdict import Certainty
 
 Question = Literal["at most", "holds", "fits"]
 
+CLIMBED = "climbed"
+"""Verdict of a gap that was not searched as `flex` does: the motion is that of a single climb from rest, and may be low."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trial:
@@ -19,16 +22,18 @@ class Trial:
     ----------
     gap : float [mm]
     value : float or None
-        Largest motion found [mm] (turns in [rad]), infinite where nothing stops it; for `fits` the deepest overlap at rest [mm].
+        Largest motion found [mm] (turns in [rad]), infinite where nothing stops it; for `fits` the deepest overlap as drawn [mm].
         None where the parts cannot be made or touch.
     verdict : str
-        That of the answer; "touching", "cannot be made", "fits" or "overlaps".
+        That of the answer; "climbed", "touching", "cannot be made", "fits" or "overlaps".
     checked : bool
         True where the value is that of a state that was checked by exact geometry, its path from rest too.
     at_most : float or None
         A value that no motion at this gap can exceed, where one was worked out.
     answer : Answer, SpatialAnswer or None
-        What the search at this gap found; the value is larger where a smaller gap has shown more.
+        The motion; where a smaller gap has shown more, that one, which is free here too.
+    ended : bool
+        True where a search or a climb at this gap came to its end.
     """
 
     gap: float
@@ -37,6 +42,7 @@ class Trial:
     checked: bool
     at_most: float | None = None
     answer: Any = field(default=None, repr=False)
+    ended: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +53,7 @@ class AllowableGap(Drawable):
     ----------
     question : str
         "at most": the largest gap at which the motion stays below the limit; "holds": the largest at which the parts interlock; "fits":
-        the smallest at which they fit beside each other when every outline is larger by the limit.
+        the smallest at which they do not overlap as drawn, not shifted, when every outline is larger by the limit.
     limit : float or None
         [mm] (turns in [rad]).
     assembly : Assembly or SpatialAssembly

@@ -20,12 +20,9 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.freespace.cells.cells import grow_cells
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
-from wiggleroom.geometry.relative_pose import relative_pose
-from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build_program
@@ -36,7 +33,6 @@ from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.sensitivity.found_motion import FoundMotion, endless, verdict_of
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.solution import Solution
@@ -249,45 +245,12 @@ def _climbed_from_rest(
     return PerturbedObjective(found.value, Verdict.OPTIMAL)
 
 
-def perturbed_objective_anew(
-    assembly: Assembly,
-    goals: tuple[Goal, ...],
-    inward: Floats,
-    usual: float = np.inf,
-    ends: tuple[PerturbationBase, ...] = (),
-) -> PerturbedObjective:
-    """The same as `perturbed_objective` with pairs and free spaces worked out anew, for parts made so.
-
-    It is a climb from rest, its path audited, and also what rounds lead to from `ends` in cells that are grown there anew.
-    """
+def perturbed_objective_anew(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> PerturbedObjective:
+    """The same as `perturbed_objective` by a climb from rest, its path audited, with pairs and free spaces worked out anew."""
     try:
-        ready = prepare_walls(varied(assembly, inward))
-        answer = witness(ready, goals)
+        answer = witness(varied(assembly, inward), goals)
     except InputError as why:
         return PerturbedObjective(np.nan, verdict_of(why))
     if answer.objective is None:
         return PerturbedObjective(np.inf, Verdict.UNBOUNDED)
-    best = PerturbedObjective(answer.objective, answer.verdict)
-    for end in ends:
-        found = _grown_anew(end, inward, ready, ready.objective(goals))
-        if found is not None and best.value < found.value <= (1 + UNUSUAL_GAIN) * usual:
-            best = PerturbedObjective(found.value, Verdict.OPTIMAL)
-    return best
-
-
-def _grown_anew(end: PerturbationBase, inward: Floats, ready: Prepared, objective: Objective) -> Incumbent | None:
-    """Where the rounds of the search lead from the end of an answer in cells that are grown anew; None where they come to no end."""
-    first = _in_same_walls(end, inward)
-    found = None if first is None else _gone_on(end, *first)
-    if found is None:
-        return None
-    program = found.program
-    motion = of_parts(end.ready.assembly, program.bodies, program.motion(found.solution.inner)[None])
-    inner = of_bodies(ready.assembly, ready.bodies, motion)[0]
-    a, b = program.cells.a, program.cells.b
-    cells, good = grow_cells(
-        ready.bodies, a, b, relative_pose(ready.bodies, a, b, inner), np.full(len(a), ready.clearance)
-    )
-    if not good.all():
-        return None
-    return _converged(LocalSearch(ready, objective, solve, WITHOUT_BRANCHES), Start(cells, inner))
+    return PerturbedObjective(answer.objective, answer.verdict)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,36 +9,34 @@ from typing import Any, Self
 
 import numpy as np
 import scipy.sparse as sp
-import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.bound.prove import prove
+from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies, largest_clearance_path
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, MissingExtraError, Stop
+from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.offset_bodies import offset_bodies
-from wiggleroom.geometry.placed_bodies import placed
-from wiggleroom.geometry.rigid_motions import of_bodies
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.maximise import flex, witness
 from wiggleroom.parallel.parallel_run import Work
-from wiggleroom.program.gap_sensitivity import OUTLINE_TOLERANCE, carried, gains
+from wiggleroom.program.gap_sensitivity import gains
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer, witnessed
-from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.global_search import local_optima
-from wiggleroom.search.incumbent import Start, start_at_rest
+from wiggleroom.search.incumbent import start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
-from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.prepare import Prepared, survey
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
 from wiggleroom.search.progress import Progress
+from wiggleroom.search.recession import recession_direction
 from wiggleroom.sensitivity.contact_program import on_contacts
+from wiggleroom.sensitivity.counted_bound import counted_bound
 from wiggleroom.sensitivity.dual_face import face, shared_with
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.found_motion import verdict_of_carried
@@ -61,7 +58,6 @@ from wiggleroom.sensitivity.perturbation import (
     is_searched,
     objective_in_same_walls,
     perturbed_objective,
-    perturbed_objective_anew,
     searched_answer,
     varied,
 )
@@ -78,6 +74,12 @@ ROUNDING = 1e-9
 
 OTHER_CLIMBS, MAX_OTHERS, OTHER_SHARE = 24, 4, 0.5
 """Draws begin also at optima of up to so many further climbs: the highest few that are worth this share of the answer at least."""
+
+
+MAX_WIDENED, STILL = 6, 1e-9
+"""Paths of at most so many bodies are moved away from others; what moves less than this [mm, rad] stands."""
+WIDENING_STEPS = 1.0, 0.1, 0.01
+"""They are moved by these multiples of the clearance, one after the other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,14 +109,13 @@ class PlanarStudy:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
-    @property
-    def goes_on(self) -> bool:
-        """Whether a larger gap begins where a smaller one ended."""
-        return True
-
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm] of the whole assembly."""
         return replace(self, question=assemble(self.assembly.drawing, gap=gap), found=None)
+
+    def with_inward(self, inward: Floats) -> Self:
+        """The same question with the outline of each part moved inward by `inward` (n,) [mm]."""
+        return replace(self, question=varied(self.assembly, inward), found=None)
 
     def answer(self, stop: Stop | None) -> Answer:
         """Largest motion as a direct question finds it, without a bound; the one that was found before, where there is one."""
@@ -124,27 +125,11 @@ class PlanarStudy:
         """Answer of `wiggleroom.flex`, its quick bound included, from rest and `search` more starts."""
         return flex(self._asked, self.goals, search=search, stop=stop, progress=progress)
 
-    def answer_onward(
-        self, smaller: tuple[Self, Answer] | None, search: bool, stop: Stop | None
-    ) -> tuple[Self, Answer]:
-        """Largest motion, begun where that of a smaller gap ended where its walls can be carried here; and what it was asked of."""
-        ready = None if smaller is None else _carried(smaller[0], self.assembly)
-        answer = None if smaller is None or ready is None else _continued(smaller[1], ready, self.goals, stop)
-        if answer is None or ready is None:
-            ready = prepare_walls(self.assembly, stop=stop)
-            answer = searched_answer(ready, self.goals, stop)
-        elif search:
-            answer = _larger(answer, searched_answer(ready, self.goals, stop))
-        return replace(self, question=ready), self.with_assembly(answer)
-
     def bound(
-        self, answer: Answer, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
+        self, answer: Answer, within: float, stop: Stop | None, progress: Callable[[Progress], None] | None
     ) -> float | None:
         """A value that no motion exceeds; None where sums of squares are asked, or the extra for proofs is not there."""
-        try:
-            return prove(answer, within, seconds=seconds, stop=stop, progress=progress).at_most
-        except (InputError, MissingExtraError):
-            return None
+        return counted_bound(answer, within, stop, progress).at_most
 
     def with_assembly(self, answer: Answer) -> Answer:
         """The motion of an answer at a smaller gap, as an answer for this one."""
@@ -152,20 +137,32 @@ class PlanarStudy:
 
     def in_place_of(self, lower: Answer, smaller: Answer) -> Answer:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
-        return self.with_assembly(_in_place_of(lower, smaller))
+        verdict = verdict_of_carried(smaller, lower)
+        return replace(self.with_assembly(smaller), verdict=verdict, bound=None, at_most=None, search=None)
 
-    def followed(self, larger: Answer, limit: float) -> Answer | None:
-        """The path of a larger gap, up to where it is worth more than `limit`, as an answer for this one; None where parts meet."""
+    def with_room(self, answer: Answer, limit: float, stop: Stop | None) -> Answer:
+        """The answer with its path, up to where it is worth more than `limit`, as far from other parts as it can be moved."""
+        path = _cut(self.assembly, self.goals, answer, limit)
+        if path is None or len(path) < 2:
+            return answer
+        moved = _widened(self.assembly, path, stop)
+        kept = replace(answer, waypoints=moved, motion=moved[-1])
+        return answer if self.followed(kept, limit) is None else kept
+
+    def followed(self, looser: Answer, limit: float) -> Answer | None:
+        """The path of smaller parts, up to where it is worth more than `limit`, as an answer for these; None where parts meet."""
+        path = _cut(self.assembly, self.goals, looser, limit)
+        if path is None or not audit_path(self.assembly, path).free:
+            return None
         its = bodies(self.assembly)
-        goal = objective(self.assembly, its, self.goals)
-        worth = np.array([goal.value(motion) for motion in of_bodies(self.assembly, its, larger.waypoints)])
-        beyond = np.flatnonzero(worth > limit)
-        if not len(beyond):
+        goal, end = objective(self.assembly, its, self.goals), of_bodies(self.assembly, its, path[-1:])[0]
+        value = float(goal.value(end))
+        whole = looser.objective is None and len(path) == len(looser.waypoints)
+        if whole and recession_direction(survey(self.assembly), goal, end) is not None:
+            return replace(self.with_assembly(looser), motion=path[-1], waypoints=path, warm_start=None)
+        if value <= limit:
             return None
-        path = larger.waypoints[: beyond[0] + 1]
-        if not audit_path(self.assembly, path).free:
-            return None
-        return witnessed(self.assembly, self.goals, Verdict.STOPPED, float(worth[beyond[0]]), path, PathState.CHECKED)
+        return witnessed(self.assembly, self.goals, Verdict.STOPPED, value, path, PathState.CHECKED)
 
     @property
     def _asked(self) -> Assembly | Prepared:
@@ -209,20 +206,10 @@ class PlanarStudy:
             return searched_answer(made, answer.goals, stop)
         return witness(made, answer.goals, stop=stop)
 
-    def confirmed(self, answer: Answer, after: Answer, inward: Floats, stop: Stop | None) -> Answer:
-        """What a direct question finds where `moved` found `after`."""
-        if not is_searched(self.assembly) or self.is_beyond_climb(answer, stop):
-            return after
-        return searched_answer(varied(self.assembly, inward), answer.goals, stop)
-
     def draws(self, answer: Answer, stop: Stop | None) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""
         ready = refined_at_contacts(self.ready, answer, self._climb(answer, stop))  # draws climb from rest
         return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._known(answer, stop))
-
-    def draws_afresh(self, answer: Answer) -> tuple[Work, Any]:
-        """The same, pairs and free spaces worked out anew."""
-        return one_afresh, (self.assembly, answer.goals, *self._known(answer, None))
 
     def _known(self, answer: Answer, stop: Stop | None) -> tuple[float, tuple[PerturbationBase, ...]]:
         """Objective of an answer, and, where a direct question searches, its end and other optima: for other gaps they may be larger."""
@@ -303,59 +290,33 @@ def one_draw(
     return perturbed_objective(ready, objective, goals, inward, usual, ends)
 
 
-def one_afresh(
-    shared: tuple[Assembly, tuple[Goal, ...], float, tuple[PerturbationBase, ...]], inward: Floats
-) -> PerturbedObjective:
-    """One draw, pairs and free spaces worked out anew."""
-    assembly, goals, usual, ends = shared
-    return perturbed_objective_anew(assembly, goals, inward, usual, ends)
+def _cut(assembly: Assembly, goals: tuple[Goal, ...], answer: Answer, limit: float) -> Floats | None:
+    """The path (k, n, 3) of an answer up to where it is worth more than `limit`; the whole of one without end; None where it is not."""
+    its = bodies(assembly)
+    goal = objective(assembly, its, goals)
+    worth = np.array([goal.value(motion) for motion in of_bodies(assembly, its, answer.waypoints)])
+    beyond = np.flatnonzero(worth > limit)
+    if len(beyond):
+        return answer.waypoints[: beyond[0] + 1]
+    return answer.waypoints if answer.objective is None else None
 
 
-def _carried(smaller: PlanarStudy, made: Assembly) -> Prepared | None:
-    """A prepared assembly with its outlines moved to a larger gap; None where that is not all that changes."""
-    ready = smaller.ready
-    if made.drawing.gaps or ready.simplified:
-        return None
-    before, more = ready.bodies, made.gap - smaller.assembly.gap
-    try:
-        after = offset_bodies(before, np.full(len(before.body_of), more / 2))
-    except InputError:
-        return None
-    there, here = placed(bodies(made)), placed(after)
-    if shapely.hausdorff_distance(there, here).max() > OUTLINE_TOLERANCE * ready.size:
-        return None
-    cells = carried(ready.cells, before, after)
-    return replace(ready, assembly=made, bodies=after, cells=cells, clearance=ready.clearance + more)
-
-
-def _continued(smaller: Answer, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer | None:
-    """Answer for a larger gap, begun where a smaller one ended; None where the whole path is not certainly free."""
-    began = time.perf_counter()
-    found = ended(smaller)
-    search = LocalSearch(ready, objective(ready.assembly, ready.bodies, goals), solve, THOROUGH, stop)
-    search.improve(Start(carried(found.program.cells, found.program.bodies, ready.bodies), found.motion))
-    answer = answer_of(search, goals, "interior-point", began)
-    answer = replace(answer, waypoints=np.concatenate([smaller.waypoints, answer.waypoints]))
-    if answer.objective is not None and answer.objective < (smaller.objective or 0.0):
-        answer = _in_place_of(answer, smaller)  # what was free for larger parts still is
-    return answer if audit_path(ready.assembly, answer.waypoints).free else None
-
-
-def _in_place_of(lower: Answer, smaller: Answer) -> Answer:
-    verdict = verdict_of_carried(smaller, lower)
-    return replace(smaller, verdict=verdict, bound=None, at_most=None, search=None)
-
-
-def _larger(one: Answer, other: Answer) -> Answer:
-    """The answer with the larger motion, of which that of the second, a search, is checked; the first where nothing can go on from it."""
-    if (
-        one.objective is None
-        or other.path != PathState.CHECKED
-        or (other.objective is not None and not can_be_ranked(other))
-    ):
-        return one
-    better = other.objective is None or other.objective > one.objective
-    return other if better else replace(one, search=other.search)
+def _widened(assembly: Assembly, path: Floats, stop: Stop | None) -> Floats:
+    """The path (k, n, 3) of the parts, its waypoints but the first moved to where the least clearance is largest."""
+    ready = survey(assembly)
+    its = ready.bodies
+    moved = of_bodies(assembly, its, path)
+    who = np.flatnonzero((np.abs(moved - moved[:1]) > STILL).any(axis=(0, 2)))
+    if not 0 < len(who) <= MAX_WIDENED:
+        return path
+    moving = MovingBodies(who, as_one=False)
+    for share in WIDENING_STEPS:
+        if stop is not None and stop.is_set():
+            break
+        clearance = share * ready.clearance
+        problem = ClearanceProblem(its, np.ones(len(its.fixed), bool), ready.ignored, clearance, ready.size, moving)
+        moved = largest_clearance_path(problem, moved)
+    return of_parts(assembly, its, moved)
 
 
 def study_of(

@@ -18,12 +18,10 @@ from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
 from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
+from wiggleroom.sensitivity.searched_draws import SearchedDraws
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
-
-RESOLVED_DRAWS = 10
-"""Number of draws whose pairs and free spaces are worked out anew: the largest, the smallest, and some between."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +43,13 @@ class Sample(Drawable):
     limit : float or None
         Largest motion that is wanted.
     checked : (k, 3) float64
-        Draw, its value, and that of the same parts with pairs and free spaces worked out anew; in space they always are.
+        Of draws that were searched as a direct question is: number of the draw, what its climbs found, and what the search did.
+    tightest, loosest : float or None
+        Largest motion, searched, with every part as tight and as loose as in any draw: it bounds all draws; infinity where nothing stops
+        it, nan where the parts do not fit, None where it was not searched.
+    undecided : (draws,) bool
+        Draws that were only climbed where a looser state, searched, moves further than its own climb, so that they may be low: further
+        than the limit, where there is one.
     ranking : Ranking
         Of the answer; says which parts contribute to the spread.
     asked : int
@@ -60,6 +64,9 @@ class Sample(Drawable):
     cut_short: int
     limit: float | None
     checked: Floats
+    tightest: float | None
+    loosest: float | None
+    undecided: NDArray[np.bool_]
     ranking: Ranking
     asked: int
 
@@ -92,13 +99,22 @@ class Sample(Drawable):
 
     @property
     def good(self) -> int:
-        """Draws that fit and keep the limit."""
+        """Draws that fit and keep the limit; those that are undecided are not counted."""
+        return self._kept - (0 if self.limit is None else int(self.undecided.sum()))
+
+    @property
+    def _kept(self) -> int:
+        """Draws that fit and were not seen to break the limit."""
         return int((self.value <= (np.inf if self.limit is None else self.limit)).sum())
 
     @property
     def yields(self) -> tuple[float, float, float]:
-        """Share of all draws that fit and keep the limit, and its 95 % confidence interval."""
-        return (self.good / len(self.value), *wilson(self.good, len(self.value)))
+        """Share of all draws that fit and keep the limit, and its 95 % confidence interval.
+
+        Draws that are undecided are not in the share; the interval allows for all or none of them.
+        """
+        count = len(self.value)
+        return self.good / count, wilson(self.good, count)[0], wilson(self._kept, count)[1]
 
     @property
     def contributions(self) -> Floats:
@@ -115,7 +131,7 @@ class Sample(Drawable):
 
     @property
     def largest_difference(self) -> float:
-        """Largest share by which a checked draw was off."""
+        """Largest share by which the climbs of a searched draw were off."""
         if not len(self.checked):
             return float("nan")
         used, anew = self.checked[:, 1], self.checked[:, 2]
@@ -144,7 +160,10 @@ def sample(
     moved. It goes through the rounds of the search from rest, and where a direct question searches also from the end of the answer
     without variation and from other optima of it, for with other gaps one of these may be the largest; its end is free of overlap by
     exact geometry.
-    A few draws, the extremes among them, are worked out anew, see `Sample.checked`. No draw is searched: it may be low.
+    Two states bound all draws, because parts only get smaller as their gaps grow: with every part as tight as in any draw, and as
+    loose. Both are searched. Where the climbs find as much there, they are believed between them. Where not, draws are searched as a
+    direct question is, those first that decide most others, until the yield is known or a counted amount of work is done;
+    see `Sample.undecided`.
 
     Parameters
     ----------
@@ -193,20 +212,10 @@ def sample(
     if not done:
         finding = "sample: stopped before the first draw was done"
         raise InputError(finding)
-    value = np.array([results[k].value for k in done])
-    extra = extra[done]
-    afresh, checked = study.draws_afresh(answer), []
-    if afresh is not None:
-        again = _extremes(value)
-        anew = ParallelRun(workers, cluster, stop).each(*afresh, list(extra[again] / 2))
-        checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
+    found = SearchedDraws(study, answer, extra[done] / 2, [results[k] for k in done], limit)
+    found.search(ParallelRun(workers, cluster, stop))
     return Sample(
-        answer, distribution, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
-        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer, study), draws,
+        answer, distribution, seed, extra[done], found.value,
+        sum(results[k].verdict is Verdict.STOPPED for k in done), limit, found.checked, found.tightest, found.loosest,
+        found.undecided, rank_at_once(answer, study), draws,
     )  # fmt: skip
-
-
-def _extremes(value: Floats) -> list[int]:
-    """Draws to check: evenly from the smallest to the largest, so both ends are among them."""
-    order = np.argsort(value, kind="stable")
-    return sorted({int(order[k]) for k in np.linspace(0, len(order) - 1, RESOLVED_DRAWS).round().astype(int)})

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import combinations
+from math import comb
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +18,13 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.sensitivity.found_motion import Found, endless, is_checked
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
-from wiggleroom.sensitivity.perturbation import exceeds
+from wiggleroom.sensitivity.perturbation import SAME_VALUE, exceeds
 from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import ranking_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+ChosenBy = Literal["rank", "draws", "all"]
 
 
 @dataclass(frozen=True)
@@ -37,13 +40,16 @@ class TighteningSettings:
     max_removal_tests : int
         Late choices that are tested again by leaving them out.
     random_choices : int
-        Random sets of as many parts, to compare with.
+        Random sets of as many parts, to compare with; the best of them is taken where it is better.
+    max_confirmed : int
+        So many of the best sets, by climbs, are searched at most.
     """
 
     kept_gap_share: float = 0.1
     max_rankings: int = 8
     max_removal_tests: int = 16
     random_choices: int = 50
+    max_confirmed: int = 4
 
 
 SETTINGS = TighteningSettings()
@@ -58,13 +64,16 @@ class Tightening(Drawable):
     before, after : Answer or SpatialAnswer
         As it is, and with the chosen parts tightened.
     chosen : tuple of names
-        In the order they were chosen.
+        In the order they were chosen, those that were not chosen by rank in that of the assembly.
     gap : float [mm]
         What is left of the gap that a tightened part gives to its joints.
     limit : float or None
         The wanted largest motion.
     random : (draws,) float64
-        Objective with as many parts chosen at random; nan where these do not fit.
+        Objective with as many parts chosen at random, or with every choice of as many where these are no more; nan where they do not fit.
+    chosen_by : str
+        "rank": a few at a time, by their rank. "draws": the best of the choices at random, where that is better. "all": the best of
+        every choice.
     """
 
     before: Any
@@ -73,6 +82,7 @@ class Tightening(Drawable):
     gap: float
     limit: float | None
     random: Floats
+    chosen_by: ChosenBy = "rank"
 
     @property
     def lowered(self) -> float:
@@ -121,7 +131,9 @@ def tighten(
     A tightened part is made larger: every joint's gap is half its own and half its neighbour's share, and its own share
     shrinks until `gap` would be left if the neighbour did the same. It grows alike everywhere: a joint with a larger gap of
     its own keeps what that is more, one with a smaller gap limits both its parts. Parts are chosen by their rank, some at a
-    time, and ranked again as the others tighten; so the choice is a good one, not provably the best.
+    time, and ranked again as the others tighten. Choices of as many parts at random are tried beside that, all of them where they are no
+    more than `draws`; the best choice that was seen is taken, and `Tightening.chosen_by` says where it comes from. Unless all were
+    tried, it is a good one, not provably the best.
 
     Parameters
     ----------
@@ -135,7 +147,7 @@ def tighten(
     gap : float, optional [mm]
         What a tightened part aims at; by default a tenth of the gap. The paper (section 6.2) does not say what it took.
     draws : int
-        Choices at random to compare with.
+        Choices at random.
     seed : int
     workers, cluster, stop, progress
         Where these are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
@@ -169,21 +181,50 @@ def tighten(
     check_end(study, before)
     choice, after = _choose(study, before, room, parts, limit, stop)
     if choice:  # what the choice was made by need not be the largest motion
-        after = study.confirmed(before, after, _inward(choice, room), stop)
-    searched = before
+        after = _searched(study, choice, room, after, stop)
+    able = np.flatnonzero(room > 0)
+    subsets, whole_list = _others(able, len(choice), draws, seed)
+    many = ParallelRun(workers, cluster, stop, progress)
+    results = many.each(*study.draws(before, stop), [_inward(subset, room) for subset in subsets])
+    random = np.array([np.nan if r is None else r.value for r in results], dtype=float)
+    by: ChosenBy = "all" if whole_list and len(subsets) else "rank"
+    tried = {tuple(sorted(choice))}
+    for k in np.argsort(random, kind="stable")[: SETTINGS.max_confirmed].tolist():
+        if after.objective is not None and not random[k] < (1 - SAME_VALUE) * after.objective:
+            break
+        if tuple(subsets[k]) in tried or (stop is not None and stop.is_set()):
+            continue
+        tried.add(tuple(subsets[k]))
+        other = _searched(study, subsets[k], room, None, stop)
+        if other is not None and exceeds(after, other):
+            choice, after, by = list(subsets[k]), other, by if whole_list else "draws"
     if exceeds(after, before) and is_checked(after):  # where larger parts get, smaller ones do
         if after.objective is None:
             raise endless(study.with_assembly(after))
         before = study.in_place_of(before, after)
-    many = ParallelRun(workers, cluster, stop, progress)
-    rng = np.random.default_rng(seed)
-    able = np.flatnonzero(room > 0)
-    subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
-    results = many.each(*study.draws(searched, stop), [_inward(subset, room) for subset in subsets])
     names = tuple(study.assembly.names[k] for k in choice)
-    return Tightening(
-        before, after, names, aim, limit, np.array([r.value for r in results if r is not None], dtype=float)
-    )
+    return Tightening(before, after, names, aim, limit, random[[r is not None for r in results]], by)
+
+
+def _others(able: Ints, count: int, draws: int, seed: int) -> tuple[list[tuple[int, ...]], bool]:
+    """Choices of `count` parts: all, where these are no more than `draws`, else at random; and whether they are all."""
+    if not count or not draws:
+        return [], False
+    if comb(len(able), count) <= draws:
+        return list(combinations(able.tolist(), count)), True
+    rng = np.random.default_rng(seed)
+    return [tuple(np.sort(rng.choice(able, count, replace=False)).tolist()) for _ in range(draws)], False
+
+
+def _searched(
+    study: GapStudy[Found], chosen: Sequence[int], room: Floats, known: Found | None, stop: Stop | None
+) -> Found | None:
+    """What a direct question finds with some parts tightened; `known` where that is more, or the parts do not fit."""
+    try:
+        found = study.with_inward(_inward(chosen, room)).answer(stop)
+    except InputError:
+        return known
+    return found if known is None or not exceeds(known, found) else known
 
 
 def _check(parts: int | None, limit: float | None, aim: float, whole: float, count: int) -> None:

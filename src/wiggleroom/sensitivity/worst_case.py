@@ -17,19 +17,16 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.deviations import deviated
-from wiggleroom.bound.prove import prove
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Drawing, Goal, Tolerance
-from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
+from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.maximise import flex, witness
 from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.progress import Progress
+from wiggleroom.sensitivity.counted_bound import counted_bound
 from wiggleroom.sensitivity.rank import Ranking, rank
 from wiggleroom.verdict import Certainty, PathState, Verdict
-
-PROOF_SECONDS = 20.0
-"""Time that the proof of a limit may take [s]."""
 
 
 @dataclass(frozen=True)
@@ -235,14 +232,11 @@ def _corner(
 
 
 def _with_bound(loosest: Answer, limit: float | None, stop: Stop | None) -> Answer:
-    """The worst case with a bound below the limit, where one can be proven in a short time."""
+    """The worst case with a bound below the limit, where one can be proven with little work."""
     found, most = loosest.objective, loosest.at_most
     if limit is None or found is None or not 0 < found < limit or (most is not None and most <= limit):
         return loosest
-    try:
-        return prove(loosest, min(0.9 * (limit / found - 1), 9.0), seconds=PROOF_SECONDS, stop=stop)
-    except (InputError, MissingExtraError):  # sums of squares have no bound, or the extra is not there
-        return loosest
+    return counted_bound(loosest, min(0.9 * (limit / found - 1), 9.0), stop)
 
 
 def _tight(

@@ -60,14 +60,13 @@ class SpatialStudy:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
-    @property
-    def goes_on(self) -> bool:
-        """Whether a larger gap begins where a smaller one ended."""
-        return False
-
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm] of the whole assembly."""
         return replace(self, assembly=assemble_spatial(self.assembly.drawing, gap=gap), found=None)
+
+    def with_inward(self, inward: Floats) -> Self:
+        """The same question with all faces of each part moved inward by `inward` (n,) [mm]."""
+        return replace(self, assembly=_moved_inward(self.assembly, inward), found=None)
 
     def answer(self, stop: Stop | None) -> SpatialAnswer:
         """Largest motion from rest; the one that was found before, where there is one."""
@@ -82,18 +81,6 @@ class SpatialStudy:
         """Largest motion from rest, without more starts."""
         return self.answer(stop)
 
-    def answer_onward(
-        self,
-        smaller: tuple[Self, SpatialAnswer] | None,
-        search: bool,  # noqa: ARG002
-        stop: Stop | None,
-    ) -> tuple[Self, SpatialAnswer]:
-        """Largest motion from rest, or that of a smaller gap where it is larger, for smaller parts take the same path."""
-        answer = self.answer(stop)
-        if smaller is not None and answer.objective is not None and answer.objective < (smaller[1].objective or 0.0):
-            answer = self.in_place_of(answer, smaller[1])
-        return self, answer
-
     def bound(self, *_: Any) -> None:
         """Nothing bounds motions in space."""
 
@@ -105,6 +92,10 @@ class SpatialStudy:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
         verdict = verdict_of_carried(smaller, lower)
         return replace(self.with_assembly(smaller), verdict=verdict, at_most=None, search=None)
+
+    def with_room(self, answer: SpatialAnswer, *_: Any) -> SpatialAnswer:
+        """The answer as it is: paths in space are not followed."""
+        return answer
 
     def followed(self, *_: Any) -> None:
         """None: checking a path in space for larger parts costs as much as looking for one."""
@@ -127,19 +118,9 @@ class SpatialStudy:
         """Largest motion when all faces of each part move inward by `inward` (n,) [mm], from rest and where the answer's climb began."""
         return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, lead=answer.lead, stop=stop)
 
-    def confirmed(
-        self, answer: SpatialAnswer, after: SpatialAnswer, inward: Floats, stop: Stop | None
-    ) -> SpatialAnswer:
-        """The same: `moved` works everything out anew."""
-        del answer, inward, stop
-        return after
-
     def draws(self, answer: SpatialAnswer, stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
         """What many such motions need: each is worked out from nothing."""
         return one_spatial_draw, (self.assembly, answer.goals, answer.lead)
-
-    def draws_afresh(self, answer: SpatialAnswer) -> None:
-        """Pairs and free spaces are worked out anew in every draw."""
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the faces of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""

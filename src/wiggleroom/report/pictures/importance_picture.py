@@ -89,5 +89,6 @@ def tightening_facts(found: Tightening) -> list[str]:
         f"{many} {'part' if many == 1 else 'parts'} to a gap of {number(found.gap)} mm",
     ]
     if len(found.random):
-        said.append(f"{reduction_text(found.lowered, 0)}; as many at random: {at_random(found, 0)}")
+        others = "the mean of all such choices" if found.chosen_by == "all" else "as many at random"
+        said.append(f"{reduction_text(found.lowered, 0)}; {others}: {at_random(found, 0)}")
     return said

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec import UNSET
 
-from wiggleroom.report.results.answer_words import goals_text, number, unit
+from wiggleroom.report.results.answer_words import goals_text, number, rounded_up, unit
 from wiggleroom.report.results.json_results import dimension
 from wiggleroom.report.results.table import columns
 from wiggleroom.schema.gap_schema import GapResult, GapTrial
@@ -66,7 +66,8 @@ def gap_sentence(found: AllowableGap) -> str:
             return f"largest gap {gap}: {goals_text(found.goals)} stays below {limit} {what}".rstrip()
         case "holds":
             return f"largest gap {gap}: interlocked"
-    return f"smallest gap {gap}: fits with every outline {limit} mm larger"
+    larger = f" with every outline {limit} mm larger" if found.limit else ""
+    return f"smallest gap {gap}: as drawn, not shifted, no parts overlap{larger}"
 
 
 def gap_sure(found: AllowableGap) -> list[tuple[str, str]]:
@@ -93,16 +94,16 @@ def _certainty(found: AllowableGap) -> str:
     trial = next((t for t in found.trials if t.gap == found.gap), None)
     match found.question:
         case "at most" if found.certainty is Certainty.PROVEN and trial is not None and trial.at_most is not None:
-            return f"no motion at this gap is worth more than {number(trial.at_most)}"
+            return f"no motion at this gap is worth more than {rounded_up(trial.at_most)}"
         case "at most":
-            return "no further motion was found at this gap, which is no proof"
+            return "no further motion was found at this gap, searched as flex does, which is no proof"
         case "holds":
             return (
                 "every path out is closed"
                 if found.certainty is Certainty.PROVEN
                 else "no path out was found, which is no proof"
             )
-    return "by exact geometry; smaller outlines fit all the more"
+    return "by exact geometry, of the parts where they are drawn; shifted, they may fit at a smaller gap"
 
 
 def _beyond(found: AllowableGap, gap: float) -> str:

@@ -45,6 +45,7 @@ def tighten_result(found: Tightening, command: str = "") -> TightenResult:
         verdict=found.after.verdict,
         lowered_percent=_finite(found.lowered),
         parts=list(found.chosen),
+        chosen_by=found.chosen_by,
         gap=found.gap,
         limit=found.limit,
         reached=found.reached,
@@ -101,13 +102,26 @@ def tighten_table(found: Tightening) -> Group:
     if found.limit is not None:
         word = "reached" if found.reached else "not reached, though every part that can be is tightened"
         lines.append(Text(f"limit:         {number(found.limit)} {what}".rstrip() + f", {word}"))
-    if len(found.random):
-        lines.append(
-            Text(
-                f"at random:     {at_random(found, 1)}, mean of {len(found.random) - found.misfits} choices of as many parts"
-            )
-        )
+    lines += [Text(f"{term + ':':<15}{said}") for term, said in tighten_sure(found)]
     return Group(*lines)
+
+
+CHOSEN_BY = {
+    "rank": "by rank, a few at a time: a good choice, not provably the best",
+    "draws": "the best of choices at random, which is better than the choice by rank; not provably the best",
+    "all": "the best of all choices of as many parts, by climbs; searched",
+}
+
+
+def tighten_sure(found: Tightening) -> list[tuple[str, str]]:
+    """How parts were chosen, and how other choices do: a word and a sentence each."""
+    said = [("chosen", CHOSEN_BY[found.chosen_by])] if found.chosen else []
+    if len(found.random):
+        other = "all choices" if found.chosen_by == "all" else "at random"
+        said.append(
+            (other, f"{at_random(found, 1)}, mean of {len(found.random) - found.misfits} choices of as many parts")
+        )
+    return said
 
 
 def sweep_result(found: Sweep, command: str = "") -> SweepResult:
@@ -144,7 +158,7 @@ def sweep_table(found: Sweep) -> Group:
         rate = "" if s.objective is None or s.gap == 0 else number(s.objective / s.gap, 3)
         most = [] if not proven else ["" if s.at_most is None else rounded_up(s.at_most)]
         rows.add_row(number(s.gap), value, *most, rate, str(s.verdict))
-    said = [lost_sentence(found), *([band_sentence(found)] if proven else []), *searched_less(found)]
+    said = [lost_sentence(found), *([band_sentence(found)] if proven else [])]
     return Group(Text(goals_text(found.goals, 3), style="bold"), Text(), rows, Text(), *map(Text, said))
 
 
@@ -160,22 +174,6 @@ def band_sentence(found: Sweep) -> str:
     without = sum(s.at_most is None for s in ends)
     said = f"proven: at these gaps no motion is more than {rounded_up(100 * max(shares, default=0.0))} % above the one found"
     return said + (f"; {without} of {len(ends)} gaps have no bound" if without else "")
-
-
-def searched_less(found: Sweep) -> list[str]:
-    """Say at which gaps other optima were searched for, where that is not all: there a direct question may find more."""
-    ends = [s for s in found.steps if s.answer is not None and s.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)]
-    searched = [s for s in found.steps if s.answer is not None and s.answer.search is not None]
-    if not searched or all(s in searched for s in ends):
-        return []
-    at = _listed([number(s.gap) for s in searched])
-    return [
-        f"other optima were searched for at {at} mm; other gaps go on from smaller ones: flex --gap may find more there"
-    ]
-
-
-def _listed(words: list[str]) -> str:
-    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def lost_sentence(found: Sweep) -> str:
@@ -214,11 +212,21 @@ def sample_result(found: Sample, command: str = "") -> SampleResult:
         cut_short=found.cut_short,
         limit=found.limit,
         yields=YieldEntry(good, float(low), float(high)),
+        undecided=int(found.undecided.sum()),
+        tightest=_end(found.tightest),
+        loosest=_end(found.loosest),
         contributions_percent={names[k]: float(share[k]) for k in order},
         checked=CheckedDraws(len(found.checked), found.largest_difference),
         notes=list(found.answer.assembly.drawing.notes),
         command=command,
     )
+
+
+def _end(value: float | None) -> float | str | None:
+    """The largest motion of a state that bounds all draws, for JSON."""
+    if value is None or math.isfinite(value):
+        return value
+    return "parts do not fit" if math.isnan(value) else "unbounded"
 
 
 def sample_table(found: Sample) -> Group:
@@ -265,7 +273,8 @@ def spread_words(found: Sample) -> str:
 def yield_sentence(found: Sample) -> str:
     """Say how many draws keep the limit, and how sure that is."""
     good, low, high = found.yields
-    kept = f"{100 * good:.1f} % keep {number(found.limit or 0.0)} {unit(found.answer.goals)}".rstrip()
+    least = "at least " if found.limit is not None and found.undecided.any() else ""
+    kept = f"{least}{100 * good:.1f} % keep {number(found.limit or 0.0)} {unit(found.answer.goals)}".rstrip()
     return f"{kept} (95 % sure: {100 * low:.1f} to {100 * high:.1f} %)"
 
 
@@ -282,14 +291,25 @@ def sample_sure(found: Sample) -> list[tuple[str, str]]:
         said.append(("safe", f"in {found.cut_short} draws the motion is safe but not an optimum"))
     if len(found.value) < found.asked:
         said.append(("stopped", f"after {len(found.value)} of {found.asked} draws"))
-    if not math.isnan(found.largest_difference):
-        off = f"off by {found.largest_difference:.1e}"
-        said.append(("checked", f"every end for overlap; {len(found.checked)} draws worked out anew, {off}"))
-    if found.answer.search is not None:
+    if found.tightest is not None and found.loosest is not None:
+        what = unit(found.answer.goals)
+        tight, loose = (_end_words(end, what) for end in (found.tightest, found.loosest))
         said.append(
             (
-                "searched",
-                "the answer without variation; draws begin at rest, at its end and at other optima that a few climbs met",
+                "bounds",
+                f"every part at its tightest of all draws {tight}, at its loosest {loose}; both asked as flex does",
             )
         )
+    if len(found.checked):
+        off = f"off by up to {100 * found.largest_difference:.2g} %" if found.largest_difference else "right"
+        said.append(("searched", f"{len(found.checked)} draws, as flex does; climbs of these were {off}"))
+    if found.undecided.any():
+        may = "move further than found" if found.limit is None else "break the limit"
+        said.append(("open", f"{found.undecided.sum()} draws, which were climbed and not searched, may {may}"))
     return said
+
+
+def _end_words(value: float, what: str) -> str:
+    if math.isnan(value):
+        return "does not fit"
+    return "has no end" if math.isinf(value) else f"moves {number(value)} {what}".rstrip()
