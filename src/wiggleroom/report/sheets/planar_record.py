@@ -39,6 +39,7 @@ def planar_record(found: PlanarAssembly, *, command: str = "") -> AssembleResult
         loose=[],
         burn=found.burn,
         relief=found.relief,
+        misfits=[],
         notes=list(found.notes),
         command=command,
     )
