@@ -74,7 +74,8 @@ class SheetOptions:
                 message = f"--{option} goes with --thickness; give the thickness of the material of {file}, such as --thickness 3"
                 raise InputError(message)
         if self.given and Path(file).suffix.lower() == ".json":
-            message = f"--thickness, --burn, --relieve and --hints are for drawings of cutting sheets; {file} is an assembly: leave them out"
+            message = "--thickness, --burn, --relieve and --hints are for drawings of cutting sheets"
+            message += f"; {file} is an assembly: leave them out"
             raise InputError(message)
 
     def known(self, file: str) -> tuple[float | None, Hints]:

@@ -162,8 +162,17 @@ def assemble_sheet(
                 f"{sheet.source}: by how much outlines are drawn larger is not known; plates fit once {cut:.3g} mm is taken"
                 f" off every outline, as a cut {2 * cut:.3g} mm wide does: --burn {cut:.3g} says it, --burn 0 that it is not so"
             )
+    before = {row: move for body in bodies for row, move in zip(body.rows, body.moves, strict=True)}
     bodies, relief, more = _fitted(panel_set, bodies, real, (cut, most), tied)
     pressed += more
+    shift = max(
+        (float(np.abs(m - before[r]).max()) for body in bodies for r, m in zip(body.rows, body.moves, strict=True)),
+        default=0.0,
+    )
+    if shift > 0.01 and not pressed:
+        notes.append(
+            f"{sheet.source}: panels stand up to {shift:.2g} mm beside where they are drawn for, which frees them"
+        )
     unplaced = sorted({*unplaced, *pressed})
     doubts += [f'panel "{names[row]}" overlaps others where its flanks meet, and is left out' for row in pressed]
     joints: list[FoundJoint] = []
@@ -191,13 +200,17 @@ def assemble_sheet(
         doubts.append(f"not placed: {panel_names(names, waiting)}")
     tight: list[Misfit] = []
     relieved: list[str] = []
+    if 1e-3 < relief - cut <= SETTINGS.rounding:
+        notes.append(
+            f"{sheet.source}: its numbers are rounded; outlines are moved inward by {relief - cut:.2g} mm, and fit"
+        )
     if relief - cut > SETTINGS.rounding:
         tight = [each for body in bodies for each in misfits(panel_set, body, real, cut, 2 * SETTINGS.rounding)]
         causes = misfit_lines(tight, names) or [
-            f"panels press on each other: outlines would have to move inward by {relief - cut:.2g} mm"
+            f"no place was found where panels do not press on each other unless outlines move inward by {relief - cut:.2g} mm"
         ]
         asked = relief - cut <= relieve + SETTINGS.rounding
-        if not left and not unplaced and not asked:
+        if tight and not left and not unplaced and not asked:
             advice = f"it cannot be put together as cut: --relieve {relief - cut:.3g} would move every outline inward by that"
             raise InputError([f"{sheet.source}: {cause}; {advice}" for cause in causes])
         moved = f"outlines are moved inward by {relief - cut:.3g} mm more, and fit"

@@ -1,4 +1,4 @@
-"""Whether placed plates fit each other: the room that every tab and slot leaves, shifts of the panels that free them, and what is too thick.
+"""Whether placed plates fit each other: the room of tabs and slots, shifts of the panels that free them, and what is too thick.
 
 Two plates whose planes are square to each other share material where both have some at the same place of the line in which their
 planes cross. Along that line, a plate has material inside the other one (solid), or it leaves it room on both sides, as a slot does.
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -287,9 +288,13 @@ def _rooms(
     for own, others in stretches:
         if not own.solid and not others.solid and own.overlap and others.overlap:
             if others.overlap <= own.overlap:
-                rooms += [_Room(i, j, gap, s * up, 1.0) for gap, s in ((others.above, 1.0), (others.below, -1.0)) if gap < 0]
+                rooms += [
+                    _Room(i, j, gap, s * up, 1.0) for gap, s in ((others.above, 1.0), (others.below, -1.0)) if gap < 0
+                ]
             else:
-                rooms += [_Room(i, j, gap, s * across, 1.0) for gap, s in ((own.above, -1.0), (own.below, 1.0)) if gap < 0]
+                rooms += [
+                    _Room(i, j, gap, s * across, 1.0) for gap, s in ((own.above, -1.0), (own.below, 1.0)) if gap < 0
+                ]
     return rooms, held
 
 
@@ -316,7 +321,7 @@ def _stretches(
         corners = edges[..., 0][np.abs(edges[..., 1]) < half + reach]
         cuts = np.unique(np.concatenate([[low, high], corners[(corners > low) & (corners < high)]]))
         cuts = cuts[np.append(True, np.diff(cuts) > SETTINGS.grain)]
-        own.append([_stretch(edges, half, *ends, reach) for ends in zip(cuts, cuts[1:], strict=False)])
+        own.append(_with_corners([_stretch(edges, half, *ends, reach) for ends in pairwise(cuts)]))
     found = []
     i = j = 0
     while i < len(own[0]) and j < len(own[1]):
@@ -344,8 +349,16 @@ def _stretch(edges: Floats, half: float, start: float, stop: float, reach: float
                 below = min(below, -half - float(top))
             else:
                 solid = True
-    depth = max(0.0, -above, -below)
-    return _Stretch(start, stop, solid or depth > stop - start, above, below)
+    return _Stretch(start, stop, solid, above, below)
+
+
+def _with_corners(stretches: list[_Stretch]) -> list[_Stretch]:
+    """Stretches in which what reaches deeper into the slab than it is long, beside solid material, is solid too: a rounded corner."""
+    solid = [False, *(each.solid for each in stretches), False]
+    return [
+        replace(each, solid=each.solid or (each.overlap > each.stop - each.start and (solid[k] or solid[k + 2])))
+        for k, each in enumerate(stretches)
+    ]
 
 
 def _places(stretches: list[tuple[_Stretch, _Stretch]], reach: float) -> list[list[tuple[_Stretch, _Stretch]]]:
@@ -373,7 +386,9 @@ def _runs(stretches: list[_Stretch]) -> list[tuple[float, float]]:
     return found
 
 
-def _between(runs: list[tuple[float, float]], walls: list[tuple[float, float]], reach: float) -> list[tuple[float, float]]:
+def _between(
+    runs: list[tuple[float, float]], walls: list[tuple[float, float]], reach: float
+) -> list[tuple[float, float]]:
     """Width [mm] of every run that lies between two walls, and the width between these."""
     found = []
     for start, stop in runs:
