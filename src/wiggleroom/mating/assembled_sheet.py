@@ -14,16 +14,20 @@ from wiggleroom.mating.body_search import bodies_of, panel_names
 from wiggleroom.mating.cutting_sheet import CuttingSheet
 from wiggleroom.mating.edge_constraints import EdgeConstraints, edge_constraints, without_skipped
 from wiggleroom.mating.fit import Misfit, fitted, misfits
-from wiggleroom.mating.flanks import SheetPlate, bits
+from wiggleroom.mating.flanks import SheetPlate, bits, flank_lengths
 from wiggleroom.mating.given_placements import with_fixed_plates
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.joint_angles import plates_of
 from wiggleroom.mating.pair_poses import PairPoseTable
+from wiggleroom.mating.panel_outline import inset
 from wiggleroom.mating.panel_set import PanelSet, Placement
 from wiggleroom.mating.refinement import least_squares_placement, pressed_panel
 from wiggleroom.mating.sheet_settings import SETTINGS
 
 Floats = NDArray[np.float64]
+
+MAX_GUESSES = 4
+"""At most so many thicknesses are tried where no panel fits another one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +198,7 @@ def assemble_sheet(
         )
         doubts.append(f"not placed: {panel_names(names, loose)}; {fits} loose, and a hint ([[plate]]) can say where")
         if len(loose) == len(names):
-            doubts.insert(0, f"no panel fits another one: is the material {thickness:g} mm thick?")
+            doubts.insert(0, f"no panel fits another one: {_thickness_shown(sheet, thickness, taken)}")
     waiting = [row for row in unplaced if row not in loose]
     if waiting:
         doubts.append(f"not placed: {panel_names(names, waiting)}")
@@ -240,6 +244,22 @@ def _loose(
         if not any(own & ~met[o] == own for o in near for own, _ in table.between(o, row).met):
             found.append(row)
     return found
+
+
+def _thickness_shown(sheet: CuttingSheet, thickness: float, burn: float) -> str:
+    """For which thickness joints look drawn, as a question to the person who said another one."""
+    polygons = [panel.polygon for panel in sheet.panels]
+    names = [panel.name for panel in sheet.panels]
+    best, most = 0.0, 0
+    for size in flank_lengths([inset(polygon, burn) for polygon in polygons])[:MAX_GUESSES]:
+        panel_set = PanelSet(plates_of(names, polygons, [size] * len(names), burn))
+        table = PairPoseTable(panel_set, whole=True)
+        count = sum(any(len(table.between(a, b).turns) for b in range(len(names)) if b != a) for a in range(len(names)))
+        if count > most or (count == most and size < best):
+            best, most = size, count
+    if not most:
+        return f"is the material {thickness:g} mm thick?"
+    return f"at {thickness:g} mm no flanks meet; the flanks are {best:g} mm apart: --thickness {best:g}?"
 
 
 def _told_apart(plates: Sequence[SheetPlate], named: frozenset[int]) -> tuple[SheetPlate, ...]:

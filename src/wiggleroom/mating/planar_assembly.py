@@ -126,8 +126,8 @@ def assemble_plane(
     -----
     Parts are turned and shifted, never turned over. A part is put where most of its bent outline fits what stands already.
     """
-    said = burn if burn is not None else sheet.burn
-    taken = said or 0.0
+    known = burn if burn is not None else sheet.burn
+    taken = known or 0.0
     drawn = [inset(panel.polygon, taken) for panel in sheet.panels]
     centres = np.array([shapely.get_coordinates(polygon.centroid)[0] for polygon in drawn])
     polygons = [affinity.translate(p, -x, -y) for p, (x, y) in zip(drawn, centres.tolist(), strict=True)]
@@ -152,7 +152,7 @@ def assemble_plane(
     doubts += [f'part "{names[row]}" overlaps others where its outline fits, and is left out' for row in pressed]
     if relief > 1e-3:
         notes.append(f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm")
-    if relief > (CHORD_ERROR if said is not None else SETTINGS.max_burn):
+    if relief > (CHORD_ERROR if known is not None else SETTINGS.max_burn):
         doubts.append(
             f"parts press on each other as cut: they fit since outlines are moved inward by {relief:.3g} mm more"
         )

@@ -80,11 +80,13 @@ def sheet_headline(found: AssembledSheet) -> str:
 def sheet_page(found: AssembledSheet) -> Group:
     """Headline, doubts and a table of joints."""
     from rich.console import Group
-    from rich.table import Table
+    from rich.table import Column, Table
     from rich.text import Text
 
     names = [plate.name for plate in found.plates]
-    table = Table("joint", "panels", "flanks", box=None)
+    table = Table(
+        Column("joint", no_wrap=True), Column("panels", overflow="fold"), Column("flanks", no_wrap=True), box=None
+    )
     for k, joint in enumerate(found.joints, 1):
         table.add_row(f"J{k}", " - ".join(names[row] for row in joint.panels), str(len(joint.flanks)))
     doubts = [Text(f"  because: {doubt}") for doubt in found.reasons]
