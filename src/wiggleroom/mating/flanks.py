@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.geometry.polygon import orient
 
 from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE
 from wiggleroom.mating.panel_outline import inset, same_outline, sharpened, without_reliefs
@@ -275,7 +276,7 @@ def flank_lengths(outlines: Sequence[shapely.Polygon]) -> list[float]:
     [2.85]
     """
     counts: dict[float, int] = {}
-    for ring in (ring for outline in outlines for ring in (outline.exterior, *outline.interiors)):
+    for ring in (ring for outline in map(orient, outlines) for ring in (outline.exterior, *outline.interiors)):
         here = shapely.get_coordinates(shapely.simplify(ring, 1e-3))[:-1]
         edge = np.roll(here, -1, axis=0) - here
         size = np.hypot(*edge.T)

@@ -137,6 +137,8 @@ def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = N
         lines.append(Text(f"     ... and {len(found.escapes) - _MAX_PARTS} more"))
     if found.escapes and len(found.remains) > 1:
         lines.append(Text(f"remains: {few(found.remains)}"))
+    if found.verdict is Separability.COMES_APART:
+        lines.append(Text("friction, glue and press fit are outside this verdict: it is about shapes alone"))
     if border is not None:
         from wiggleroom.report.results.separability import border_sentence
 
