@@ -21,14 +21,14 @@ from wiggleroom.report.results.answer_words import (
 )
 from wiggleroom.report.results.table import columns, fixed
 from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
 
     from wiggleroom.disassembly.largest_gap import LargestGap
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
+    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 
 _MAX_PARTS, _MAX_CONTACTS = 12, 8
 _COLOURS = {Verdict.PROVEN: "green", Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
