@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.mating.body_frame import outward, side_by_side, upright, without_panel
 from wiggleroom.mating.body_search import bodies_of, panel_names
-from wiggleroom.mating.cutting_sheet import CuttingSheet
+from wiggleroom.mating.cutting_sheet import CuttingSheet, check_burn
 from wiggleroom.mating.edge_constraints import EdgeConstraints, edge_constraints, without_skipped
 from wiggleroom.mating.fit import Misfit, fitted, misfits
 from wiggleroom.mating.flanks import SheetPlate, bits, flank_lengths
@@ -130,7 +130,7 @@ def assemble_sheet(
     Raises
     ------
     InputError
-        If a hint names a panel that is not there, or all flanks meet but plates do not fit as cut: one line for every cause.
+        If a hint names a panel that is not there, the burn uses one up, or all flanks meet but plates do not fit as cut: one line for every cause.
 
     Notes
     -----
@@ -141,6 +141,7 @@ def assemble_sheet(
     sheet = without_skipped(sheet, hints)
     said = next((size for size in (burn, hints.burn, sheet.burn) if size is not None), None)
     taken = said or 0.0
+    check_burn(sheet, taken)
     names = [panel.name for panel in sheet.panels]
     real = [hints.thicknesses.get(name, thickness) for name in names]
     # A panel a little thinner than its slots is a real sheet; one far off has slots of its own.

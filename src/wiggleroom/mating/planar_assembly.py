@@ -13,7 +13,7 @@ from shapely import affinity
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.errors import Stop
 from wiggleroom.mating.contour_matching import PlanarPose, contact
-from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet
+from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet, check_burn
 from wiggleroom.mating.panel_outline import inset
 from wiggleroom.mating.planar_search import (
     MIN_CONTACT,
@@ -122,12 +122,18 @@ def assemble_plane(
     burn : float [mm], optional
         By how much outlines were drawn larger; by default what the sheet says, else 0.
 
+    Raises
+    ------
+    InputError
+        If the burn uses a part up.
+
     Notes
     -----
     Parts are turned and shifted, never turned over. A part is put where most of its bent outline fits what stands already.
     """
     known = burn if burn is not None else sheet.burn
     taken = known or 0.0
+    check_burn(sheet, taken)
     drawn = [inset(panel.polygon, taken) for panel in sheet.panels]
     centres = np.array([shapely.get_coordinates(polygon.centroid)[0] for polygon in drawn])
     polygons = [affinity.translate(p, -x, -y) for p, (x, y) in zip(drawn, centres.tolist(), strict=True)]
