@@ -130,7 +130,8 @@ def assemble_sheet(
     Raises
     ------
     InputError
-        If a hint names a panel that is not there, the burn uses one up, or all flanks meet but plates do not fit as cut: one line for every cause.
+        If a hint names a panel that is not there, the burn uses one up, or all flanks meet but plates do not fit as cut:
+        one line for every cause.
 
     Notes
     -----
