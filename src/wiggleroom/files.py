@@ -37,6 +37,8 @@ def leads_back(path: str | Path) -> bool:
         Path(path).stat()
     except OSError as problem:
         return problem.errno == errno.ELOOP
+    except ValueError:  # no path at all
+        return False
     return False
 
 
