@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
@@ -17,14 +18,33 @@ def write_whole(path: str | Path, data: str | bytes) -> None:
     Raises
     ------
     OSError
-        If the folder cannot be written; nothing is left behind.
+        If it cannot be written, with its name; nothing is left behind.
     """
     path = Path(path)
     content = data.encode("utf-8", errors="replace") if isinstance(data, str) else data
-    if path.exists() and not path.is_file():
-        path.write_bytes(content)
-        return
-    content = marked(content, path.suffix.lower())
+    try:
+        if path.exists() and not path.is_file():
+            path.write_bytes(content)
+        else:
+            _replace(path, marked(content, path.suffix.lower()))
+    except OSError as problem:  # of a full disk or of the temporary file: whoever asked knows another name
+        raise OSError(problem.errno, problem.strerror or str(problem), str(path)) from problem
+
+
+def leads_back(path: str | Path) -> bool:
+    """Whether a path is a symbolic link that leads back to itself, or passes one."""
+    try:
+        Path(path).stat()
+    except OSError as problem:
+        return problem.errno == errno.ELOOP
+    except ValueError:  # no path at all
+        return False
+    return False
+
+
+def _replace(path: Path, content: bytes) -> None:
+    if leads_back(path):
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
     target = path.resolve()  # a link stays a link: the file it points to is replaced
     part = target.with_name(f".{target.name[:80]}.{os.getpid()}.tmp")
     try:

@@ -11,13 +11,13 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock import Interlock
     from wiggleroom.freespace.models.pair_models import PairModel
+    from wiggleroom.search.answer import Answer
     from wiggleroom.search.prepare import Prepared
     from wiggleroom.search.progress import Progress
     from wiggleroom.spatial.spatial_answer import SpatialAnswer

@@ -106,5 +106,7 @@ _WORDS = (
     (r"say what moves with --pull NAME:\+z", "choose what is pulled, and which way"),
     (r", and a hint \(\[\[plate\]\]\) can say where", ": lay it on another"),
     (r" \(\[\[plate\]\]\)", ""),
+    (r"as cut: --relieve \S+ would move every outline inward by that", "as cut"),
+    (r": --burn (\S+) says it, --burn 0 that it is not so", r": a burn of \1 mm says it, one of 0 that it is not so"),
     (r"--gap (\S+)", r"\1 mm"),
 )

@@ -27,6 +27,7 @@ def assemble(document: Document, request: AssembleRequest, out: Reporter) -> Non
     found, hints = _assembled(document.file, request, out)
     reply = assembled_message(found, hints, request.thickness, _command(document.file, request))
     reply.doubts = [on_the_page(doubt) for doubt in reply.doubts]
+    reply.notes = [on_the_page(line) for line in reply.notes]
     out.reply(reply)
 
 

@@ -36,7 +36,7 @@ def main() -> int:
         _say("interrupted")
         return NO_VERDICT
     except OSError as problem:
-        _say(f"{problem.filename or 'output'}: {(problem.strerror or str(problem)).lower()}")
+        _say(f"{problem.filename or 'stdout'}: {(problem.strerror or str(problem)).lower()}")
         return BAD_INPUT
     return code
 

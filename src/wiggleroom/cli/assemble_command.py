@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import check_outputs, command_line, write_picture, write_result
+from wiggleroom.cli.outputs import Force, check_outputs, command_line, write_picture, write_result
 from wiggleroom.cli.sheet_options import SheetOptions, assembled_sheet
 from wiggleroom.report.pictures.file_endings import STILLS
 
@@ -37,6 +37,7 @@ def assemble(
     solid: Many = (),
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     picture: Path | None = None,
+    force: Force = False,
 ) -> int:
     """Put the parts of a flat cutting sheet together: plates in space, or without --thickness a puzzle in the plane.
 
@@ -68,6 +69,8 @@ def assemble(
         Write joints, unmatched flanks and unplaced panels as JSON to this file; - is stdout, which then holds nothing else.
     picture
         The sheet with its joints coloured and named, beside the result: .svg or .png.
+    force
+        Write over files that were not made by this program, or were changed since.
     """
     import math
 
@@ -77,7 +80,7 @@ def assemble(
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
 
-    check_outputs(file, {"-o": (output, (".json",)), "--json": (json, ()), "--picture": (picture, STILLS)})
+    check_outputs(file, {"-o": (output, (".json",)), "--json": (json, ()), "--picture": (picture, STILLS)}, force)
     sheet.check(file, in_plane=True)
     command = command_line()
     if join is not None and not 0 <= join < math.inf:

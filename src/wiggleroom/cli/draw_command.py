@@ -102,7 +102,7 @@ def _table(rows: tuple[InventoryRow, ...]) -> Table:
     """Parts as a plain table."""
     from wiggleroom.report.results.table import columns
 
-    found = columns("part", "width mm", "height mm", "x mm", "y mm", "holes", "layer")
+    found = columns("part", "width mm", "height mm", "x mm", "y mm", "holes", words="layer")
     for row in rows:
         numbers = (f"{value:.2f}" for value in (row.width, row.height, row.x, row.y))
         found.add_row(row.name + (" (fixed)" if row.fixed else ""), *numbers, str(row.holes), row.layer)

@@ -175,7 +175,7 @@ def spatial_places(outputs: Outputs) -> Places:
     """
     from wiggleroom.cli.outputs import TABLE
     from wiggleroom.errors import InputError
-    from wiggleroom.report.write_spatial import SPATIAL_PICTURES
+    from wiggleroom.report.pictures.file_endings import SPATIAL_ANSWERS
 
     if outputs.moved is not None:
         message = (
@@ -184,7 +184,7 @@ def spatial_places(outputs: Outputs) -> Places:
         raise InputError(message)
     return {
         "--json": (outputs.json, ()),
-        "--picture": (outputs.picture, SPATIAL_PICTURES),
+        "--picture": (outputs.picture, SPATIAL_ANSWERS),
         "--csv": (outputs.csv, TABLE),
     }
 

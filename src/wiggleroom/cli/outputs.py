@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import RESULTS
+from wiggleroom.files import leads_back
 from wiggleroom.provenance import is_own
 from wiggleroom.report.pictures.file_endings import ANSWERS, PAGE, STUDIES, ending, wrong_ending
 from wiggleroom.verdict import Separability
@@ -166,6 +167,8 @@ def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> 
     odd = wrong_ending(path, endings)
     if odd:
         return odd
+    if leads_back(path):
+        return "this is a link that leads back to itself; give another name"
     if path.is_dir():
         return "this is a folder; give the name of a file"
     if not path.parent.is_dir():

@@ -18,4 +18,4 @@ def show(page: RenderableType) -> None:
     """Page on stdout, in colour on a terminal only."""
     from rich.console import Console
 
-    Console(file=sys.stdout, highlight=False, markup=False, emoji=False).print(page)
+    Console(file=sys.stdout, highlight=False, markup=False, emoji=False).print(page, crop=False)

@@ -35,13 +35,17 @@ class SheetOptions:
         together in space. NAME:2.8 gives the real thickness of one panel. May repeat.
     burn
         By how much outlines are drawn larger than they come out [mm], half the width of the cut. By default what the
-        sheet itself says, else 0.
+        sheet itself says; else as little, up to 0.15, as lets plates of this thickness fit, which is said.
+    relieve
+        Where plates do not fit as cut, outlines may be moved inward by up to this [mm]. By default 0: it is said what is too
+        thick for which slots.
     hints
         A TOML file with what is known of plates in space: thickness, thicknesses, burn, groups, join, flush, plate, skip.
     """
 
     thickness: Many = ()
     burn: float | None = None
+    relieve: float | None = None
     hints: Path | None = None
 
     @property
@@ -62,13 +66,16 @@ class SheetOptions:
         if self.burn is not None and not 0 <= self.burn < math.inf:
             message = f"--burn {self.burn:g}: it must be 0 mm or more"
             raise InputError(message)
-        if self.burn is not None and not self.given and not in_plane:
-            message = (
-                f"--burn goes with --thickness; give the thickness of the material of {file}, such as --thickness 3"
-            )
+        if self.relieve is not None and not 0 <= self.relieve < math.inf:
+            message = f"--relieve {self.relieve:g}: it must be 0 mm or more"
             raise InputError(message)
+        for option, value in (("burn", None if in_plane else self.burn), ("relieve", self.relieve)):
+            if value is not None and not self.given:
+                message = f"--{option} goes with --thickness; give the thickness of the material of {file}, such as --thickness 3"
+                raise InputError(message)
         if self.given and Path(file).suffix.lower() == ".json":
-            message = f"--thickness, --burn and --hints are for drawings of cutting sheets; {file} is an assembly: leave them out"
+            message = "--thickness, --burn, --relieve and --hints are for drawings of cutting sheets"
+            message += f"; {file} is an assembly: leave them out"
             raise InputError(message)
 
     def known(self, file: str) -> tuple[float | None, Hints]:
@@ -115,11 +122,11 @@ def assembled_sheet(
 
     thickness, hints = sheet.known(file)
     read = read_sheet(Path(file), unit=unit, options=options)
-    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, hints=hints, stop=stop)
+    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, relieve=sheet.relieve or 0.0, hints=hints, stop=stop)
 
 
 def sure_text(file: str, found: AssembledSheet) -> str:
-    """Text of the assembly file of a sheet whose assembly is sure.
+    """Text of the assembly file of a sheet of which it is sure where panels belong.
 
     Raises
     ------
@@ -129,7 +136,7 @@ def sure_text(file: str, found: AssembledSheet) -> str:
     from wiggleroom.errors import UnsureError
     from wiggleroom.mating.plates_writer import write_plates
 
-    if not found.sure:
+    if found.doubts:
         advice = (
             f"look at it with wiggleroom assemble --picture, then say in a file for --hints {_missing_hint(found)},"
         )

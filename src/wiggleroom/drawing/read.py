@@ -109,7 +109,8 @@ def write_drawing(drawing: Drawing, path: str | Path, *, labels: Sequence[Label]
         write_whole(path, text)
     except OSError as error:
         reason = (error.strerror or "no access").lower()
-        message = f"{path}: cannot be written ({reason}); give a file in a directory that exists"
+        remedy = "" if path.parent.is_dir() else "; give a file in a directory that exists"
+        message = f"{path}: cannot be written ({reason}){remedy}"
         raise InputError(message) from None
 
 

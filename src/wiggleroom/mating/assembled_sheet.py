@@ -8,21 +8,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.mating.body_frame import outward, side_by_side, upright, without_panel
 from wiggleroom.mating.body_search import bodies_of, panel_names
-from wiggleroom.mating.cutting_sheet import CuttingSheet
+from wiggleroom.mating.cutting_sheet import CuttingSheet, check_burn
 from wiggleroom.mating.edge_constraints import EdgeConstraints, edge_constraints, without_skipped
-from wiggleroom.mating.flanks import SheetPlate, bits
+from wiggleroom.mating.fit import Misfit, fitted, misfits
+from wiggleroom.mating.flanks import SheetPlate, bits, flank_lengths
 from wiggleroom.mating.given_placements import with_fixed_plates
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.joint_angles import plates_of
 from wiggleroom.mating.pair_poses import PairPoseTable
+from wiggleroom.mating.panel_outline import inset
 from wiggleroom.mating.panel_set import PanelSet, Placement
-from wiggleroom.mating.refinement import least_squares_placement, pressed_panel, relief_needed
+from wiggleroom.mating.refinement import least_squares_placement, pressed_panel
 from wiggleroom.mating.sheet_settings import SETTINGS
 
 Floats = NDArray[np.float64]
+
+MAX_GUESSES = 4
+"""At most so many thicknesses are tried where no panel fits another one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +66,12 @@ class AssembledSheet:
         Those of them of which no edge fits a free edge of another panel: lids that lie on top, plates that slide in.
     burn, relief : float [mm]
         Taken off every outline: as the cut does, and so that nothing presses at rest.
+    misfits : tuple of Misfit
+        What is too large for slots as cut.
     doubts : tuple of str
-        Why the assembly is not sure; empty where it is.
+        Why it is not sure where panels belong.
+    relieved : tuple of str
+        That plates fit only since outlines were relieved as asked, one line for every cause.
     notes : tuple of str
     source : str
         The sheet's file name.
@@ -77,14 +86,21 @@ class AssembledSheet:
     loose: tuple[int, ...]
     burn: float
     relief: float
+    misfits: tuple[Misfit, ...]
     doubts: tuple[str, ...]
+    relieved: tuple[str, ...]
     notes: tuple[str, ...]
     source: str
 
     @property
     def sure(self) -> bool:
-        """Whether every needed flank meets another and no other assembly does as well."""
-        return not self.doubts
+        """Whether every needed flank meets another, no other assembly does as well, and plates fit as cut."""
+        return not self.reasons
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why it is not sure, one line each."""
+        return (*self.doubts, *self.relieved)
 
 
 def assemble_sheet(
@@ -92,6 +108,7 @@ def assemble_sheet(
     thickness: float,
     *,
     burn: float | None = None,
+    relieve: float = 0.0,
     hints: Hints | None = None,
     stop: Stop | None = None,
     progress: Callable[[int], None] | None = None,
@@ -104,13 +121,17 @@ def assemble_sheet(
     thickness : float [mm]
         For which slots and fingers are drawn.
     burn : float [mm], optional
-        By how much outlines were drawn larger; by default what the sheet says, else 0.
+        By how much outlines were drawn larger; by default what the hints or the sheet say. Where nothing is known of it, it is
+        what plates of this thickness need in order to fit, at most `SheetSettings.max_burn`.
+    relieve : float [mm]
+        Outlines may be moved inward by up to this so that plates fit.
     hints : Hints, optional
 
     Raises
     ------
     InputError
-        If a hint names a panel that is not there.
+        If a hint names a panel that is not there, the burn uses one up, or all flanks meet but plates do not fit as cut:
+        one line for every cause.
 
     Notes
     -----
@@ -119,7 +140,9 @@ def assemble_sheet(
     """
     hints = hints or Hints()
     sheet = without_skipped(sheet, hints)
-    taken = burn if burn is not None else hints.burn if hints.burn is not None else sheet.burn or 0.0
+    said = next((size for size in (burn, hints.burn, sheet.burn) if size is not None), None)
+    taken = said or 0.0
+    check_burn(sheet, taken)
     names = [panel.name for panel in sheet.panels]
     real = [hints.thicknesses.get(name, thickness) for name in names]
     # A panel a little thinner than its slots is a real sheet; one far off has slots of its own.
@@ -134,15 +157,30 @@ def assemble_sheet(
         panel_set, [outward(panel_set, least_squares_placement(panel_set, body)) for body in found], constraints
     )
     notes = [*sheet.notes]
-    bodies, relief, pressed = _relieved(panel_set, bodies, real, thickness)
+    tied = [pose.panels for pose in constraints.poses]
+    most = SETTINGS.max_relief * thickness
+    cut, pressed = 0.0, list[int]()
+    if said is None:
+        bodies, cut, pressed = _fitted(panel_set, bodies, drawn, (0.0, most), tied)
+        cut = min(cut, SETTINGS.max_burn)
+        if cut > SETTINGS.rounding:
+            notes.append(
+                f"{sheet.source}: by how much outlines are drawn larger is not known; plates fit once {cut:.3g} mm is taken"
+                f" off every outline, as a cut {2 * cut:.3g} mm wide does: --burn {cut:.3g} says it, --burn 0 that it is not so"
+            )
+    before = {row: move for body in bodies for row, move in zip(body.rows, body.moves, strict=True)}
+    bodies, relief, more = _fitted(panel_set, bodies, real, (cut, most), tied)
+    pressed += more
+    shift = max(
+        (float(np.abs(m - before[r]).max()) for body in bodies for r, m in zip(body.rows, body.moves, strict=True)),
+        default=0.0,
+    )
+    if shift > 0.01 and not pressed:
+        notes.append(
+            f"{sheet.source}: panels stand up to {shift:.2g} mm beside where they are drawn for, which frees them"
+        )
     unplaced = sorted({*unplaced, *pressed})
     doubts += [f'panel "{names[row]}" overlaps others where its flanks meet, and is left out' for row in pressed]
-    if relief > 1e-3:
-        notes.append(
-            f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm more"
-        )
-    if relief > SETTINGS.sure_relief * thickness:
-        doubts.append(f"panels press on each other by up to {2 * relief:.2g} mm")
     joints: list[FoundJoint] = []
     left: dict[int, NDArray[np.int64]] = {}
     for body in bodies:
@@ -162,14 +200,35 @@ def assemble_sheet(
         )
         doubts.append(f"not placed: {panel_names(names, loose)}; {fits} loose, and a hint ([[plate]]) can say where")
         if len(loose) == len(names):
-            doubts.insert(0, f"no panel fits another one: is the material {thickness:g} mm thick?")
+            doubts.insert(0, f"no panel fits another one: {_thickness_shown(sheet, thickness, taken)}")
     waiting = [row for row in unplaced if row not in loose]
     if waiting:
         doubts.append(f"not placed: {panel_names(names, waiting)}")
+    tight: list[Misfit] = []
+    relieved: list[str] = []
+    if 1e-3 < relief - cut <= SETTINGS.rounding:
+        notes.append(
+            f"{sheet.source}: its numbers are rounded; outlines are moved inward by {relief - cut:.2g} mm, and fit"
+        )
+    if relief - cut > SETTINGS.rounding:
+        tight = [each for body in bodies for each in misfits(panel_set, body, real, cut, 2 * SETTINGS.rounding)]
+        causes = misfit_lines(tight, names) or [
+            f"no place was found where panels do not press on each other unless outlines move inward by {relief - cut:.2g} mm"
+        ]
+        asked = relief - cut <= relieve + SETTINGS.rounding
+        if tight and not left and not unplaced and not asked:
+            advice = f"it cannot be put together as cut: --relieve {relief - cut:.3g} would move every outline inward by that"
+            raise InputError([f"{sheet.source}: {cause}; {advice}" for cause in causes])
+        moved = f"outlines are moved inward by {relief - cut:.3g} mm more, and fit"
+        if not asked:
+            doubts += causes
+        else:
+            relieved = [f"{cause}; {moved} since --relieve allows it" for cause in causes]
+        notes.append(f"{sheet.source}: {moved}")
     placed = side_by_side(panel_set, [upright(panel_set, body) for body in bodies])
     return AssembledSheet(
         plates, tuple(real), tuple(placed), tuple(joints), left, tuple(unplaced), tuple(loose), taken, relief,
-        tuple(dict.fromkeys(doubts)), tuple(notes), sheet.source,
+        tuple(tight), tuple(dict.fromkeys(doubts)), tuple(relieved), tuple(notes), sheet.source,
     )  # fmt: skip
 
 
@@ -189,6 +248,22 @@ def _loose(
     return found
 
 
+def _thickness_shown(sheet: CuttingSheet, thickness: float, burn: float) -> str:
+    """For which thickness joints look drawn, as a question to the person who said another one."""
+    polygons = [panel.polygon for panel in sheet.panels]
+    names = [panel.name for panel in sheet.panels]
+    best, most = 0.0, 0
+    for size in flank_lengths([inset(polygon, burn) for polygon in polygons])[:MAX_GUESSES]:
+        panel_set = PanelSet(plates_of(names, polygons, [size] * len(names), burn))
+        table = PairPoseTable(panel_set, whole=True)
+        count = sum(any(len(table.between(a, b).turns) for b in range(len(names)) if b != a) for a in range(len(names)))
+        if count > most or (count == most and size < best):
+            best, most = size, count
+    if not most:
+        return f"is the material {thickness:g} mm thick?"
+    return f"at {thickness:g} mm no flanks meet; the flanks are {best:g} mm apart: --thickness {best:g}?"
+
+
 def _told_apart(plates: Sequence[SheetPlate], named: frozenset[int]) -> tuple[SheetPlate, ...]:
     """Plates of which those named in hints have kinds of their own."""
     return tuple(replace(plate, kind=len(plates) + row) if row in named else plate for row, plate in enumerate(plates))
@@ -203,20 +278,25 @@ def _not_kept(constraints: EdgeConstraints, bodies: Sequence[Placement]) -> list
     ]
 
 
-def _relieved(
-    panel_set: PanelSet, bodies: list[Placement], real: list[float], thickness: float
+def _fitted(
+    panel_set: PanelSet,
+    bodies: Sequence[Placement],
+    thickness: list[float],
+    limits: tuple[float, float],
+    tied: Sequence[tuple[int, int]],
 ) -> tuple[list[Placement], float, list[int]]:
-    """Bodies in which no plates overlap, the relief that takes [mm], and panels that had to be left out."""
+    """Bodies in which no plates overlap, the relief that takes [mm] within its limits, and panels that had to be left out."""
     result: list[Placement] = []
-    relief = 0.0
+    least, most = limits
+    relief = least
     pressed: list[int] = []
     for body in bodies:
         while len(body.rows) > 1:
-            needed = relief_needed(panel_set, body, real, SETTINGS.max_relief * thickness)
+            free, needed = fitted(panel_set, body, thickness, least, most, tied)
             if np.isfinite(needed):
-                relief = max(relief, needed)
+                body, relief = free, max(relief, needed)
                 break
-            row = pressed_panel(panel_set, body, real, SETTINGS.max_relief * thickness)
+            row = pressed_panel(panel_set, body, thickness, most)
             pressed.append(row)
             body = least_squares_placement(panel_set, without_panel(body, row))
         if len(body.rows) > 1:
@@ -224,3 +304,42 @@ def _relieved(
         else:
             pressed += body.rows
     return result, relief, pressed
+
+
+_COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+
+
+def misfit_lines(found: Sequence[Misfit], names: Sequence[str]) -> list[str]:
+    """One line for every cause: what is too large, for which slots, and by how much.
+
+    Parameters
+    ----------
+    found : sequence of Misfit
+    names : sequence of str
+        Of all panels.
+    """
+    causes: dict[tuple[str, float, float], list[Misfit]] = {}
+    for each in found:
+        size = each.size if each.kind == "thickness" else 0.0
+        causes.setdefault((each.kind, round(size, 2), round(each.excess, 2)), []).append(each)
+    lines = []
+    for (kind, _, excess), same in causes.items():
+        count = sum(each.places for each in same)
+        word = _COUNTS[count] if count < len(_COUNTS) else str(count)
+        large, slots = (list(dict.fromkeys(each.panels[k] for each in same)) for k in (0, 1))
+        which = f"panel{'s' * (len(large) > 1)} {_quoted(names, large)} {'are' if len(large) > 1 else 'is'}"
+        sizes = f"{same[0].size:.4g} mm thick, in {same[0].room:.4g} mm as cut"
+        if kind == "width":
+            which = f"fingers of {_quoted(names, large)} are"
+            sizes = f"{same[0].size:.4g} mm wide, in {same[0].room:.4g} mm as cut"
+        thick = "thick" if kind == "thickness" else "wide"
+        slot = "slot" if kind == "thickness" else "gap"
+        lines.append(
+            f"{which} {excess:g} mm too {thick} for {word} {slot}{'s' * (count > 1)} of {_quoted(names, slots)}: {sizes}"
+        )
+    return lines
+
+
+def _quoted(names: Sequence[str], rows: Sequence[int]) -> str:
+    shown = ", ".join(f'"{names[row]}"' for row in rows[:4])
+    return shown + (f" and {len(rows) - 4} more" if len(rows) > 4 else "")

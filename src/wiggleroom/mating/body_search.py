@@ -134,7 +134,7 @@ def _best(panel_set: PanelSet, placements: list[Placement]) -> Placement:
         return equal[0]
     drawn = [plate.thickness for plate in panel_set.plates]
     least = SETTINGS.max_relief * min(drawn)
-    pressing = [relief_needed(panel_set, least_squares_placement(panel_set, each), drawn, least) for each in equal]
+    pressing = [relief_needed(panel_set, least_squares_placement(panel_set, each), drawn, 0.0, least) for each in equal]
     return equal[min(range(len(equal)), key=lambda k: (round(pressing[k], 2), extent(panel_set, equal[k])))]
 
 

@@ -101,6 +101,21 @@ def read_sheet(path: str | Path, *, unit: str | None = None, options: ReadOption
     return CuttingSheet(tuple(panels), burn, tuple(notes), path.name)
 
 
+def check_burn(sheet: CuttingSheet, burn: float) -> None:
+    """Check that every panel is there still once the burn [mm] is taken off.
+
+    Raises
+    ------
+    InputError
+        With one line for each that is not.
+    """
+    gone = [p.name for p in sheet.panels if shapely.buffer(p.polygon, -burn, join_style="mitre").is_empty]
+    if gone:
+        raise InputError(
+            [f'{sheet.source}: panel "{name}" is used up by a burn of {burn:g} mm; it must be less' for name in gone]
+        )
+
+
 def _valid(polygon: shapely.Polygon) -> shapely.Polygon:
     """Polygon, or the largest piece of what a faulty one encloses."""
     if polygon.is_valid:

@@ -6,12 +6,13 @@ that stands square on the plane of its partner. So finger edges, rows of holes a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.geometry.polygon import orient
 
 from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE
 from wiggleroom.mating.panel_outline import inset, same_outline, sharpened, without_reliefs
@@ -264,6 +265,29 @@ def _flanks(
     corners = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
     flags = np.array(bottom, dtype=bool), np.array(jointed, dtype=bool)
     return two[0], two[1], two[2], np.array(length, dtype=float), corners, *flags
+
+
+def flank_lengths(outlines: Sequence[shapely.Polygon]) -> list[float]:
+    """Lengths [mm] that sides and bottoms of notches share, the most frequent ones first, the sides before; rounded to 0.01 mm.
+
+    Examples
+    --------
+    >>> flank_lengths([shapely.box(0, 0, 40, 30).difference(shapely.box(10, 0, 20, 2.85)).difference(shapely.box(28, 0, 35, 2.85))])
+    [2.85]
+    """
+    counts: dict[float, int] = {}
+    for ring in (ring for outline in map(orient, outlines) for ring in (outline.exterior, *outline.interiors)):
+        here = shapely.get_coordinates(shapely.simplify(ring, 1e-3))[:-1]
+        edge = np.roll(here, -1, axis=0) - here
+        size = np.hypot(*edge.T)
+        unit = edge / np.maximum(size, 1e-9)[:, None]
+        before = np.roll(unit, 1, axis=0)
+        square = np.abs((unit * before).sum(1)) < FLANKS.max_square_cosine
+        convex = before[:, 0] * unit[:, 1] - before[:, 1] * unit[:, 0] > 0
+        sides = square & np.roll(square, -1) & ~(convex & np.roll(convex, -1))
+        for length, both in zip(np.round(size[sides], 2).tolist(), (convex | np.roll(convex, -1))[sides], strict=True):
+            counts[length] = counts.get(length, 0) + 1 + bool(both)
+    return sorted((length for length in counts if counts[length] > 1), key=lambda length: (-counts[length], length))
 
 
 def _notches_for_two(

@@ -13,7 +13,7 @@ from shapely import affinity
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.errors import Stop
 from wiggleroom.mating.contour_matching import PlanarPose, contact
-from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet
+from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet, check_burn
 from wiggleroom.mating.panel_outline import inset
 from wiggleroom.mating.planar_search import (
     MIN_CONTACT,
@@ -23,6 +23,7 @@ from wiggleroom.mating.planar_search import (
     least_squares_poses,
     moved,
 )
+from wiggleroom.mating.sheet_settings import SETTINGS
 
 Floats = NDArray[np.float64]
 
@@ -121,11 +122,18 @@ def assemble_plane(
     burn : float [mm], optional
         By how much outlines were drawn larger; by default what the sheet says, else 0.
 
+    Raises
+    ------
+    InputError
+        If the burn uses a part up.
+
     Notes
     -----
     Parts are turned and shifted, never turned over. A part is put where most of its bent outline fits what stands already.
     """
-    taken = burn if burn is not None else sheet.burn or 0.0
+    known = burn if burn is not None else sheet.burn
+    taken = known or 0.0
+    check_burn(sheet, taken)
     drawn = [inset(panel.polygon, taken) for panel in sheet.panels]
     centres = np.array([shapely.get_coordinates(polygon.centroid)[0] for polygon in drawn])
     polygons = [affinity.translate(p, -x, -y) for p, (x, y) in zip(drawn, centres.tolist(), strict=True)]
@@ -150,6 +158,10 @@ def assemble_plane(
     doubts += [f'part "{names[row]}" overlaps others where its outline fits, and is left out' for row in pressed]
     if relief > 1e-3:
         notes.append(f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm")
+    if relief > (CHORD_ERROR if known is not None else SETTINGS.max_burn):
+        doubts.append(
+            f"parts press on each other as cut: they fit since outlines are moved inward by {relief:.3g} mm more"
+        )
     if len(bodies) > 1:
         doubts.append(f"the parts make {len(bodies)} bodies that do not fit each other")
     joints, still = _joints(work, bodies, centres)

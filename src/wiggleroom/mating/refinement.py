@@ -91,8 +91,8 @@ def plate_solid(plate: SheetPlate, thickness: float, turn: Floats, move: Floats,
     return body.transform(np.column_stack([turn, move]))
 
 
-def relief_needed(panel_set: PanelSet, state: Placement, thickness: list[float], most: float) -> float:
-    """Smallest distance [mm] by which all outlines must move inward so that no two plates share material.
+def relief_needed(panel_set: PanelSet, state: Placement, thickness: list[float], least: float, most: float) -> float:
+    """Smallest distance [mm] by which all outlines must move inward so that no two plates share material; panels stay.
 
     Parameters
     ----------
@@ -100,13 +100,13 @@ def relief_needed(panel_set: PanelSet, state: Placement, thickness: list[float],
     state : Placement
     thickness : list of float [mm]
         Real thickness of every panel of the sheet.
-    most : float [mm]
-        Infinity is returned where even this is not enough.
+    least, most : float [mm]
+        It is at least the one; infinity is returned where even the other is not enough.
     """
     near = _near(panel_set, state, thickness)
-    low, high = 0.0, most
-    if not _pressing(panel_set, state, thickness, near, 0.0):
-        return 0.0
+    low, high = least, most
+    if not _pressing(panel_set, state, thickness, near, least):
+        return least
     left = _pressing(panel_set, state, thickness, near, most)
     if left:
         return float("inf")
@@ -117,6 +117,11 @@ def relief_needed(panel_set: PanelSet, state: Placement, thickness: list[float],
         else:
             high = middle
     return high + SETTINGS.relief_margin
+
+
+def pressing(panel_set: PanelSet, state: Placement, thickness: list[float], relief: float) -> bool:
+    """Whether any two plates share material when all outlines are moved inward by a relief [mm]."""
+    return _pressing(panel_set, state, thickness, _near(panel_set, state, thickness), relief)
 
 
 def pressed_panel(panel_set: PanelSet, state: Placement, thickness: list[float], relief: float) -> int:

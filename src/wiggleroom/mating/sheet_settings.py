@@ -20,9 +20,11 @@ class SheetSettings:
     max_open_share : float in (0, 1)
         No other way is tried where a smaller share of the flanks meets nothing, and none of them could meet any.
     max_relief : float in (0, 0.5)
-        Outlines are relieved by at most this share of the thickness; what still overlaps then is taken out again.
-    sure_relief : float in (0, 0.5)
-        An assembly that needs more than this share is not sure.
+        A panel that overlaps others still when outlines are relieved by this share of the thickness is taken out again.
+    max_burn : float > 0 [mm]
+        Half the width of the widest usual cut: where the burn is not known, at most this much is taken off for it.
+    rounding : float > 0 [mm]
+        Relief that only the rounding of coordinates asks for.
     body_distance : float > 0 [mm]
         Free room between two bodies in the file that is written.
     max_scored : int
@@ -35,7 +37,8 @@ class SheetSettings:
     min_met_share: float = 0.5
     max_open_share: float = 0.05
     max_relief: float = 0.2
-    sure_relief: float = 0.12
+    max_burn: float = 0.15
+    rounding: float = 0.0025
     body_distance: float = 20.0
     max_scored: int = 400_000
     aligned_share: float = 0.3

@@ -8,7 +8,7 @@ from pathlib import Path
 from wiggleroom.files import write_whole
 from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_answer
 from wiggleroom.report.pictures import palette
-from wiggleroom.report.pictures.file_endings import FILMS, PAGE, check_ending, ending
+from wiggleroom.report.pictures.file_endings import FILMS, PAGE, SPATIAL_ANSWERS, SPATIAL_STUDIES, check_ending, ending
 from wiggleroom.report.pictures.importance_picture import ranking_facts, shade, tightening_facts
 from wiggleroom.report.solids.solid_colours import Colour
 from wiggleroom.report.solids.spatial_picture import draw_separation, draw_spatial, write_moved_parts
@@ -17,10 +17,6 @@ from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
-
-SPATIAL_PICTURES = (".svg", ".png", *FILMS, ".glb", PAGE)
-SPATIAL_STUDIES = (".svg", ".png", ".glb", PAGE)
-"""Of rankings and tightenings, which have no path of their own."""
 
 SpatialFound = SpatialAnswer | SpatialDisassembly | Ranking | Tightening
 """What is shown as parts in space; rankings and tightenings of assemblies in space."""
@@ -37,7 +33,7 @@ def write_spatial(
         If the name has another ending.
     """
     moves = isinstance(found, SpatialAnswer | SpatialDisassembly)
-    check_ending(path, SPATIAL_PICTURES if moves else SPATIAL_STUDIES)
+    check_ending(path, SPATIAL_ANSWERS if moves else SPATIAL_STUDIES)
     if isinstance(found, SpatialAnswer | SpatialDisassembly) and ending(path) in FILMS:
         from wiggleroom.report.solids.spatial_film import film_of_spatial
 

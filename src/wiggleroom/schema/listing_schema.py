@@ -52,6 +52,18 @@ class UnmatchedEntry(Struct, kw_only=True):
     on_sheet: Annotated[list[Point], Meta(description="where the sheet shows it [mm], y up")]
 
 
+class MisfitEntry(Struct, kw_only=True):
+    """A panel that is too thick for slots of another one, or whose tabs are too wide for them, as cut."""
+
+    kind: Annotated[Literal["thickness", "width"], Meta(description="of the panel, or of its tab along the slot")]
+    panel: str
+    slots_of: Annotated[str, Meta(description="the panel with the slots")]
+    size: Annotated[float, Meta(description="of the panel or its tab [mm]")]
+    room: Annotated[float, Meta(description="of the slot, as cut [mm]")]
+    excess: Annotated[float, Meta(description="by how much it is too large [mm]")]
+    places: Annotated[int, Meta(description="how many slots")]
+
+
 class AssembleResult(Struct, tag_field="format", tag="wiggleroom.assemble/1", kw_only=True):
     """A cutting sheet put together: `wiggleroom assemble --json`."""
 
@@ -67,6 +79,10 @@ class AssembleResult(Struct, tag_field="format", tag="wiggleroom.assemble/1", kw
     unplaced: Names
     loose: Annotated[Names, Meta(description="those of them of which no edge fits one that is still open")]
     burn: Annotated[float, Meta(description="taken off every outline [mm]: as the cut does")]
-    relief: Annotated[float, Meta(description="taken off besides, so that nothing presses at rest [mm]")]
+    relief: Annotated[
+        float,
+        Meta(description="taken off besides [mm]: for a cut of unknown width, for rounding, and what --relieve allows"),
+    ]
+    misfits: Annotated[list[MisfitEntry], Meta(description="what fits only since --relieve allows it")]
     notes: Notes
     command: Command

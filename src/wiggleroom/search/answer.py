@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.search.global_search import SearchEffort
-from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.verdict import PathState, Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.search.global_search import SearchEffort
+    from wiggleroom.search.incumbent import Incumbent
 
 PROVEN_WITHIN = 1.001
 """An answer is proven where no motion is worth more than this multiple of it."""

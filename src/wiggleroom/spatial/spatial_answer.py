@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.displayable import Drawable
-from wiggleroom.search.global_search import SearchEffort
-from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram
-from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
-from wiggleroom.spatial.spatial_bodies import Grouping
 from wiggleroom.verdict import PathState, Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.search.global_search import SearchEffort
+    from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram
+    from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
+    from wiggleroom.spatial.spatial_bodies import Grouping
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,8 @@ def read_bitmap(path: str | Path, across: int | None = None, threshold: float = 
         message = f"{name}: this picture has too many pixels; make it smaller"
         raise InputError(message) from None
     except (image.UnidentifiedImageError, OSError, SyntaxError, ValueError) as problem:
-        message = f"{name}: this is no picture that can be read ({' '.join(str(problem).split()) or 'damaged'})"
+        reason = getattr(problem, "strerror", None) or " ".join(str(problem).split()) or "damaged"
+        message = f"{name}: this is no picture that can be read ({reason.lower()})"
         raise InputError(message) from None
     height, width = grey.shape
     columns = min(width, DEFAULT_COLUMNS) if across is None else across

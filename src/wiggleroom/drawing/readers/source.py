@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wiggleroom.errors import InputError
+from wiggleroom.files import leads_back
 
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -74,6 +75,8 @@ def read_bytes(path: Path) -> bytes:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "is not a path"
         message = f"{str(path)[:200]!r}: cannot be read ({reason.lower()}); give the path of a drawing"
+        if leads_back(path):
+            message = f"{path}: is a link that leads back to itself; give the path of a drawing"
     raise InputError(message)
 
 

@@ -15,6 +15,9 @@ PAGE = ".html"
 ANSWERS = (*STILLS, *FILMS, PAGE)
 STUDIES = (*STILLS, PAGE)
 """Endings of pictures of an answer, and of everything that has no path to make a film of."""
+SPATIAL_ANSWERS = (*STILLS, *FILMS, ".glb", PAGE)
+SPATIAL_STUDIES = (*STILLS, ".glb", PAGE)
+"""The same in space."""
 
 
 def ending(path: PurePath) -> str:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 MAX_NAME_LENGTH = 40
 """Longer names are cut in the middle [characters]."""
+MIN_MOTION = 1e-12
+"""Parts that never move further are left out of paths [mm, rad]."""
 MAX_GOALS = 4
 """Goals that a headline names; the others are counted."""
 

@@ -14,7 +14,7 @@ from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.disassembly.interlock import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
-from wiggleroom.report.results.answer_words import few, number, towards
+from wiggleroom.report.results.answer_words import MIN_MOTION, few, number, towards
 from wiggleroom.report.results.search_extent import extent_text, search_entry
 from wiggleroom.report.results.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 MAX_ESCAPES = 12
 """Escapes that the table lists."""
-MIN_MOTION = 1e-12
-"""Parts that never move further are left out of paths [mm, rad]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.planning.plan import Plan
-from wiggleroom.report.results.separability import MIN_MOTION, Checked
+from wiggleroom.report.results.answer_words import MIN_MOTION
+from wiggleroom.report.results.separability import Checked
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking

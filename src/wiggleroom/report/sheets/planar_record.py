@@ -39,6 +39,7 @@ def planar_record(found: PlanarAssembly, *, command: str = "") -> AssembleResult
         loose=[],
         burn=found.burn,
         relief=found.relief,
+        misfits=[],
         notes=list(found.notes),
         command=command,
     )
@@ -54,10 +55,12 @@ def planar_headline(found: PlanarAssembly) -> str:
 def planar_page(found: PlanarAssembly) -> Group:
     """Headline, doubts and a table of joints."""
     from rich.console import Group
-    from rich.table import Table
+    from rich.table import Column, Table
     from rich.text import Text
 
-    table = Table("joint", "parts", "length [mm]", box=None)
+    table = Table(
+        Column("joint", no_wrap=True), Column("parts", overflow="fold"), Column("length [mm]", no_wrap=True), box=None
+    )
     for k, joint in enumerate(found.joints, 1):
         table.add_row(f"J{k}", " - ".join(found.names[row] for row in joint.parts), f"{joint.length:.4g}")
     doubts = [Text(f"  because: {doubt}") for doubt in found.doubts]

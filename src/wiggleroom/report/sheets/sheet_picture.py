@@ -30,7 +30,7 @@ _VIEW = np.array([[0.82, 0.57, 0.0], [-0.27, 0.39, 0.88], [0.5, -0.72, 0.48]])
 def sheet_picture(found: AssembledSheet, *, command: str = "") -> str:
     """SVG text: left the sheet, right the bodies; red crosses are flanks that meet nothing, hatched panels are not placed."""
     title = sheet_headline(found)
-    said = [*found.doubts] or ["every flank meets another, and no other way to put the panels together does as well"]
+    said = [*found.reasons] or ["every flank meets another, and no other way to put the panels together does as well"]
     head, y = frame.header(title, said, PICTURE_WIDTH - 2 * palette.MARGIN)
     body = [*head, _sheet(found, palette.MARGIN, y + 20), _bodies(found, 2 * palette.MARGIN + COLUMN_WIDTH, y + 20)]
     return frame.document(PICTURE_WIDTH, y + PICTURE_HEIGHT + 2 * palette.MARGIN, title, said, command, body)

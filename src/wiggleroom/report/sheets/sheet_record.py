@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.mating.assembled_sheet import AssembledSheet
-from wiggleroom.schema.listing_schema import AssembleResult, SheetJointEntry, UnmatchedEntry
+from wiggleroom.schema.listing_schema import AssembleResult, MisfitEntry, SheetJointEntry, UnmatchedEntry
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -25,7 +25,7 @@ def assemble_record(found: AssembledSheet, *, command: str = "") -> AssembleResu
         )
     return AssembleResult(
         certainty="sure" if found.sure else "not sure",
-        doubts=list(found.doubts),
+        doubts=list(found.reasons),
         panels=len(names),
         placed=sum(len(body.rows) for body in found.bodies),
         bodies=[[names[row] for row in body.rows] for body in found.bodies],
@@ -38,6 +38,18 @@ def assemble_record(found: AssembledSheet, *, command: str = "") -> AssembleResu
         loose=[names[row] for row in found.loose],
         burn=found.burn,
         relief=found.relief,
+        misfits=[
+            MisfitEntry(
+                kind=each.kind,
+                panel=names[each.panels[0]],
+                slots_of=names[each.panels[1]],
+                size=each.size,
+                room=each.room,
+                excess=round(each.excess, 4),
+                places=each.places,
+            )
+            for each in found.misfits
+        ],
         notes=list(found.notes),
         command=command,
     )
@@ -68,12 +80,14 @@ def sheet_headline(found: AssembledSheet) -> str:
 def sheet_page(found: AssembledSheet) -> Group:
     """Headline, doubts and a table of joints."""
     from rich.console import Group
-    from rich.table import Table
+    from rich.table import Column, Table
     from rich.text import Text
 
     names = [plate.name for plate in found.plates]
-    table = Table("joint", "panels", "flanks", box=None)
+    table = Table(
+        Column("joint", no_wrap=True), Column("panels", overflow="fold"), Column("flanks", no_wrap=True), box=None
+    )
     for k, joint in enumerate(found.joints, 1):
         table.add_row(f"J{k}", " - ".join(names[row] for row in joint.panels), str(len(joint.flanks)))
-    doubts = [Text(f"  because: {doubt}") for doubt in found.doubts]
+    doubts = [Text(f"  because: {doubt}") for doubt in found.reasons]
     return Group(Text(sheet_headline(found), style="bold"), *doubts, table)

@@ -31,7 +31,7 @@ def spatial_parts_result(assembly: SpatialAssembly, command: str = "") -> Spatia
 
 def spatial_parts_table(assembly: SpatialAssembly) -> Table:
     """Page that `parts` prints: size of the box round each part at rest, place, volume, and kind of solid."""
-    found = columns("part", "dx mm", "dy mm", "dz mm", "x mm", "y mm", "z mm", "volume mm3", "solid")
+    found = columns("part", "dx mm", "dy mm", "dz mm", "x mm", "y mm", "z mm", "volume mm3", words="solid")
     for entry in _entries(assembly):
         numbers = (f"{value:.2f}" for value in (*entry.size, *entry.at, entry.volume))
         found.add_row(entry.name + (" (fixed)" if entry.fixed else ""), *numbers, entry.solid)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from msgspec import UNSET, structs
 from numpy.typing import NDArray
 
-from wiggleroom.disassembly.largest_gap import LargestGap
-from wiggleroom.report.results.separability import MIN_MOTION
+from wiggleroom.report.results.answer_words import MIN_MOTION
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.flex_schema import SearchEntry
 from wiggleroom.schema.spatial_result_schema import (
@@ -18,9 +19,12 @@ from wiggleroom.schema.spatial_result_schema import (
     SpatialMotion,
     SpatialSeparabilityEntry,
 )
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 from wiggleroom.verdict import Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.disassembly.largest_gap import LargestGap
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
+    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 
 
 def spatial_flex_result(answer: SpatialAnswer) -> SpatialFlexResult:

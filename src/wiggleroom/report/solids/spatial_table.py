@@ -21,14 +21,14 @@ from wiggleroom.report.results.answer_words import (
 )
 from wiggleroom.report.results.table import columns, fixed
 from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
 
     from wiggleroom.disassembly.largest_gap import LargestGap
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
+    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 
 _MAX_PARTS, _MAX_CONTACTS = 12, 8
 _COLOURS = {Verdict.PROVEN: "green", Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
@@ -137,6 +137,8 @@ def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = N
         lines.append(Text(f"     ... and {len(found.escapes) - _MAX_PARTS} more"))
     if found.escapes and len(found.remains) > 1:
         lines.append(Text(f"remains: {few(found.remains)}"))
+    if found.verdict is Separability.COMES_APART:
+        lines.append(Text("friction, glue and press fit are outside this verdict: it is about shapes alone"))
     if border is not None:
         from wiggleroom.report.results.separability import border_sentence
 

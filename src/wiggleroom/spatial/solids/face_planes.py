@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.spatial.solids.spatial_model import Surface
 
@@ -18,6 +16,9 @@ FLAT = 1e-7
 
 def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
     """Unit normals (f, 3) and offsets (f,) [mm] of the planes of all faces, and the plane of each face."""
+    import scipy.sparse as sp  # slow to import, and seldom needed
+    from scipy.sparse.csgraph import connected_components
+
     a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)
     area = np.linalg.norm(cross, axis=1)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.spatial.solids.spatial_model import Surface
@@ -82,6 +81,8 @@ def _in_one_plane(vertices: Floats, corners: list[Ints], near: float) -> list[In
     """Corners of the faces, together where all of several lie within `near` [mm] of one plane: that of a narrow one alone may lean."""
     plane = np.array([_plane(vertices[own]) for own in corners])
     scaled = plane / np.array([1.0, 1, 1, np.abs(vertices).max()])
+    from scipy.spatial import KDTree  # slow to import, and only files of triangles need it
+
     tree = KDTree(scaled)
     found = []
     taken = np.zeros(len(corners), dtype=bool)

@@ -19,6 +19,7 @@ from wiggleroom.drawing.readers.assembly_schema import GapEntry, convert
 from wiggleroom.drawing.readers.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.readers.source import load
 from wiggleroom.errors import InputError
+from wiggleroom.files import leads_back
 from wiggleroom.spatial.rotations import fixed_axes
 from wiggleroom.spatial.solids.box_union import union_of_boxes
 from wiggleroom.spatial.solids.mesh_file import read_mesh
@@ -191,6 +192,9 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
             self._say(where, f'{what} "{name[:60]}" names a file, but this assembly is no file itself; give numbers')
             return None
         path = self._folder / name
+        if leads_back(path):
+            self._say(where, f'{what} "{name[:60]}" is a link that leads back to itself; put the file there')
+            return None
         try:
             whole, folder = path.resolve(), self._folder.resolve()
         except (OSError, ValueError):
