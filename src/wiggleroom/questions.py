@@ -14,6 +14,7 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock import Interlock
@@ -148,9 +149,12 @@ def flex(
         from wiggleroom.spatial.spatial_flex import flex_spatial
 
         refuse_planar_options("flex", model=model, start=start, prove=prove, seconds=seconds)
-        answer = flex_spatial(
-            assembly, spatial_goals(goals), solver=solver, search=search, stop=stop, progress=progress
-        )
+        options = {"solver": solver, "stop": stop, "progress": progress}
+        if search is None:  # where the climb from rest is proven, further ones are of no use
+            answer = with_cross_section_bound(flex_spatial(assembly, spatial_goals(goals), search=0, **options), stop)
+            if answer.verdict in (Verdict.PROVEN, Verdict.UNBOUNDED):
+                return answer
+        answer = flex_spatial(assembly, spatial_goals(goals), search=search, **options)
         return with_cross_section_bound(answer, stop)
     from wiggleroom.maximise import flex as flex_planar
 

@@ -198,6 +198,15 @@ class TranslationSpace:
         translations = self._reached.path_to(translation)
         return None if translations is None else self._checked(translations)
 
+    def extent(self) -> float:
+        """How far the translations that are connected with none reach along the axes, at most [mm]; infinite where they are not known."""
+        if not self._differences or self._reached is None:
+            return np.inf
+        slabs, before = self._reached.slabs, self._reached.before
+        bounds = np.array([[*slabs[k].free[i].bounds, slabs[k].low, slabs[k].high] for k, i in before])
+        low, high = bounds[:, [0, 1, 4]].min(axis=0), bounds[:, [2, 3, 5]].max(axis=0)
+        return float((high - low).max())
+
     def reaches(self, translation: Floats) -> bool:
         """True where a translation (3,) [mm] is connected with none."""
         return bool(self._differences) and self._reached is not None and self._reached.path_to(translation) is not None

@@ -183,7 +183,7 @@ class _Stage:
                     return out
                 self._slide(path, axes, places)
                 asked += 1
-        self.loose = roadmap.turns or roadmap.spent
+        self.loose = roadmap.turns or roadmap.spent or roadmap.skipped
         for effort in efforts:
             self.proven = held.prove(effort)
             if self.proven or self.cut_short():

@@ -35,13 +35,15 @@ MAX_POINTS = 6
 """A turn is tried from at most so many places where the body has the most room."""
 MAX_TILTS = 6
 """Axes about which a face comes to be parallel to one of others that it leans against: at most so many."""
+LEAST_EXTENT = 4.0
+"""A body that can be slid no further than this multiple of the clearance has nowhere more room to turn than where it is."""
 SAMPLE = np.pi / 12
 """On a turn the body must be free at angles that lie no further apart [rad]."""
 SAME_ANGLE = 1e-4
 """Critical angles that differ by less are one [rad]."""
 SAME_PLACE = 1e-9
 """What has moved and turned by less is where it was [mm, rad]."""
-MAX_WORK = 60_000
+MAX_WORK = 100_000
 """Differences of pieces that are worked out for one assembly, at most."""
 
 
@@ -64,12 +66,14 @@ class TurnRoadmap:
     work: int = 0
     turns: bool = False
     """True once a body was found that can turn in place."""
+    skipped: bool = False
+    """True once a body was left out that has too many pieces."""
     _known: list[tuple[int, Floats, TranslationSpace]] = field(default_factory=list)
     _handed: set[int] = field(default_factory=set)
 
     @property
     def spent(self) -> bool:
-        """True once the work is done that one assembly may take."""
+        """True once the work is done that one assembly may take: then new orientations are no longer looked at."""
         return self.work > MAX_WORK
 
     def new_space(self, motion: Floats, body: int) -> TranslationSpace | None:
@@ -113,32 +117,53 @@ class TurnRoadmap:
     def turned_from(self, motion: Floats, body: int, space: TranslationSpace) -> Iterator[Floats]:
         """Paths (k, n, 6) from a motion by translations and a turn to new orientations of a body."""
         ready = self.ready
-        mine = np.flatnonzero(ready.grouping.body_of == body)
-        if space.pairs > MAX_PAIRS or not ready.grouping.bodies.free[body].all():
+        if not ready.grouping.bodies.free[body].all():
             return
+        if space.pairs > MAX_PAIRS:
+            self.skipped = True
+            return
+        if space.extent() < LEAST_EXTENT * ready.clearance:
+            return  # as good as where it is
         for axis in self._turn_axes(motion, body):
-            for angle in self._targets(motion, body, axis):
-                count = int(np.ceil(abs(angle) / SAMPLE))
-                turns = exponential(axis * angle * np.linspace(0, 1, count + 1)[:, None])
-                room = TranslationSpace(ready, motion, body, self.stop, turns)
-                if room.pairs > MAX_PAIRS:
+            angles = self._targets(motion, body, axis)
+            for sign in (1.0, -1.0):
+                if not self._turns_somewhere(motion, body, space, sign * axis):
                     continue
-                self.work += room.pairs
-                if self.spent or (self.stop is not None and self.stop.is_set()):
-                    return
-                for point in itertools.islice(room.roomiest(axis), MAX_POINTS):
-                    slid = space.path_to(point)
-                    if slid is None:
-                        continue
-                    self.turns = True
-                    steps = int(np.ceil(abs(angle) / WIDEST_STEP))
-                    turned = [
-                        turned_by(ready, slid[-1], body, axis, np.zeros(3), angle * k / steps)
-                        for k in range(1, steps + 1)
-                    ]
-                    pairs = itertools.pairwise([slid[-1], *turned])
-                    if not any(ready.checker.doubtful(a, b, first=True, only=mine.tolist()) for a, b in pairs):
-                        yield np.concatenate([slid, turned])
+                for angle in angles[np.sign(angles) == sign]:
+                    for point in self._rooms(motion, body, axis, angle):
+                        slid = space.path_to(point)
+                        turned = None if slid is None else self._turned_path(slid[-1], body, axis, angle)
+                        if turned is not None:
+                            yield np.concatenate([slid, turned[1:]])
+
+    def _turns_somewhere(self, motion: Floats, body: int, space: TranslationSpace, axis: Floats) -> bool:
+        """True where the body, slid to some place, turns about an axis by the least turn; noted then."""
+        found = any(space.reaches(point) for point in self._rooms(motion, body, axis, LEAST_TURN))
+        self.turns |= found
+        return found
+
+    def _rooms(self, motion: Floats, body: int, axis: Floats, angle: float) -> list[Floats]:
+        """Translations (3,) [mm] after which the body is free at angles up to one about an axis: those with the most room."""
+        count = int(np.ceil(abs(angle) / SAMPLE))
+        turns = exponential(axis * angle * np.linspace(0, 1, count + 1)[:, None])
+        room = TranslationSpace(self.ready, motion, body, self.stop, turns)
+        if room.pairs > MAX_PAIRS or self.spent or (self.stop is not None and self.stop.is_set()):
+            self.skipped |= room.pairs > MAX_PAIRS
+            return []
+        self.work += room.pairs
+        return list(itertools.islice(room.roomiest(axis), MAX_POINTS))
+
+    def _turned_path(self, motion: Floats, body: int, axis: Floats, angle: float) -> Floats | None:
+        """Motions (k, n, 6) by which the body turns about an axis through its reference point; None where that is not free."""
+        ready, steps = self.ready, int(np.ceil(abs(angle) / WIDEST_STEP))
+        mine = np.flatnonzero(ready.grouping.body_of == body).tolist()
+        path = [
+            motion,
+            *(turned_by(ready, motion, body, axis, np.zeros(3), angle * k / steps) for k in range(1, steps + 1)),
+        ]
+        if any(ready.checker.doubtful(a, b, first=True, only=mine) for a, b in itertools.pairwise(path)):
+            return None
+        return np.array(path)
 
     def turned_in_place(self, motion: Floats, body: int) -> Iterator[tuple[Floats, Floats, bool]]:
         """Paths (k, n, 6) by which a body turns where it is to critical angles, and the axis (3,) of each.
