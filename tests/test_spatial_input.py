@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
+from wiggleroom.spatial.solids.convex import convex_piece, distinct_axes
 from wiggleroom.spatial.solids.made_solids import made_solid
 from wiggleroom.spatial.solids.solid_boolean import centroid_of
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, read_spatial_assembly
@@ -716,3 +718,72 @@ def test_what_shells_enclose_together_is_the_part(tmp_path: Path, boxes: list, v
     made = made_solid(drawing.parts[0], 0.0)[0]
     assert made.volume == pytest.approx(volume)
     assert sum(ConvexHull(piece.corners).volume for piece in made.pieces) == pytest.approx(volume)
+
+
+@pytest.mark.parametrize("kind", ["bytes", "text", "counted"])
+@pytest.mark.parametrize("ending", [".stl", ".obj", ".ply", ".glb", ".3mf"])
+def test_random_bytes_are_no_mesh(tmp_path: Path, ending: str, kind: str) -> None:
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        data = {
+            "bytes": rng.bytes(3000),
+            "text": b"solid x\nfacet normal 0 0 1\nouter loop\nvertex " + rng.bytes(300),
+            "counted": rng.bytes(80) + (9).to_bytes(4, "little") + rng.bytes(450),
+        }[kind]
+        (tmp_path / f"a{ending}").write_bytes(data)
+        with pytest.raises(wr.InputError) as refused:
+            read_spatial(write(tmp_path, {"name": "a", "mesh": f"a{ending}"}))
+        assert str(refused.value).isprintable()  # one plain line
+        assert f"a{ending}: " in str(refused.value)
+
+
+@pytest.mark.parametrize("link", ["../x.bin", "x.bin", "sub/x.bin", "/etc/hostname"])
+def test_a_glb_file_takes_nothing_from_other_files(tmp_path: Path, link: str) -> None:
+    folder = tmp_path / "folder"
+    (folder / "sub").mkdir(parents=True)
+    glb = trimesh.creation.box((2, 2, 2)).export(file_type="glb")
+    length = int.from_bytes(glb[12:16], "little")
+    tree, buffer = json.loads(glb[20 : 20 + length]), glb[28 + length :]
+    for place in (tmp_path, folder, folder / "sub"):
+        (place / "x.bin").write_bytes(buffer)
+    tree["buffers"][0]["uri"] = link
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    head = b"glTF" + (2).to_bytes(4, "little") + (20 + len(text)).to_bytes(4, "little")
+    (folder / "a.glb").write_bytes(head + len(text).to_bytes(4, "little") + b"JSON" + text)
+    with pytest.raises(wr.InputError, match="from another file; save it as one file"):
+        read_spatial(write(folder, {"name": "a", "mesh": "a.glb"}))
+
+
+def test_round_meshes_of_many_faces_are_made_soon() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=5)
+    began = time.process_time()
+    piece = convex_piece(ball.vertices)
+    assert time.process_time() - began < 20  # each axis against each other took minutes
+    assert len(piece.corners) == len(ball.vertices)
+    opposite = {tuple(sorted((tuple(n), tuple(-n)))) for n in ball.face_normals.round(6) + 0.0}
+    assert len(piece.normals) == len(opposite)
+
+
+def test_parallel_axes_are_there_once() -> None:
+    rng = np.random.default_rng(5)
+    unlike = rng.normal(size=(300, 3))
+    unlike /= np.linalg.norm(unlike, axis=1)[:, None]
+    every = np.vstack([unlike, -unlike, unlike + 1e-12 * rng.normal(size=unlike.shape)])
+    rng.shuffle(every)
+    found = distinct_axes(every, 1e-9)
+    assert len(found) == len(unlike)
+    assert (np.abs(np.abs(found @ unlike.T) - 1) < 1e-9).any(axis=0).all()
+
+
+def test_cutting_a_mesh_into_pieces_ends_with_the_time(tmp_path: Path, command_output) -> None:
+    torus = trimesh.creation.torus(10, 3, major_sections=80, minor_sections=40)
+    torus.export(tmp_path / "a.stl")
+    file = write(
+        tmp_path, {"name": "a", "mesh": "a.stl", "fixed": True}, {"name": "b", "boxes": [[20, 0, 0, 21, 1, 1]]}
+    )
+    began = time.monotonic()
+    code, _, err = command_output("check", file, "--time", 1)
+    assert code in (2, 3)
+    assert "stopped after 1 s" in " ".join(err)
+    assert time.monotonic() - began < 30  # cut into pieces it takes minutes

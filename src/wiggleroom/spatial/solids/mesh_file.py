@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import zipfile
 from pathlib import Path
@@ -32,8 +33,8 @@ ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
 OWN_UNIT = {".glb": 1000.0, ".3mf": None}
 """Millimetres to a unit of the formats that say their own; 3MF says it in the file."""
 UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
-OBJ: dict[str, Any] = {"split_objects": True, "split_object": True, "group_material": False, "skip_materials": True}
-"""Bodies of an OBJ file are its objects; what is of another colour is none. The second is the first in trimesh 4."""
+OBJ: dict[str, Any] = {"split_objects": True, "group_material": False, "skip_materials": True}
+"""Bodies of an OBJ file are its objects; what is of another colour is none."""
 STEP = (".step", ".stp")
 """Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
@@ -118,12 +119,30 @@ def _check_size(path: Path, ending: str) -> None:
             raise InputError(message)
 
 
+def _check_is_whole(path: Path) -> None:
+    """Refuse a GLB file that takes buffers or pictures from other files."""
+    data = path.read_bytes()
+    length = int.from_bytes(data[12:16], "little")
+    try:
+        tree = json.loads(data[20 : 20 + length])
+        links = [str(entry["uri"]) for key in ("buffers", "images") for entry in tree.get(key, ()) if entry.get("uri")]
+    except (ValueError, AttributeError, TypeError, KeyError, RecursionError):
+        return  # no GLB file: the library says what is wrong
+    outside = [link for link in links if not link.lower().startswith("data:")]
+    if outside:
+        message = f'{path.name}: takes "{outside[0][:40]}" from another file; save it as one file'
+        raise InputError(message)
+
+
 def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
     """Meshes of a file by name, placed as the file places them, and the file's unit [mm]."""
     import trimesh
 
+    if ending == ".glb":
+        _check_is_whole(path)
     try:
-        scene = trimesh.load_scene(path, file_type=ending[1:], process=False, **(OBJ if ending == ".obj" else {}))
+        with path.open("rb") as file:  # without the path the library finds no other file
+            scene = trimesh.load_scene(file, file_type=ending[1:], process=False, **(OBJ if ending == ".obj" else {}))
     except Exception as problem:  # the library raises whatever its readers raise
         reason = " ".join(str(problem).split())[:80] or type(problem).__name__
         message = f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again"
@@ -143,7 +162,7 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
         message = (
             f"{path.name}: places none of its bodies, {unplaced}; save it with one in its build"
             if any(len(getattr(mesh, "faces", ())) for mesh in scene.geometry.values())
-            else f"{path.name}: has no faces; a closed mesh is needed"
+            else f"{path.name}: has no faces that can be read as {ending[1:].upper()}; a closed mesh is needed"
         )
         raise InputError(message)
     if ending != ".3mf":
