@@ -244,6 +244,7 @@ class _Stage:
         """A path out by translations or a turn of a body alone; where a turn leads is a new place."""
         ready = self.ready
         for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
+            roadmap.note_locked(path[-1], b)
             space = roadmap.new_space(path[-1], b) if ready.grouping.bodies.free[b, :3].all() else None
             if space is not None and (found := space.way_out()) is not None:
                 slid, axis = found

@@ -67,7 +67,7 @@ class TurnRoadmap:
     turns: bool = False
     """True once a body was found that can turn in place."""
     skipped: bool = False
-    """True once a body was left out that has too many pieces."""
+    """True once a body was left out that has too many pieces, or slides and turns with freedoms locked."""
     _known: list[tuple[int, Floats, TranslationSpace]] = field(default_factory=list)
     _handed: set[int] = field(default_factory=set)
 
@@ -113,6 +113,17 @@ class TurnRoadmap:
             if np.abs(shift).max() <= SAME_PLACE or space.pairs > MAX_PAIRS or space.reaches(shift):
                 return k
         return None
+
+    def note_locked(self, motion: Floats, body: int) -> None:
+        """Note a body that has some freedoms only and slides and turns: turns after a slide are looked for at its ends alone."""
+        ready = self.ready
+        free = ready.grouping.bodies.free[body]
+        if free.all() or not free[3:].any():
+            return
+        mine = np.flatnonzero(ready.grouping.body_of == body)
+        for axis in np.eye(3)[free[:3]]:
+            room = sum(ready.checker.room(motion, mine, way, ready.size) for way in (axis, -axis))
+            self.skipped |= room > LEAST_EXTENT * ready.clearance
 
     def turned_from(self, motion: Floats, body: int, space: TranslationSpace) -> Iterator[Floats]:
         """Paths (k, n, 6) from a motion by translations and a turn to new orientations of a body."""
