@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -149,13 +150,12 @@ def flex(
         from wiggleroom.spatial.spatial_flex import flex_spatial
 
         refuse_planar_options("flex", model=model, start=start, prove=prove, seconds=seconds)
-        options = {"solver": solver, "stop": stop, "progress": progress}
+        solve = partial(flex_spatial, assembly, spatial_goals(goals), solver=solver, stop=stop, progress=progress)
         if search is None:  # where the climb from rest is proven, further ones are of no use
-            answer = with_cross_section_bound(flex_spatial(assembly, spatial_goals(goals), search=0, **options), stop)
+            answer = with_cross_section_bound(solve(search=0), stop)
             if answer.verdict in (Verdict.PROVEN, Verdict.UNBOUNDED):
                 return answer
-        answer = flex_spatial(assembly, spatial_goals(goals), search=search, **options)
-        return with_cross_section_bound(answer, stop)
+        return with_cross_section_bound(solve(search=search), stop)
     from wiggleroom.maximise import flex as flex_planar
 
     options = given(seconds=seconds) | {"stop": stop, "progress": progress}

@@ -123,7 +123,7 @@ class TurnRoadmap:
         mine = np.flatnonzero(ready.grouping.body_of == body)
         for axis in np.eye(3)[free[:3]]:
             room = sum(ready.checker.room(motion, mine, way, ready.size) for way in (axis, -axis))
-            self.skipped |= room > LEAST_EXTENT * ready.clearance
+            self.skipped |= bool(room > LEAST_EXTENT * ready.clearance)
 
     def turned_from(self, motion: Floats, body: int, space: TranslationSpace) -> Iterator[Floats]:
         """Paths (k, n, 6) from a motion by translations and a turn to new orientations of a body."""
