@@ -147,15 +147,18 @@ def flex(
     """
     if isinstance(assembly, SpatialAssembly):
         from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
+        from wiggleroom.spatial.spatial_bodies import grouped
         from wiggleroom.spatial.spatial_flex import flex_spatial
+        from wiggleroom.spatial.spatial_starts import FEW_BODIES
 
         refuse_planar_options("flex", model=model, start=start, prove=prove, seconds=seconds)
         solve = partial(flex_spatial, assembly, spatial_goals(goals), solver=solver, stop=stop, progress=progress)
-        if search is None:  # where the climb from rest is proven, further ones are of no use
-            answer = with_cross_section_bound(solve(search=0), stop)
-            if answer.verdict in (Verdict.PROVEN, Verdict.UNBOUNDED):
-                return answer
-        return with_cross_section_bound(solve(search=search), stop)
+        first = with_cross_section_bound(solve(search=search or 0), stop)
+        few = int(grouped(assembly).bodies.moves.sum()) <= FEW_BODIES
+        if search is not None or not few or not first.verdict.ends or first.verdict is Verdict.PROVEN:
+            return first  # where the climb from rest is proven, further ones are of no use
+        more = with_cross_section_bound(solve(search=None), stop)
+        return first if more.verdict is Verdict.STOPPED else more
     from wiggleroom.maximise import flex as flex_planar
 
     options = given(seconds=seconds) | {"stop": stop, "progress": progress}
