@@ -43,8 +43,8 @@ SAME_ANGLE = 1e-4
 """Critical angles that differ by less are one [rad]."""
 SAME_PLACE = 1e-9
 """What has moved and turned by less is where it was [mm, rad]."""
-MAX_WORK = 100_000
-"""Differences of pieces that are worked out for one assembly, at most."""
+MAX_WORK = 40_000
+"""Differences of pieces that are worked out to find where bodies of one assembly may turn, at most."""
 
 
 @dataclass(eq=False)
@@ -77,9 +77,9 @@ class TurnRoadmap:
         return self.work > MAX_WORK
 
     def new_space(self, motion: Floats, body: int) -> TranslationSpace | None:
-        """Translations of a body from a motion (n, 6); None where they were handed out before, or the work is done."""
+        """Translations of a body from a motion (n, 6); None where they were handed out before."""
         known = self._space_at(motion, body)
-        if known is None and not self.spent:
+        if known is None:
             known = self._add(motion, body)
         if known is None or known in self._handed:
             return None
@@ -96,7 +96,6 @@ class TurnRoadmap:
     def _add(self, motion: Floats, body: int) -> int:
         """Number of the translations of a body from a motion, known from then on."""
         space = TranslationSpace(self.ready, motion, body, self.stop, axes=self.axes)
-        self.work += space.pairs if space.pairs <= MAX_PAIRS else 0
         self._known.append((body, motion, space))
         return len(self._known) - 1
 
