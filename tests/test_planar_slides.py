@@ -64,7 +64,7 @@ def test_a_plate_leaves_its_pins_where_their_heads_fit_through(pins: int) -> Non
 def test_no_translation_leads_out_of_a_keyhole_too_small_for_the_head() -> None:
     ready = prepare_spatial(drawn(keyhole(1, wide=2.8), "hung"))
     rest, body = np.zeros((4, 6)), int(np.flatnonzero(ready.grouping.bodies.moves)[0])
-    assert TranslationSpace(ready, rest, body).way_out(np.eye(3)) is None
+    assert TranslationSpace(ready, rest, body).way_out() is None
 
 
 def maze(slit: float) -> Slabs:
@@ -88,7 +88,7 @@ def test_a_knob_leaves_a_maze_of_two_floors_by_both_mouths() -> None:
     assembly = drawn(slabs, "knob")
     ready = prepare_spatial(assembly)
     body = int(np.flatnonzero(ready.grouping.bodies.moves)[0])
-    found = TranslationSpace(ready, np.zeros((6, 6)), body).way_out(np.eye(3))
+    found = TranslationSpace(ready, np.zeros((6, 6)), body).way_out()
     assert found is not None
     path, axis = found
     assert depth(slabs, assembly, path, "knob") < 1e-6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
+from wiggleroom.spatial.solids.convex import convex_piece, distinct_axes
 from wiggleroom.spatial.solids.made_solids import made_solid
 from wiggleroom.spatial.solids.solid_boolean import centroid_of
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, read_spatial_assembly
@@ -339,19 +342,22 @@ _CUBE = trimesh.creation.box((4, 4, 4)).faces
 @pytest.mark.parametrize(
     ("mesh", "said"),
     [
-        (_with(np.array([[0, 1, 8], [1, 0, 8]]), (6.0, 0.0, 0.0)), None),
-        (_with(np.array([[8, 9, 10], [8, 10, 9]]), (9.0, 9.0, 9.0), (10.0, 9.0, 9.0), (9.0, 10.0, 9.0)), None),
+        (_with(np.array([[0, 1, 8], [1, 0, 8]]), (6.0, 0.0, 0.0)), "2 faces lie on each other and enclose nothing"),
+        (
+            _with(np.array([[8, 9, 10], [8, 10, 9]]), (9.0, 9.0, 9.0), (10.0, 9.0, 9.0), (9.0, 10.0, 9.0)),
+            "2 faces lie on each other and enclose nothing",
+        ),
         (_with(_CUBE[:3]), "3 faces were there twice"),
         (_with(_CUBE[:3, ::-1]), "3 faces were there twice"),
         (_with(_CUBE[:, ::-1]), "12 faces were there twice"),
     ],
     ids=["fin", "loose fin", "three twice", "three both ways", "all both ways"],
 )
-def test_faces_on_each_other_are_one_face_or_none(tmp_path: Path, mesh: trimesh.Trimesh, said: str | None) -> None:
+def test_faces_on_each_other_are_one_face_or_none(tmp_path: Path, mesh: trimesh.Trimesh, said: str) -> None:
     mesh.export(tmp_path / "a.ply")
     drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.ply"}))
-    assert len(drawing.notes) == (said is not None)
-    assert said is None or said in drawing.notes[0]
+    assert len(drawing.notes) == 1
+    assert said in drawing.notes[0]
     assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(64)
 
 
@@ -654,3 +660,130 @@ def test_draw_and_parts_take_assemblies_in_space(tmp_path, command_output):
     assert command_output("draw", source, tmp_path / "drawn.svg")[0] == 0
     drawn = (tmp_path / "drawn.svg").read_text()
     assert all(f">{p['name']}<" in drawn for p in listed["parts"])
+
+
+def _cover_without_floor(diagonal: bool) -> trimesh.Trimesh:
+    """A box of 20 round a hollow of 16 by 16 by 18 whose floor has no thickness, as one surface."""
+    o, i = [(0, 0), (20, 0), (20, 20), (0, 20)], [(2, 2), (18, 2), (18, 18), (2, 18)]
+    corners = [(*p, 0) for p in o] + [(*p, 20) for p in o] + [(*p, 0) for p in i] + [(*p, 18) for p in i]
+    faces = [(4, 5, 6), (4, 6, 7), (12, 14, 13), (12, 15, 14)]  # above: of the box, of the hollow
+    faces += [(8, 9, 10), (8, 10, 11)]  # the floor from within
+    faces += [(8, 11, 9), (11, 10, 9)] if diagonal else [(8, 10, 9), (8, 11, 10)]  # and from below
+    for k in range(4):
+        m = (k + 1) % 4
+        faces += [(k, m, 4 + m), (k, 4 + m, 4 + k)]  # walls of the box
+        faces += [(8 + m, 8 + k, 12 + m), (12 + m, 8 + k, 12 + k)]  # of the hollow
+        faces += [(m, k, 8 + k), (m, 8 + k, 8 + m)]  # the rim below
+    return trimesh.Trimesh(corners, faces, process=False)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize("diagonal", [True, False])
+def test_a_floor_without_thickness_is_refused_or_left_out_with_a_note(
+    tmp_path: Path, diagonal: bool, turn: float
+) -> None:
+    mesh = _cover_without_floor(diagonal)
+    assert mesh.volume == pytest.approx(20**3 - 16 * 16 * 18)
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(turn, (1, 2, 3))).export(tmp_path / "a.stl")
+    try:
+        drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.stl"}))
+    except wr.InputError:
+        return  # cannot be told what is solid
+    assert any("enclose nothing" in note or "without thickness" in note for note in drawing.notes)
+    assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(20**3 - 16 * 16 * 18, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("boxes", "volume", "said"),
+    [
+        ([((0, 0, 0), (6, 6, 6), 1), ((0, 1, 1), (4, 5, 5), -1)], 216 - 64, "walls without thickness are left out"),
+        ([((0, 0, 0), (6, 6, 6), 1), ((1, 1, 1), (3, 5, 5), -1), ((3, 1, 1), (5, 5, 5), -1)], 216 - 64, "left out"),
+        ([((0, 0, 0), (2, 2, 2), 1), ((2, 0.5, 0.5), (4, 1.5, 1.5), 1)], 10, "their union"),
+        ([((0, 0, 0), (6, 6, 6), 1), ((2, 2, 2), (4, 4, 4), 1)], 216, "their union"),
+        ([((0, 0, 0), (2, 2, 2), 1), ((2, 2, 0), (4, 4, 2), 1)], 16, "share no face"),
+        ([((0, 0, 0), (2, 2, 2), 1), ((2, 2, 2), (4, 4, 4), 1)], 16, "share no face"),
+        ([((0, 0, 0), (6, 6, 6), 1), ((1, 1, 1), (3, 3, 5), -1), ((3, 3, 1), (5, 5, 5), -1)], 216 - 32, ""),
+    ],
+    ids=["floor", "wall between hollows", "on a face", "nested", "at an edge", "at a corner", "hollows at an edge"],
+)
+def test_what_shells_enclose_together_is_the_part(tmp_path: Path, boxes: list, volume: float, said: str) -> None:
+    shells = []
+    for low, high, looks in boxes:
+        shells.append(trimesh.creation.box(bounds=[low, high]))
+        if looks < 0:
+            shells[-1].invert()
+    trimesh.util.concatenate(shells).export(tmp_path / "a.stl")
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.stl"}))
+    assert said in " ".join(drawing.notes)
+    made = made_solid(drawing.parts[0], 0.0)[0]
+    assert made.volume == pytest.approx(volume)
+    assert sum(ConvexHull(piece.corners).volume for piece in made.pieces) == pytest.approx(volume)
+
+
+@pytest.mark.parametrize("kind", ["bytes", "text", "counted"])
+@pytest.mark.parametrize("ending", [".stl", ".obj", ".ply", ".glb", ".3mf"])
+def test_random_bytes_are_no_mesh(tmp_path: Path, ending: str, kind: str) -> None:
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        data = {
+            "bytes": rng.bytes(3000),
+            "text": b"solid x\nfacet normal 0 0 1\nouter loop\nvertex " + rng.bytes(300),
+            "counted": rng.bytes(80) + (9).to_bytes(4, "little") + rng.bytes(450),
+        }[kind]
+        (tmp_path / f"a{ending}").write_bytes(data)
+        with pytest.raises(wr.InputError) as refused:
+            read_spatial(write(tmp_path, {"name": "a", "mesh": f"a{ending}"}))
+        assert str(refused.value).isprintable()  # one plain line
+        assert f"a{ending}: " in str(refused.value)
+
+
+@pytest.mark.parametrize("link", ["../x.bin", "x.bin", "sub/x.bin", "/etc/hostname"])
+def test_a_glb_file_takes_nothing_from_other_files(tmp_path: Path, link: str) -> None:
+    folder = tmp_path / "folder"
+    (folder / "sub").mkdir(parents=True)
+    glb = trimesh.creation.box((2, 2, 2)).export(file_type="glb")
+    length = int.from_bytes(glb[12:16], "little")
+    tree, buffer = json.loads(glb[20 : 20 + length]), glb[28 + length :]
+    for place in (tmp_path, folder, folder / "sub"):
+        (place / "x.bin").write_bytes(buffer)
+    tree["buffers"][0]["uri"] = link
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    head = b"glTF" + (2).to_bytes(4, "little") + (20 + len(text)).to_bytes(4, "little")
+    (folder / "a.glb").write_bytes(head + len(text).to_bytes(4, "little") + b"JSON" + text)
+    with pytest.raises(wr.InputError, match="from another file; save it as one file"):
+        read_spatial(write(folder, {"name": "a", "mesh": "a.glb"}))
+
+
+def test_round_meshes_of_many_faces_are_made_soon() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=5)
+    began = time.process_time()
+    piece = convex_piece(ball.vertices)
+    assert time.process_time() - began < 20  # each axis against each other took minutes
+    assert len(piece.corners) == len(ball.vertices)
+    opposite = {tuple(sorted((tuple(n), tuple(-n)))) for n in ball.face_normals.round(6) + 0.0}
+    assert len(piece.normals) == len(opposite)
+
+
+def test_parallel_axes_are_there_once() -> None:
+    rng = np.random.default_rng(5)
+    unlike = rng.normal(size=(300, 3))
+    unlike /= np.linalg.norm(unlike, axis=1)[:, None]
+    every = np.vstack([unlike, -unlike, unlike + 1e-12 * rng.normal(size=unlike.shape)])
+    rng.shuffle(every)
+    found = distinct_axes(every, 1e-9)
+    assert len(found) == len(unlike)
+    assert (np.abs(np.abs(found @ unlike.T) - 1) < 1e-9).any(axis=0).all()
+
+
+def test_cutting_a_mesh_into_pieces_ends_with_the_time(tmp_path: Path, command_output) -> None:
+    torus = trimesh.creation.torus(10, 3, major_sections=80, minor_sections=40)
+    torus.export(tmp_path / "a.stl")
+    file = write(
+        tmp_path, {"name": "a", "mesh": "a.stl", "fixed": True}, {"name": "b", "boxes": [[20, 0, 0, 21, 1, 1]]}
+    )
+    began = time.monotonic()
+    code, _, err = command_output("check", file, "--time", 1)
+    assert code in (2, 3)
+    assert "stopped after 1 s" in " ".join(err)
+    assert time.monotonic() - began < 30  # cut into pieces it takes minutes

@@ -64,6 +64,8 @@ def test_the_command_takes_the_number_of_starts(tmp_path: Path, command_output) 
     assert found["objective"] > 4.999
     assert 1 < found["search"]["starts"] <= 3
     code, out, _ = command_output("flex", file)
+    assert " starts, " in out
+    code, out, _ = command_output("flex", file, "--search", 0)
     assert "search:   from rest only; --search 8 may find a better local optimum" in out
     code, _, err = command_output("flex", file, "--search", -1)
     assert code == 2
@@ -84,7 +86,7 @@ def test_contacts_that_close_to_the_last_digits_leave_the_path_checked(number: i
     from benchmarks.attack.families_solid import draw_solids
 
     found = wr.flex(
-        wr.read(draw_solids(number)[1].write(tmp_path))
+        wr.read(draw_solids(number)[1].write(tmp_path)), search=0
     )  # corners of a turned mesh lie off its faces by rounding
     assert (found.verdict, found.path) == ("optimal", "checked")
 
@@ -186,3 +188,11 @@ def test_a_wedge_slides_on_where_a_slope_ends(tmp_path: Path, cheek: float) -> N
     x, _, z = found.assembly.reference[1].tolist()
     truth = wr.flex(wr.read(tmp_path / "flat.json"), wr.Pull("wedge", (0.5, 1.0), (x, z)))
     assert found.objective == pytest.approx(truth.objective, abs=1e-5)
+
+
+def test_a_block_below_a_roof_goes_aside_and_up() -> None:
+    roof = {"name": "roof", "boxes": [[-2, -2, 3, 2, 2, 4]], "fixed": True}
+    block = {"name": "block", "boxes": [[-1, -1, 0, 1, 1, 2]]}
+    up = wr.Pull("block", (0, 0, 1))
+    assert sound(wr.flex(spatial(roof, block), up, search=0)).objective == pytest.approx(1, abs=1e-6)
+    assert sound(wr.flex(spatial(roof, block), up)).verdict == "unbounded"

@@ -99,8 +99,10 @@ def test_a_bayonet_comes_apart_by_a_turn() -> None:
     assert worst_on(judge, escape.path) < 1e-6
 
 
-def test_a_bayonet_without_a_slot_is_held() -> None:
-    assert wr.check(spatial(*bayonet(False, 77.0)[0], glue=GLUE)).verdict == "interlocked"
+def test_a_bayonet_without_a_slot_is_held_or_unknown() -> None:
+    """It can turn, and a search does not cover all turns: only a proof may say that it is held."""
+    found = wr.check(spatial(*bayonet(False, 77.0)[0], glue=GLUE))
+    assert (found.verdict, found.certainty) in (("interlocked", "proven"), ("unknown", "searched"))
 
 
 def test_the_axis_of_a_loose_pin_is_that_of_one_of_its_round_parts_and_lies_not_between_them() -> None:

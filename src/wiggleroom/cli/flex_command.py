@@ -66,7 +66,8 @@ def flex(
     search
         So many starts beside the one from rest: each climbs with another objective for a while and then with the true
         one; 0 for none. By default as many as a fixed amount of work allows, the same on every machine; none for more
-        than 50 free parts (from 100 to 1,000 the first climb is made nine times instead), nor in space.
+        than 50 free parts (from 100 to 1,000 the first climb is made nine times instead). In space by default at most six,
+        and none for more than six free parts.
     prove
         Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
         extra prove. The proof may take a fixed amount of work, about a minute, or else the time that --time leaves;

@@ -119,7 +119,8 @@ def read_in_space(
     asked_pairs = {frozenset(joint.parts) for joint in gaps}
     own = (*(joint for joint in drawing.gaps if frozenset(joint.parts) not in asked_pairs), *gaps)
     drawing = replace(drawing, glue=(*drawing.glue, *glued), ignore=(*drawing.ignore, *pairs), gaps=own)
-    return assemble_spatial(drawing, gap=asked.gap, fix=fixed, goals=goals)
+    with at_once(stop):
+        return assemble_spatial(drawing, gap=asked.gap, fix=fixed, goals=goals)
 
 
 def read_question(

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -55,6 +55,38 @@ class _Slab:
         return (self.low + self.high) / 2
 
 
+@dataclass(frozen=True, eq=False)
+class _Reached:
+    """Free translations that are connected with where the body is.
+
+    Parameters
+    ----------
+    frame : (3, 3) float64
+        Its rows are the axes in which the slabs are.
+    slabs : list of _Slab
+    before : dict
+        Polygons (slab, number) that are reached, and from which and through which door each is.
+    """
+
+    frame: Floats
+    slabs: list[_Slab]
+    before: dict[tuple[int, int], tuple[tuple[int, int], shapely.Point] | None]
+
+    def path_to(self, translation: Floats) -> Floats | None:
+        """Translations (k, 3) [mm] from none to one (3,); None where it is not reached."""
+        x, y, z = self.frame @ translation
+        flat = shapely.Point(x, y)
+        for k, slab in enumerate(self.slabs):
+            if not slab.low <= z <= slab.high:
+                continue
+            for i, polygon in enumerate(slab.free):
+                if (k, i) in self.before and polygon.contains(flat):
+                    points = _path_to(self.slabs, self.before, (k, i))
+                    last = [np.array([*xy, slab.middle]) for xy in _inside(polygon, points[-1][:2], np.array([x, y]))]
+                    return _bends(np.array([*points, *last, (x, y, z)])) @ self.frame
+        return None
+
+
 class TranslationSpace:
     """Translations of a body from a motion (n, 6), all others standing: what it may not meet.
 
@@ -65,24 +97,45 @@ class TranslationSpace:
     body : int
     stop : optional
         Anything with `is_set()`.
+    turns : (m, 3, 3) float64, optional
+        Rotations of the world by which the body is turned about its reference point: it may meet nothing in any of them.
+    axes : (k, 3) float64, optional
+        Directions across which slabs may lie; those of the world by default.
     """
 
-    def __init__(self, ready: SpatialPrepared, motion: Floats, body: int, stop: Stop | None = None) -> None:
+    def __init__(
+        self,
+        ready: SpatialPrepared,
+        motion: Floats,
+        body: int,
+        stop: Stop | None = None,
+        turns: Floats | None = None,
+        axes: Floats | None = None,
+    ) -> None:
         self._ready, self._motion, self._body, self._stop = ready, motion, body, stop
+        self._axes = np.eye(3) if axes is None else axes
+        self._turns = np.eye(3)[None] if turns is None else turns
+
+    @property
+    def pairs(self) -> int:
+        """Number of pairs of pieces whose differences are needed."""
+        bodies = self._ready.grouping.bodies
+        mine = len(bodies.pieces[self._body])
+        return len(self._turns) * mine * (sum(map(len, bodies.pieces)) - mine)
 
     @cached_property
     def _differences(self) -> list[MinkowskiDifference]:
         """Of all pieces of other bodies and all of this one; none where they are too many."""
         bodies, pose = self._ready.grouping.bodies, self._ready.grouping.pose_of(self._motion)
 
-        def placed(b: int) -> list[tuple[int, Floats]]:
-            corners = [piece.corners @ pose.R[b].T + pose.T[b] for piece in bodies.pieces[b]]
+        def placed(b: int, R: Floats) -> list[tuple[int, Floats]]:
+            corners = [piece.corners @ R.T + pose.T[b] for piece in bodies.pieces[b]]
             return list(zip(bodies.owner[b].tolist(), corners, strict=True))
 
-        mine = placed(self._body)
-        others = [piece for b in range(len(bodies.at)) if b != self._body for piece in placed(b)]
-        if len(mine) * len(others) > MAX_PAIRS:
+        if self.pairs > MAX_PAIRS:
             return []
+        mine = [piece for turn in self._turns for piece in placed(self._body, turn @ pose.R[self._body])]
+        others = [piece for b in range(len(bodies.at)) if b != self._body for piece in placed(b, pose.R[b])]
         found = []
         for (p, P), (q, Q) in itertools.product(others, mine):
             if self._stopped():
@@ -91,17 +144,16 @@ class TranslationSpace:
                 found.append(minkowski_difference(P, Q))
         return found
 
-    def way_out(self, axes: Floats) -> tuple[Floats, Floats] | None:
-        """Checked motions (k, n, 6) of the body, from where it is to where it is free along one of some axes, ahead or back; and that axis.
+    def way_out(self) -> tuple[Floats, Floats] | None:
+        """Checked motions (k, n, 6) of the body, from where it is to where it is free along one of the axes, ahead or back; and that axis.
 
         Where all faces stand or lie about an axis, that alone is looked at: what is found there is all there is.
         """
         if not self._differences:
             return None
         views = []
-        for axis in axes:
-            across = np.linalg.svd(axis[None])[2][1]
-            frame = np.array([across, np.cross(axis, across), axis])
+        for axis in self._axes:
+            frame = _frame_along(axis)
             turned = [d.turned(frame) for d in self._differences]
             views.append((sum(not d.is_prism for d in turned), frame, turned))
         views.sort(key=lambda view: view[0])
@@ -113,24 +165,87 @@ class TranslationSpace:
 
     def _along(self, frame: Floats, turned: Sequence[MinkowskiDifference], sloping: bool) -> Floats | None:
         """Checked motions (k, n, 6) to where the body is free along the last axis of a frame; None where none are found."""
-        ready = self._ready
-        shadows = _shadows(turned, SAME_HEIGHT * ready.size, ready.clearance, sloping, self._stop)
+        shadows = self._shadows(turned, sloping)
         for margin in MARGINS:
             if self._stopped():
                 return None
-            translations = _through(_slabs(shadows, margin * ready.clearance, ready.size))
-            if translations is None:
-                continue
-            path = np.repeat(self._motion[None], len(translations), axis=0)
-            mine = np.flatnonzero(ready.grouping.body_of == self._body)
-            path[:, mine, :3] += (translations @ frame)[:, None]
-            steps = itertools.pairwise(path)
-            if not any(ready.checker.doubtful(one, two, first=True, only=mine.tolist()) for one, two in steps):
+            translations = _through(_slabs(shadows, margin * self._ready.clearance, self._ready.size))
+            path = None if translations is None else self._checked(translations @ frame)
+            if path is not None:
                 return path
         return None
 
+    @cached_property
+    def _reached(self) -> _Reached | None:
+        """Free translations connected with none, in slabs across the axis about which the fewest faces slope."""
+        views = []
+        for frame in map(_frame_along, self._axes):
+            turned = [d.turned(frame) for d in self._differences]
+            views.append((sum(not d.is_prism for d in turned), frame, turned))
+        sloping, frame, turned = min(views, key=lambda view: view[0])
+        shadows = self._shadows(turned, sloping > 0)
+        for margin in MARGINS:
+            slabs = _slabs(shadows, margin * self._ready.clearance, self._ready.size)
+            before = _connected(slabs, lambda _: False)[0] if slabs else {}
+            if before:
+                return _Reached(frame, slabs, before)
+        return None
+
+    def path_to(self, translation: Floats) -> Floats | None:
+        """Checked motions (k, n, 6) of the body by translations that add up to one (3,) [mm]; None where none are found."""
+        if not self._differences or self._reached is None:
+            return None
+        translations = self._reached.path_to(translation)
+        return None if translations is None else self._checked(translations)
+
+    def extent(self) -> float:
+        """How far the translations that are connected with none reach along the axes, at most [mm]; infinite where they are not known."""
+        if not self._differences or self._reached is None:
+            return np.inf
+        slabs, before = self._reached.slabs, self._reached.before
+        bounds = np.array([[*slabs[k].free[i].bounds, slabs[k].low, slabs[k].high] for k, i in before])
+        low, high = bounds[:, [0, 1, 4]].min(axis=0), bounds[:, [2, 3, 5]].max(axis=0)
+        return float((high - low).max())
+
+    def reaches(self, translation: Floats) -> bool:
+        """True where a translation (3,) [mm] is connected with none."""
+        return bool(self._differences) and self._reached is not None and self._reached.path_to(translation) is not None
+
+    def roomiest(self, axis: Floats) -> Iterator[Floats]:
+        """Free translations (3,) [mm]: of each polygon in slabs across an axis the middle of its largest circle, the largest first."""
+        frame = _frame_along(axis)
+        turned = [d.turned(frame) for d in self._differences]
+        shadows = self._shadows(turned, not all(d.is_prism for d in turned)) if turned else []
+        found = []
+        for slab in _slabs(shadows, MARGINS[-1] * self._ready.clearance, self._ready.size) if shadows else []:
+            for polygon in slab.free:
+                radius = shapely.maximum_inscribed_circle(polygon)
+                found.append((-radius.length, [*radius.coords[0], slab.middle]))
+        for _, point in sorted(found):
+            yield np.array(point) @ frame
+
+    def _shadows(
+        self, turned: Sequence[MinkowskiDifference], sloping: bool
+    ) -> list[tuple[float, float, shapely.Geometry]]:
+        return _shadows(turned, SAME_HEIGHT * self._ready.size, self._ready.clearance, sloping, self._stop)
+
+    def _checked(self, translations: Floats) -> Floats | None:
+        """Motions (k, n, 6) of the body by translations (k, 3) [mm]; None where the check of the path does not agree."""
+        ready = self._ready
+        path = np.repeat(self._motion[None], len(translations), axis=0)
+        mine = np.flatnonzero(ready.grouping.body_of == self._body)
+        path[:, mine, :3] += translations[:, None]
+        steps = itertools.pairwise(path)
+        return None if any(ready.checker.doubtful(a, b, first=True, only=mine.tolist()) for a, b in steps) else path
+
     def _stopped(self) -> bool:
         return self._stop is not None and self._stop.is_set()
+
+
+def _frame_along(axis: Floats) -> Floats:
+    """Right-handed axes, as rows (3, 3), the last of which is given."""
+    across = np.linalg.svd(axis[None])[2][1]
+    return np.array([across, np.cross(axis, across), axis])
 
 
 def _shadows(
@@ -176,24 +291,36 @@ def _levels(heights: Floats, near: float, sloping: bool, clearance: float) -> li
 
 def _through(slabs: Sequence[_Slab]) -> Floats | None:
     """Translations (k, 3) from none to the lowest or the highest slab, through pieces that touch; None where there is no path."""
+    if not any(s.low < 0 <= s.high for s in slabs):
+        return np.zeros((1, 3))
+    before, end = _connected(slabs, lambda node: node[0] in (0, len(slabs) - 1))
+    return None if end is None else _path_to(slabs, before, end)
+
+
+def _connected(
+    slabs: Sequence[_Slab], is_end: Callable[[tuple[int, int]], bool]
+) -> tuple[dict[tuple[int, int], tuple[tuple[int, int], shapely.Point] | None], tuple[int, int] | None]:
+    """Polygons connected with the origin, each with the one before it and the door between, as far as the first end; and that end."""
     origin = shapely.Point(0.0, 0.0)
     first = next((k for k, s in enumerate(slabs) if s.low < 0 <= s.high), None)
-    if first is None:
-        return np.zeros((1, 3))
-    begin = next(((first, i) for i, p in enumerate(slabs[first].free) if p.contains(origin)), None)
+    begin = (
+        next(((first, i) for i, p in enumerate(slabs[first].free) if p.contains(origin)), None)
+        if first is not None
+        else None
+    )
     if begin is None:
-        return None
+        return {}, None
     before: dict[tuple[int, int], tuple[tuple[int, int], shapely.Point] | None] = {begin: None}
     todo = deque([begin])
     while todo:
         here = todo.popleft()
-        if here[0] in (0, len(slabs) - 1):
-            return _path_to(slabs, before, here)
+        if is_end(here):
+            return before, here
         for node, door in _neighbours(slabs, here):
             if node not in before:
                 before[node] = (here, door)
                 todo.append(node)
-    return None
+    return before, None
 
 
 def _neighbours(slabs: Sequence[_Slab], node: tuple[int, int]) -> Iterator[tuple[tuple[int, int], shapely.Point]]:
@@ -201,6 +328,8 @@ def _neighbours(slabs: Sequence[_Slab], node: tuple[int, int]) -> Iterator[tuple
     k, i = node
     mine = slabs[k].free[i]
     for up in (k + 1, k - 1):
+        if not 0 <= up < len(slabs):
+            continue
         for j, other in enumerate(slabs[up].free):
             shared = _polygons(shapely.intersection(mine, other))
             if shared:

@@ -14,7 +14,6 @@ from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
-from wiggleroom.spatial.planar_slides import TranslationSpace
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.solids.convex import distinct_axes
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
@@ -23,7 +22,7 @@ from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.spatial.spatial_search import SpatialSearch
 from wiggleroom.spatial.straight_departure import StraightDeparture
-from wiggleroom.spatial.turned_departure import critical_turns
+from wiggleroom.spatial.turn_roadmap import TurnRoadmap
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
@@ -113,7 +112,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
         asked += stage.questions
         if found is None:
             proven = stage.proven
-            cut = stage.cut_short() or (stage.cut and not stage.exhaustive)
+            cut = stage.cut_short() or stage.loose or (stage.cut and not stage.exhaustive)
             break
         who, own = found
         path = np.repeat(far[None], len(own), axis=0)
@@ -149,12 +148,15 @@ class _Stage:
     """True where parts made of boxes were searched exhaustively by whole steps: then pulls that were not decided do not count."""
     proven: bool = False
     """True where it is proven that none leave."""
+    loose: bool = False
+    """True where a body can turn in place, or the work for turns was not enough to tell: then a search says nothing of what stays."""
 
     def escape_path(self) -> tuple[list[int], Floats] | None:
         """Parts that leave, and the path of all (k, n, 6); None where none was found."""
         rest = np.zeros((len(self.ready.assembly.parts), 6))
         places: list[Floats] = [rest[None]]
         axes = self._axes()
+        roadmap = TurnRoadmap(self.ready, axes[:MAX_AXES], self.stop)
         out = self._straight(rest[None], axes)
         if out is not None or self.cut_short():
             return out
@@ -176,11 +178,12 @@ class _Stage:
                 out = self._straight(path, axes)
                 if out is not None:
                     return out
-                out = self._translated(path, axes, places[:asked]) or self._turn(path, places)
+                out = self._rearranged(path, roadmap, places)
                 if out is not None:
                     return out
                 self._slide(path, axes, places)
                 asked += 1
+        self.loose = roadmap.turns or roadmap.spent or roadmap.skipped
         for effort in efforts:
             self.proven = held.prove(effort)
             if self.proven or self.cut_short():
@@ -237,49 +240,49 @@ class _Stage:
                 if NEW_PLACE * ready.clearance < far < ready.size:
                     self._add_slide(path, mine, direction, far, places)
 
-    def _turn(self, path: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
-        """A path out along the axis of a turn in place of a body alone; places to which it leads otherwise are added."""
-        ready, body_of = self.ready, self.ready.grouping.body_of
-        for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
-            mine = np.flatnonzero(body_of == b)
-            room: dict[tuple[float, ...], float] = {}
-            for turned, axis in critical_turns(ready, path[-1], b):
-                whole = np.concatenate([path, turned[1:]])
-                for direction in (axis, -axis):
-                    if self.cut_short():
-                        return None
-                    departure = StraightDeparture(ready, turned[-1], direction)
-                    group = departure.parts_with([b])
-                    if group:
-                        return group, np.concatenate([whole, departure.end(group)[None]])
-                    before = room.setdefault(
-                        tuple(direction), ready.checker.room(path[-1], mine, direction, ready.size)
-                    )
-                    far = ready.checker.room(turned[-1], mine, direction, ready.size)
-                    if before + NEW_PLACE * ready.clearance < far < ready.size:
-                        self._add_slide(whole, mine, direction, far, places)
-        return None
-
-    def _translated(self, path: Floats, axes: Floats, before: Sequence[Floats]) -> tuple[list[int], Floats] | None:
-        """A path out by translations of a body alone; places that it reaches by translations from earlier ones are not looked at again."""
+    def _rearranged(self, path: Floats, roadmap: TurnRoadmap, places: list[Floats]) -> tuple[list[int], Floats] | None:
+        """A path out by translations or a turn of a body alone; where a turn leads is a new place."""
         ready = self.ready
-        bodies, body_of = ready.grouping.bodies, ready.grouping.body_of
-        for b in np.flatnonzero(bodies.free[:, :3].all(axis=1)).tolist():
-            mine = np.where(body_of == b, 1.0, 0.0)[:, None] * [1, 1, 1, 0, 0, 0]
-            if any(np.allclose(path[-1] * (1 - mine), p[-1] * (1 - mine), rtol=0, atol=SAME_PLACE) for p in before):
-                continue
-            found = TranslationSpace(ready, path[-1], b, self.stop).way_out(axes[:MAX_AXES])
+        for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
+            roadmap.note_locked(path[-1], b)
+            space = roadmap.new_space(path[-1], b) if ready.grouping.bodies.free[b, :3].all() else None
+            if space is not None and (found := space.way_out()) is not None:
+                slid, axis = found
+                out = self._along(np.concatenate([path, slid[1:]]), axis, b)
+                if out is not None:
+                    return out
+            for turned, axis, many in roadmap.turned_in_place(path[-1], b):
+                if self.cut_short():
+                    return None
+                whole = np.concatenate([path, turned[1:]])
+                out = self._along(whole, axis, b)
+                if out is not None:
+                    return out
+                if many:
+                    self._add_turned(whole, b, roadmap, places)
+            if space is not None:
+                for turned in roadmap.turned_from(path[-1], b, space):
+                    self._add_turned(np.concatenate([path, turned[1:]]), b, roadmap, places)
             if self.cut_short():
                 return None
-            if found is None:
-                continue
-            slid, axis = found
-            for direction in (axis, -axis):
-                departure = StraightDeparture(ready, slid[-1], direction)
-                group = departure.parts_with([b])
-                if group:
-                    return group, np.concatenate([path, slid[1:], departure.end(group)[None]])
         return None
+
+    def _along(self, path: Floats, axis: Floats, body: int) -> tuple[list[int], Floats] | None:
+        """A body that leaves along an axis, ahead or back, from the end of a path, and what it takes along."""
+        for direction in (axis, -axis):
+            departure = StraightDeparture(self.ready, path[-1], direction)
+            group = departure.parts_with([body])
+            if group:
+                return group, np.concatenate([path, departure.end(group)[None]])
+        return None
+
+    def _add_turned(self, path: Floats, body: int, roadmap: TurnRoadmap, places: list[Floats]) -> None:
+        """Take the end of a path in among the places where its orientation, or what it reaches by translations, is new."""
+        if roadmap.is_new(path[-1], body):
+            if len(places) < MAX_PLACES:
+                places.append(path)
+            else:
+                self.cut = True
 
     def _add_slide(self, path: Floats, mine: Ints, direction: Floats, far: float, places: list[Floats]) -> None:
         """Note the place where some parts have gone straight from the end of a path, their clearance short of how far they can."""

@@ -42,7 +42,7 @@ def flex_spatial(
     Parameters
     ----------
     search : int, optional
-        Number of climbs beside the one from rest; by default none.
+        Number of climbs beside the one from rest; by default a few, of up to six free bodies and within a fixed amount of work.
     lead : (k, n, 6) float64, optional [mm, rad]
         First part of the path of an answer to nearly the same question (`SpatialAnswer.lead`): one climb begins at its end, too.
 
@@ -69,7 +69,7 @@ def flex_spatial(
     if lead is not None and len(lead) > 1 and is_free(ready, lead):
         best = best_of_starts(climb, first, [lead], once=False)
     else:
-        best = best_of_starts(climb, first, random_leads(climb, search or 0), once=True)
+        best = best_of_starts(climb, first, random_leads(climb, search), once=True)
     verdict, leaves, turns = _verdict(ready, climb.objective, best.end)
     if first.good and best.end is not first and verdict is Verdict.STOPPED:  # what seemed to leave may not
         best = BestOfStarts(first, None, climb.iterations, climb.rounds, first.path[:1])

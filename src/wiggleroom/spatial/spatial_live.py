@@ -140,7 +140,9 @@ class SpatialLive:
         StoppedError
             If it was asked to stop.
         """
-        answer = with_cross_section_bound(flex_spatial(self.ready, tuple(goals), stop=stop, progress=progress), stop)
+        answer = with_cross_section_bound(
+            flex_spatial(self.ready, tuple(goals), search=0, stop=stop, progress=progress), stop
+        )
         go_on(stop)
         if answer.path == PathState.CHECKED and answer.collision_free:
             self._end = (self.ready, tuple(goals), answer.motion)

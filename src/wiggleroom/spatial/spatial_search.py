@@ -131,6 +131,8 @@ class SpatialSearch:
     """True: in one way only."""
     iterations: int = 0
     rounds: int = 0
+    work: int = 0
+    """Iterations, each times the rows of its program."""
     pieces: Ints = field(init=False)
     facing: Ints | None = None
     met: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
@@ -247,6 +249,7 @@ class SpatialSearch:
         for _ in range(MAX_ROUNDS):
             program, found = self._solved(mode, limit, end)
             self.iterations += found.iterations
+            self.work += found.iterations * program.rows
             self.rounds += 1
             if self.solver != "ipopt" and program.rows <= MAX_ROWS_OF_STARTS:
                 found, more = past_undetermined_planes(
@@ -258,6 +261,7 @@ class SpatialSearch:
                     progress=self.tell,
                 )
                 self.iterations += more
+                self.work += more * program.rows
             if found.status is SolverStatus.FAILED:
                 done = self._departed(self._checked(program, found))
                 if done.good:

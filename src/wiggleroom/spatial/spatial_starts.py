@@ -27,6 +27,12 @@ ONE_BODY = 0.5
 """Share of the random pulls that are at one body alone."""
 
 
+DEFAULT_STARTS, FEW_BODIES = 6, 6
+"""Climbs beside the one from rest where none are asked for: with at most so many free bodies, and as long as work is left."""
+WORK_BUDGET = 1e5
+"""Work that these climbs may take, in iterations times rows of the program; or what the climb from rest took, if that is more."""
+
+
 @dataclass(frozen=True, eq=False)
 class BestOfStarts:
     """The best end of several climbs.
@@ -87,15 +93,21 @@ def _held(end: SearchEnd) -> bool:
     return end.found.status is not SolverStatus.ESCAPING and not end.leaving and not end.turning
 
 
-def random_leads(first: SpatialSearch, starts: int) -> Iterator[Floats]:
-    """Paths (k, n, 6) from rest to somewhere on those of random pulls, from as many pulls as asked for, until it is asked to stop."""
+def random_leads(first: SpatialSearch, starts: int | None) -> Iterator[Floats]:
+    """Paths (k, n, 6) from rest to somewhere on those of random pulls, from as many pulls as asked for, until it is asked to stop.
+
+    By default a few, of assemblies of few free bodies, as long as the work of the climbs is within a budget.
+    """
     ready = first.ready
-    for seed in range(starts):
-        if first.stop is not None and first.stop.is_set():
+    few = int(ready.grouping.bodies.moves.sum()) <= FEW_BODIES
+    limit = max(WORK_BUDGET, first.work) + first.work if starts is None else np.inf
+    for seed in range((DEFAULT_STARTS if few else 0) if starts is None else starts):
+        if first.work > limit or (first.stop is not None and first.stop.is_set()):
             return
         rng = np.random.default_rng(seed)
-        pull = _random_pull(ready.grouping.bodies, rng)
-        path = SpatialSearch(ready, pull, first.stop, None, once=True).run().path
+        pull = SpatialSearch(ready, _random_pull(ready.grouping.bodies, rng), first.stop, None, once=True)
+        path = pull.run().path
+        first.work += pull.work
         near = np.abs(path[:, :, :3]).max(axis=(1, 2)) <= ready.size
         last = int(rng.integers(1, max(2, int(near.sum()))))
         if len(path) > 1 and near[:last].all():
@@ -112,6 +124,7 @@ def _climbed(first: SpatialSearch, lead: Floats, once: bool) -> BestOfStarts | N
     begin = first.ready.grouping.pose_of(lead[-1])
     climb = SpatialSearch(first.ready, first.objective, first.stop, first.tell, begin, first.solver, once)
     end = climb.run()
+    first.work += climb.work
     if not end.good:
         return None
     whole = replace(end, path=np.concatenate([lead, end.path[1:]]))

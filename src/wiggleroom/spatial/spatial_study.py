@@ -70,7 +70,9 @@ class SpatialStudy:
 
     def answer(self, stop: Stop | None) -> SpatialAnswer:
         """Largest motion from rest; the one that was found before, where there is one."""
-        return self.found or flex_spatial(self.ready if "ready" in vars(self) else self.assembly, self.goals, stop=stop)
+        return self.found or flex_spatial(
+            self.ready if "ready" in vars(self) else self.assembly, self.goals, search=0, stop=stop
+        )
 
     def flexed(
         self,
@@ -116,7 +118,7 @@ class SpatialStudy:
 
     def moved(self, answer: SpatialAnswer, inward: Floats, stop: Stop | None) -> SpatialAnswer:
         """Largest motion when all faces of each part move inward by `inward` (n,) [mm], from rest and where the answer's climb began."""
-        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, lead=answer.lead, stop=stop)
+        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, search=0, lead=answer.lead, stop=stop)
 
     def draws(self, answer: SpatialAnswer, stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
         """What many such motions need: each is worked out from nothing."""
@@ -217,7 +219,7 @@ def one_spatial_draw(
     """Largest objective with other faces, everything worked out anew, from rest and where an answer's climb began."""
     assembly, goals, lead = shared
     try:
-        answer = flex_spatial(_moved_inward(assembly, inward), goals, lead=lead)
+        answer = flex_spatial(_moved_inward(assembly, inward), goals, search=0, lead=lead)
     except InputError as why:
         return PerturbedObjective(np.nan, verdict_of(why))
     return PerturbedObjective(np.inf if answer.objective is None else answer.objective, answer.verdict)

@@ -168,9 +168,9 @@ def check_sentence(found: SpatialDisassembly) -> str:
     if found.verdict is Separability.COMES_APART:
         return "every step of the path checked for overlap"
     if found.verdict is Separability.UNKNOWN:
-        return "some questions were not answered"
+        return "no path out was found, and not every motion was covered"
     return (
         "proven"
         if found.certainty is Certainty.PROVEN
-        else "searched, every planned question was answered and no path out was found"
+        else "searched: no path out by slides, turns in place and largest motions; others were not tried"
     )

@@ -14,6 +14,10 @@ PARALLEL = 1e-9
 """Two unit vectors whose cross product is shorter are parallel."""
 
 
+MANY_AXES = 64
+"""Of more vectors those that are parallel are found by a tree."""
+
+
 @dataclass(frozen=True, eq=False)
 class ConvexPiece:
     """A convex polytope in the frame of its part.
@@ -65,36 +69,52 @@ def convex_piece(points: Floats) -> ConvexPiece:
     except QhullError:
         raise ValueError("the points lie in a plane") from None
     face = hull.equations[:, :3]
-    neighbours = hull.neighbors
-    edges = []
-    for k, simplex in enumerate(hull.simplices):
-        for i in range(3):
-            other = neighbours[k, i]
-            if other > k and np.linalg.norm(np.cross(face[k], face[other])) > 1e-7:
-                ends = [simplex[j] for j in range(3) if j != i]
-                edges.append(points[ends[1]] - points[ends[0]])
+    other = hull.neighbors  # beyond the side that is opposite to each corner
+    bent = np.linalg.norm(np.cross(face[:, None], face[other]), axis=2) > 1e-7
+    k, i = np.nonzero(bent & (other > np.arange(len(face))[:, None]))
+    ends = hull.simplices[k[:, None], np.array([[1, 2], [0, 2], [0, 1]])[i]]
+    edges = points[ends[:, 1]] - points[ends[:, 0]]
     corners = np.ascontiguousarray(points[_true_corners(hull)])
-    directions = np.array(edges) / np.linalg.norm(edges, axis=1)[:, None]
+    directions = edges / np.linalg.norm(edges, axis=1)[:, None]
     return ConvexPiece(corners, distinct_axes(face, 1e-7), distinct_axes(directions, PARALLEL))
 
 
 def _true_corners(hull: Any) -> NDArray[np.int64]:
     """Corners where faces of three directions meet; others lie on an edge or inside a face."""
+    order = np.argsort(hull.simplices.ravel(), kind="stable")
+    corner, first = np.unique(hull.simplices.ravel()[order], return_index=True)
+    faces = dict(zip(corner.tolist(), np.split(order // 3, first[1:]), strict=True))
     kept = []
-    for v in hull.vertices:
-        normals = hull.equations[(hull.simplices == v).any(axis=1), :3]
-        if np.linalg.svd(normals, compute_uv=False)[-1] > 1e-7 if len(normals) >= 3 else False:
+    for v in hull.vertices.tolist():
+        normals = hull.equations[faces[v], :3]
+        if len(normals) >= 3 and np.linalg.svd(normals, compute_uv=False)[-1] > 1e-7:
             kept.append(v)
     return np.array(kept if len(kept) >= 4 else hull.vertices, dtype=np.int64)
 
 
 def distinct_axes(vectors: Floats, tolerance: float) -> Floats:
     """Unit vectors (k, 3) without those that are parallel to an earlier one."""
-    kept: list[Floats] = []
-    for v in vectors:
-        if not kept or np.linalg.norm(np.cross(np.array(kept), v), axis=1).min() > tolerance:
-            kept.append(v)
-    return np.ascontiguousarray(np.array(kept))
+    if len(vectors) <= MANY_AXES:
+        few: list[Floats] = []
+        for v in vectors:
+            if not few or np.linalg.norm(np.cross(np.array(few), v), axis=1).min() > tolerance:
+                few.append(v)
+        return np.ascontiguousarray(np.array(few))
+    from scipy.spatial import KDTree
+
+    whole = np.round(
+        vectors / (tolerance / 4)
+    )  # those that agree to a quarter of the tolerance are taken together first
+    vectors = vectors[np.sort(np.unique(whole + 0.0, axis=0, return_index=True)[1])]
+    tree = KDTree(np.vstack([vectors, -vectors]))
+    pairs = tree.query_pairs(tolerance, output_type="ndarray") % len(vectors)
+    earlier: dict[int, list[int]] = {}
+    for one, two in np.unique(np.sort(pairs, axis=1), axis=0).tolist():
+        earlier.setdefault(two, []).append(one)
+    keep = np.ones(len(vectors), dtype=bool)
+    for k in sorted(earlier):
+        keep[k] = not keep[earlier[k]].any()
+    return np.ascontiguousarray(vectors[keep])
 
 
 def prism(ring: Floats, low: float, high: float) -> ConvexPiece:

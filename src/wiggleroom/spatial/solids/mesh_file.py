@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import zipfile
 from pathlib import Path
@@ -13,7 +14,9 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
 from wiggleroom.spatial.solids.solid_boolean import (
+    SAME_SOLID,
     connected_solids,
+    is_solid_of,
     is_sound,
     solid_of,
     surface_of,
@@ -30,8 +33,8 @@ ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
 OWN_UNIT = {".glb": 1000.0, ".3mf": None}
 """Millimetres to a unit of the formats that say their own; 3MF says it in the file."""
 UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
-OBJ: dict[str, Any] = {"split_objects": True, "split_object": True, "group_material": False, "skip_materials": True}
-"""Bodies of an OBJ file are its objects; what is of another colour is none. The second is the first in trimesh 4."""
+OBJ: dict[str, Any] = {"split_objects": True, "group_material": False, "skip_materials": True}
+"""Bodies of an OBJ file are its objects; what is of another colour is none."""
 STEP = (".step", ".stp")
 """Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
@@ -44,6 +47,8 @@ MERGED = 1e-6
 """Corners nearer than this share of the size are one."""
 SAME_VOLUME = 1e-9
 """Volumes that differ by less than this share are those of the same solid."""
+SLIVER = 1e-4
+"""Two faces that lie on each other and are narrower than this share of the size are a sliver that merged corners folded flat."""
 OPEN_SHARE = 0.02
 """Largest share of the edges that may lie at tiny holes that are closed."""
 
@@ -79,7 +84,8 @@ def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[st
     factor = unit if ending not in OWN_UNIT else OWN_UNIT[ending] or scale
     surface, notes = _closed(name, np.asarray(mesh.vertices, float) * factor, np.asarray(mesh.faces, dtype=np.int64))
     flat, moved = with_flat_faces(surface)
-    if not moved or not is_sound(solid_of(flat)):
+    again = solid_of(flat) if moved else None
+    if again is None or not is_sound(again) or not is_solid_of(again, flat):
         return surface, notes
     return flat, [*notes, f"{name}: corners are put back into the planes of their faces, by at most {moved:.1g} mm"]
 
@@ -113,12 +119,30 @@ def _check_size(path: Path, ending: str) -> None:
             raise InputError(message)
 
 
+def _check_is_whole(path: Path) -> None:
+    """Refuse a GLB file that takes buffers or pictures from other files."""
+    data = path.read_bytes()
+    length = int.from_bytes(data[12:16], "little")
+    try:
+        tree = json.loads(data[20 : 20 + length])
+        links = [str(entry["uri"]) for key in ("buffers", "images") for entry in tree.get(key, ()) if entry.get("uri")]
+    except (ValueError, AttributeError, TypeError, KeyError, RecursionError):
+        return  # no GLB file: the library says what is wrong
+    outside = [link for link in links if not link.lower().startswith("data:")]
+    if outside:
+        message = f'{path.name}: takes "{outside[0][:40]}" from another file; save it as one file'
+        raise InputError(message)
+
+
 def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
     """Meshes of a file by name, placed as the file places them, and the file's unit [mm]."""
     import trimesh
 
+    if ending == ".glb":
+        _check_is_whole(path)
     try:
-        scene = trimesh.load_scene(path, file_type=ending[1:], process=False, **(OBJ if ending == ".obj" else {}))
+        with path.open("rb") as file:  # without the path the library finds no other file
+            scene = trimesh.load_scene(file, file_type=ending[1:], process=False, **(OBJ if ending == ".obj" else {}))
     except Exception as problem:  # the library raises whatever its readers raise
         reason = " ".join(str(problem).split())[:80] or type(problem).__name__
         message = f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again"
@@ -138,7 +162,7 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
         message = (
             f"{path.name}: places none of its bodies, {unplaced}; save it with one in its build"
             if any(len(getattr(mesh, "faces", ())) for mesh in scene.geometry.values())
-            else f"{path.name}: has no faces; a closed mesh is needed"
+            else f"{path.name}: has no faces that can be read as {ending[1:].upper()}; a closed mesh is needed"
         )
         raise InputError(message)
     if ending != ".3mf":
@@ -186,7 +210,10 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     faces, vertices = merged.ravel()[faces], vertices[first]
     a, b, c = faces.T
     whole = faces[(a != b) & (b != c) & (c != a)]
-    kept, folded = _once(whole)
+    kept, folded_faces = _once(whole)
+    folded = len(folded_faces)
+    if _width(vertices[folded_faces]) > SLIVER * size:
+        notes.append(f"{name}: {2 * folded} faces lie on each other and enclose nothing; they are left out")
     if len(kept) + 2 * folded < len(whole):
         notes.append(f"{name}: {len(whole) - len(kept) - 2 * folded} faces were there twice; each is taken once")
     mesh = trimesh.Trimesh(vertices, kept, process=False)
@@ -208,12 +235,24 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     if not is_sound(solid) or solid.volume() <= 1e-12 * size**3:
         message = f"{name}: does not enclose a volume: its surface crosses itself or is folded; mend the mesh"
         raise InputError(message)
+    if not is_solid_of(solid, surface):
+        message = (
+            f"{name}: has walls or slits without thickness, which would be lost; draw them thicker or leave them out"
+        )
+        raise InputError(message)
     whole_solid, said = _united(name, solid)
     return surface_of(whole_solid), notes + said
 
 
-def _once(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], int]:
-    """Faces that are there several times taken once, and how many pairs that look opposite ways were taken out.
+def _width(triangles: NDArray[np.float64]) -> float:
+    """Least height of that triangle (k, 3, 3) [mm] which is the widest; 0 of none."""
+    sides = np.roll(triangles, -1, axis=1) - triangles
+    twice = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    return float((twice / np.linalg.norm(sides, axis=2).max(axis=1)).max(initial=0.0))
+
+
+def _once(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Faces that are there several times taken once, and of pairs that look opposite ways and were taken out one each.
 
     Where merged corners fold a sliver flat, its two sides lie on each other and enclose nothing. Such pairs that hang together go where
     the surface is closed without them; where it is not, they are a side of it that was written both ways.
@@ -222,7 +261,7 @@ def _once(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], int]:
     from scipy.sparse.csgraph import connected_components
 
     if not len(faces):
-        return faces, 0
+        return faces, faces
     ring, first, which = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True)
     lowest = np.argmin(faces, axis=1)
     forward = np.take_along_axis(faces, (lowest[:, None] + 1) % 3, axis=1)[:, 0] == ring[which.ravel(), 1]
@@ -241,7 +280,7 @@ def _once(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], int]:
         mine = among[group[among] == own]
         rim = np.bincount(edges[mine].ravel(), minlength=len(odd)) % 2 == 1
         out[mine] = 2 * odd[rim].sum() > rim.sum()
-    return faces[np.sort(first[~out])], int(out.sum())
+    return faces[np.sort(first[~out])], faces[first[out]]
 
 
 def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
@@ -262,13 +301,17 @@ def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
         owner = next((k for k, one in enumerate(outer) if _same_volume((one ^ hollow).volume(), hollow.volume())), None)
         if owner is not None:  # the smallest, for those inside it have hollows of their own
             inside[owner].append(hollow)
+    notes = []
     bodies = [one - union_of(own) if own else one for one, own in zip(outer, inside, strict=True)]
+    for body, one, own in zip(bodies, outer, inside, strict=True):
+        area = sum(shell.surface_area() for shell in (one, *own))
+        if own and abs(body.surface_area() - area) > SAME_SOLID * area:
+            notes.append(f"{name}: a hollow reaches the surface or another one: walls without thickness are left out")
     if not _same_volume(sum(body.volume() for body in bodies), solid.volume()):
         message = f"{name}: a surface that looks inward is not round a hollow: it lies outside or crosses another; mend the mesh"
         raise InputError(message)
     whole = union_of(bodies)
     left = len(connected_solids(whole))
-    notes = []
     same = _same_volume(whole.volume(), solid.volume()) and len(whole.decompose()) == len(shells)
     if not same:
         notes.append(f"{name}: {len(shells)} closed surfaces overlap or touch; the part is their union")

@@ -15,6 +15,8 @@ Floats = NDArray[np.float64]
 
 FLIPPED = 1e-8
 """Where the library's solid misses the volume of its surface by more than this share, edges were flipped."""
+SAME_SOLID = 1e-6
+"""A solid is that of a surface where volume and area differ by less than this share: films of rounding are less."""
 FEWER_DIGITS = 1e-10
 """Share of the largest coordinate that corners are rounded to then."""
 
@@ -43,6 +45,20 @@ def solid_of(surface: Surface) -> Any:
     step = FEWER_DIGITS * float(np.abs(surface.vertices).max())
     again = _built(np.round(surface.vertices / step) * step, surface.faces)
     return again if abs(again.volume() - volume) < abs(solid.volume() - volume) else solid
+
+
+def is_solid_of(solid: Any, surface: Surface) -> bool:
+    """True where a solid of the library has the volume and the area of a closed surface.
+
+    The library takes corners together where walls have no thickness, and what it then holds is another solid.
+    """
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
+    volume = volume_of(surface)
+    return bool(
+        abs(solid.volume() - volume) <= SAME_SOLID * abs(volume)
+        and abs(solid.surface_area() - area) <= SAME_SOLID * area
+    )
 
 
 def _built(vertices: Floats, faces: NDArray[np.int64]) -> Any:
