@@ -28,7 +28,7 @@ export interface OpenRequest {
   data?: string;
   beside?: Record<string, string>;
   sample?: boolean;
-  unit?: "cm" | "in" | "m" | "mm" | "px" | null;
+  unit?: "cm" | "in" | "m" | "mm" | "pt" | "px" | null;
   flatten?: number | null;
   gap?: number | null;
   only?: string[];

@@ -30,7 +30,8 @@ def assemble(
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     sheet: SheetOptions = _NO_SHEET,
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None,
+    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None,
+    dpi: float | None = None,
     only: Many = (),
     skip: Many = (),
     join: float | None = None,
@@ -56,6 +57,8 @@ def assemble(
         The assembly file to write (.json): plates as cut, in space.
     unit
         Unit of the drawing, in place of the file's.
+    dpi
+        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
     only
         Read these alone of a drawing: layers, colours or names, A,B. May repeat.
     skip
@@ -74,6 +77,7 @@ def assemble(
     from wiggleroom.cli.asking import split_words
     from wiggleroom.cli.say import note, show
     from wiggleroom.drawing.strokes.read_options import ReadOptions
+    from wiggleroom.drawing.units import unit_of
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
 
@@ -85,11 +89,11 @@ def assemble(
         raise InputError(message)
     options = ReadOptions(tuple(split_words(only)), tuple(split_words(skip)), join, tuple(split_words(solid)))
     if sheet.given:
-        done = _in_space(assembled_sheet(file, sheet, unit=unit, options=options), command)
+        done = _in_space(assembled_sheet(file, sheet, unit=unit_of(unit, dpi), options=options), command)
     else:
         from wiggleroom.mating.cutting_sheet import read_sheet
 
-        done = _in_plane(read_sheet(Path(file), unit=unit, options=options), sheet.burn, command)
+        done = _in_plane(read_sheet(Path(file), unit=unit_of(unit, dpi), options=options), sheet.burn, command)
     if json is not None:
         write_result(done.record, json)
     if json != "-":

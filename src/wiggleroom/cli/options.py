@@ -36,6 +36,8 @@ class QuestionOptions:
         Clearance across every joint [mm]: every outline moves inward by half of it. In place of the file's.
     unit
         Unit of the drawing, in place of the file's.
+    dpi
+        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
     flatten
         Largest distance between a curve and the straight edges that stand for it [mm], at every gap. By default gap/50, and
         without a gap 1e-4 of the median part.
@@ -70,7 +72,8 @@ class QuestionOptions:
     """
 
     gap: float | None = None
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None
+    dpi: float | None = None
     flatten: float | None = None
     fix: Many = ()
     pull: Many = ()
@@ -84,6 +87,13 @@ class QuestionOptions:
     ignore: Many = ()
     glue: Many = ()
     gap_of: Many = ()
+
+    @property
+    def length_unit(self) -> str | None:
+        """Unit of the drawing that the options say, by name or by units an inch."""
+        from wiggleroom.drawing.units import unit_of
+
+        return unit_of(self.unit, self.dpi)
 
 
 def read_options(asked: QuestionOptions) -> ReadOptions:
@@ -165,7 +175,7 @@ def inspect_file(file: str, asked: QuestionOptions) -> InspectedFile:
     from wiggleroom.errors import InputError
 
     wanted = goals_of_options(asked)
-    found = reading(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
+    found = reading(file, unit=asked.length_unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     drawing, fixed, goals = with_roles(found.drawing, asked, wanted) if found.drawing.parts else (found.drawing, [], [])
     names = [p.name for p in drawing.parts]
     wrong = [f"fix: {unknown(name, names)}" for name in fixed if name not in names]
@@ -215,7 +225,9 @@ def _read_with_roles(file: str, asked: QuestionOptions) -> tuple[Drawing, list[s
         message = f"{file}: is an assembly in space, which {answering} take; this command is for drawings"
         raise InputError(message)
     wanted = goals_of_options(asked)
-    drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
+    drawing = read_drawing(
+        file, unit=asked.length_unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked)
+    )
     for line in drawing.notes:
         note(line)
     return with_roles(drawing, asked, wanted)

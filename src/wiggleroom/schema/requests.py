@@ -77,7 +77,7 @@ class OpenRequest(Request, tag="open", kw_only=True):
     data: bytes = b""
     beside: dict[str, bytes] = {}
     sample: bool = False
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     only: tuple[str, ...] = ()
