@@ -23,7 +23,7 @@ _COREL = 0.01
 """User unit of CorelDRAW [mm]."""
 
 
-class Program(NamedTuple):
+class SvgProgram(NamedTuple):
     """How long a unit is to the program that wrote a file.
 
     Parameters
@@ -40,7 +40,7 @@ class Program(NamedTuple):
     of_page: bool = False
 
 
-def program_of(root: Element, text: str, box: Box) -> Program | None:
+def program_of(root: Element, text: str, box: Box) -> SvgProgram | None:
     """What is known of the unit of an SVG by its program, or by the paper that its page is.
 
     Parameters
@@ -69,14 +69,14 @@ def program_of(root: Element, text: str, box: Box) -> Program | None:
     if "Adobe Illustrator" in head or _is_illustrator_export(root, head):
         return _inches(72, "Adobe Illustrator", "unit")
     if "OpenSCAD" in head:
-        return Program(1.0, "written by OpenSCAD, whose unit is the millimetre")
+        return SvgProgram(1.0, "written by OpenSCAD, whose unit is the millimetre")
     if re.search(r"Creator:\s*Corel", head) or "xmlns:xodm" in root.attributes:
         return _corel(box)
     return _paper(box)
 
 
-def _inches(count: int, name: str, what: str) -> Program:
-    return Program(25.4 / count, f"written by {name}, whose {what} is 1/{count} inch", of_page=True)
+def _inches(count: int, name: str, what: str) -> SvgProgram:
+    return SvgProgram(25.4 / count, f"written by {name}, whose {what} is 1/{count} inch", of_page=True)
 
 
 def _is_illustrator_export(root: Element, head: str) -> bool:
@@ -88,19 +88,19 @@ def _is_illustrator_export(root: Element, head: str) -> bool:
     )
 
 
-def _corel(box: Box) -> Program:
+def _corel(box: Box) -> SvgProgram:
     """Hundredths of a millimetre; thousandths of an inch where the page is then a paper of inches."""
     inches = sorted((box.width / 1000, box.height / 1000))
     if inches in ([8.5, 11.0], [8.5, 14.0], [11.0, 17.0]):
-        return Program(0.0254, "written by CorelDRAW in thousandths of an inch")
-    return Program(_COREL, "written by CorelDRAW, whose unit is 1/100 mm")
+        return SvgProgram(0.0254, "written by CorelDRAW in thousandths of an inch")
+    return SvgProgram(_COREL, "written by CorelDRAW, whose unit is 1/100 mm")
 
 
-def _paper(box: Box) -> Program | None:
+def _paper(box: Box) -> SvgProgram | None:
     for name, size in _PAPER.items():
         for count in _RESOLUTIONS:
             page = sorted((box.width, box.height))
             if all(abs(a - b / 25.4 * count) <= _ROUNDING for a, b in zip(page, size, strict=True)):
                 said = f"a page of {box.width:g} x {box.height:g} units is {name} paper at {count} units an inch"
-                return Program(25.4 / count, said)
+                return SvgProgram(25.4 / count, said)
     return None
