@@ -12,6 +12,7 @@ from wiggleroom.drawing.model import Points
 from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.outlines.open_lines import open_lines
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
+from wiggleroom.drawing.outlines.sheet_frame import page_edge
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Traced
 from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
@@ -26,7 +27,13 @@ _COPY, _COPY_SHARE = 1e-3, 1e-5
 
 
 def traced(
-    artwork: Artwork, *, flatten: float | None, gap: float | None, join: float | None, stop: Stop | None = None
+    artwork: Artwork,
+    *,
+    flatten: float | None,
+    gap: float | None,
+    join: float | None,
+    view: tuple[float, float, float, float] | None = None,
+    stop: Stop | None = None,
 ) -> Traced:
     """Outlines that the strokes of a drawing make.
 
@@ -39,6 +46,8 @@ def traced(
     gap : float [mm], optional
     join : float [mm], optional
         Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
+    view : (x, y, width, height), optional [mm]
+        The page, whose edge is that of the board where lines end on it.
     stop : optional
         Asked before every outline.
 
@@ -75,6 +84,8 @@ def traced(
         go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
     if lines:
+        page = page_edge(found, lines, view)
+        found.outlines += [page] if page is not None else []
         open_lines(found, lines, size)
     found.outlines.sort(key=lambda outline: outline.row)
     _without_copies(found)

@@ -16,11 +16,12 @@ from wiggleroom.drawing.outlines.naming import aliases_of, given_names, place_of
 from wiggleroom.drawing.outlines.nesting import cut_nested, direct_parents, hole_rows, meets_hole
 from wiggleroom.drawing.outlines.outlines import traced
 from wiggleroom.drawing.outlines.rings import part_about_centroid
+from wiggleroom.drawing.outlines.sheet_frame import leave_out_frames
 from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_light
 from wiggleroom.drawing.strokes.elements import Artwork, Stroke
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.layers import cut_strokes, has_own_name
+from wiggleroom.drawing.strokes.layers import PAGE, cut_strokes, has_own_name
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import go_on
 
@@ -46,11 +47,13 @@ def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None,
         If there is nothing to read, with one line per finding.
     """
     chosen, left_out = cut_strokes(artwork, options)
-    found = traced(chosen, flatten=flatten, gap=gap, join=options.join, stop=options.stop)
+    view = None if options.only or PAGE in options.skip else artwork.view
+    found = traced(chosen, flatten=flatten, gap=gap, join=options.join, view=view, stop=options.stop)
     found.notes[:0] = chosen.notes
     found.findings[:0] = chosen.findings
     found.remarks += _left_out(left_out, found.tolerance)
     _layer_holes(found)
+    leave_out_frames(found, artwork.view, options)
     if not found.outlines:
         if not found.findings:
             drawn = f", but {found.open_lines} open" if found.open_lines else ""
