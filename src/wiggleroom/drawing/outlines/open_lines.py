@@ -12,13 +12,14 @@ from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, outline_of
 from wiggleroom.drawing.outlines.planar_faces import net_of
 from wiggleroom.drawing.outlines.rings import clean_ring
+from wiggleroom.drawing.outlines.sheet_frame import View, page_edge
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.elements import Stroke
 
 
-def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
-    """Outlines that open lines make one after the other, and faces that they cut."""
+def open_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View | None = None) -> None:
+    """Outlines that open lines make one after the other, and faces that they cut, also of the page."""
     once = _distinct_lines(lines, size)
     if len(once) < len(lines):
         found.note(f"{len(lines) - len(once)} open lines are drawn twice; the copies are left out")
@@ -37,6 +38,8 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
             found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
     rest = [row for row in range(len(lines)) if row not in used]
     if rest:
+        page = page_edge(found, [lines[row] for row in rest], view)
+        found.outlines += [page] if page is not None else []
         _net(found, [lines[row] for row in rest], size)
 
 

@@ -12,7 +12,6 @@ from wiggleroom.drawing.model import Points
 from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.outlines.open_lines import open_lines
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
-from wiggleroom.drawing.outlines.sheet_frame import page_edge
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Traced
 from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
@@ -84,9 +83,7 @@ def traced(
         go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
     if lines:
-        page = page_edge(found, lines, view)
-        found.outlines += [page] if page is not None else []
-        open_lines(found, lines, size)
+        open_lines(found, lines, size, view)
     found.outlines.sort(key=lambda outline: outline.row)
     _without_copies(found)
     return found
