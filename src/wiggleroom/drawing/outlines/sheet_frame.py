@@ -32,6 +32,8 @@ _OPENED = 0.5
 """A part has holes that cover less than this share of it; a ring round another part has one that covers more."""
 _MOST_FRAMES = 4
 """Frames inside each other."""
+_NEARLY_CLOSED = 0.1
+"""A line whose ends are nearer to each other than this share of its size closes itself, if anything."""
 _LOOSE_ENDS = 4
 """Of so many ends on the page's edge one may end inside it on nothing."""
 
@@ -67,6 +69,11 @@ def page_edge(found: Traced, lines: Sequence[OpenLine], view: View | None) -> Ou
     k, other = tree.query(tips, predicate="dwithin", distance=near)
     held = np.zeros(len(tips), dtype=bool)
     held[k[other != owner[k]]] = True
+    through = [
+        np.hypot(*(line.corners[0] - line.corners[-1])) > _NEARLY_CLOSED * np.ptp(line.corners, axis=0).max()
+        for line in lines
+    ]
+    at_edge &= np.repeat(through, 2)  # else it is an outline that is almost closed
     count = int(at_edge.sum())
     if count < 2 or _LOOSE_ENDS * int((~held & ~at_edge & ~beyond).sum()) > count:
         return None
