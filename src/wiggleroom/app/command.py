@@ -58,7 +58,7 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
 def reading_options(file: File) -> list[str]:
     """Options that say how the file was read."""
     found, how = [] if file.unit is None else ["--unit", file.unit], file.options
-    for name, words in (("--only", how.only), ("--skip", how.skip), ("--solid", how.solid)):
+    for name, words in (("--only", how.only), ("--skip", how.skip), ("--solid", how.solid), ("--hole", how.hole)):
         for word in words:
             found += _option(name, word)
     return found if how.join is None else [*found, "--join", f"{how.join:.12g}"]

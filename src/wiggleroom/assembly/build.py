@@ -101,6 +101,7 @@ def read(
     join: float | None = None,
     solid: Sequence[str] = (),
     stop: Stop | None = None,
+    hole: Sequence[str] = (),
 ) -> Assembly:
     """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
 
@@ -124,6 +125,8 @@ def read(
         Outlines inside others that are parts, not holes: names, points or "all".
     stop : optional
         Anything with `is_set()`, asked after every element and every outline of a drawing.
+    hole : sequence of str
+        Outlines that are cut out of the parts around or under them: names, points or "all".
 
     Raises
     ------
@@ -135,7 +138,7 @@ def read(
     from wiggleroom.drawing import read_drawing
 
     named = [name for goal in goals if (name := part_of(goal)) is not None]
-    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop)
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop, tuple(hole))
     drawing = read_drawing(Path(path), unit=unit, flatten=flatten, gap=gap, options=options)
     go_on(stop)
     known = PartNames(drawing)

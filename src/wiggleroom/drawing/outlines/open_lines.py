@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Points, Region
+from wiggleroom.drawing.outlines.cuts import SMALL
 from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, outline_of
 from wiggleroom.drawing.outlines.planar_faces import net_of
 from wiggleroom.drawing.outlines.rings import clean_ring
@@ -100,7 +101,9 @@ def _reached(found: Traced, lines: Sequence[Points], within: float) -> list[int]
     first, second = shapely.STRtree(polygons[rows]).query(polygons[rows], predicate="overlaps")
     common = shapely.area(shapely.intersection(polygons[rows][first], polygons[rows][second]))
     slack = within * np.minimum(shapely.length(polygons[rows][first]), shapely.length(polygons[rows][second]))
-    crossing = set(first[common > slack].tolist())
+    area = shapely.area(polygons[rows])
+    large = area[first] * SMALL >= area[second]  # the other one is a slot across its edge
+    crossing = set(first[(common > slack) & ~large].tolist())
     return [int(row) for k, row in enumerate(rows) if k not in crossing]
 
 

@@ -13,14 +13,16 @@ from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.outlines.open_lines import open_lines
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
-from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Traced
+from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Remark, Traced
 from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
 from wiggleroom.drawing.strokes.elements import Artwork
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.pathdata import Subpath
+from wiggleroom.drawing.strokes.pathdata import Line, Subpath
 from wiggleroom.drawing.strokes.strokes import longer_side
 from wiggleroom.errors import InputError, Stop, go_on
 
+_SPECK, _SPECK_SHARE = 0.02, 1e-4
+"""Closed outlines smaller than this [mm, share of the drawing's size] are specks: no beam is so thin."""
 _COPY, _COPY_SHARE = 1e-3, 1e-5
 """Outlines nearer than this [mm, share of the drawing's size] are one drawn twice; a clearance is never so small."""
 
@@ -61,16 +63,21 @@ def traced(
     corners = curved.corners(tolerance)
     rings: dict[int, list[Points]] = {}
     lines: list[OpenLine] = []
-    short = 0
+    specks: list[Points] = []
+    short, speck = 1e-9 * size, min(_SPECK, _SPECK_SHARE * size)
     for (_, row), points, is_closed in zip(paths, corners, closed, strict=True):
-        if is_closed:
+        extent = float(np.ptp(points, axis=0).max())
+        if extent <= (speck if is_closed else short):
+            specks.append(points[:1])
+        elif is_closed and not _is_flat(points, extent):
             rings.setdefault(row, []).append(points)
-        elif float(np.ptp(points, axis=0).max()) > 1e-9 * size:
-            lines.append(OpenLine(points, artwork.strokes[row], row))
         else:
-            short += 1
-    if short:
-        found.note(f"{short} elements of no length are left out")
+            lines.append(OpenLine(_ends(points) if is_closed else points, artwork.strokes[row], row))
+    if specks:
+        x, y = specks[0][0]
+        many = "1 point or speck is" if len(specks) == 1 else f"{len(specks)} points and specks are"
+        found.note(f"{many} left out, the first at ({x:.6g}, {y:.6g}) mm")
+        found.remarks.append(Remark("left out", tuple(specks)))
     for row, own in rings.items():
         go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
@@ -84,7 +91,24 @@ def traced(
 def _is_closed(path: Subpath) -> bool:
     ends = [path.start, *(segment.end for segment in path.segments)]
     size = max(abs(end - path.start) for end in ends)
-    return path.closed or abs(ends[-1] - path.start) <= COINCIDENT_CORNERS * size
+    curved = not all(isinstance(segment, Line) for segment in path.segments)
+    return (size > 0 or curved) and (path.closed or abs(ends[-1] - path.start) <= COINCIDENT_CORNERS * size)
+
+
+def _is_flat(points: Points, extent: float) -> bool:
+    """Whether a closed outline runs along one line and back."""
+    x, y = (points - points[0]).T
+    if abs(x[:-1] @ y[1:] - y[:-1] @ x[1:]) > 1e-8 * extent * extent:
+        return False
+    a, b = _ends(points)
+    along = (b - a) / max(float(np.hypot(*(b - a))), 1e-300)
+    return bool(np.abs((points - a) @ np.array([-along[1], along[0]])).max() <= 1e-9 * extent)
+
+
+def _ends(points: Points) -> Points:
+    """Outermost of points on one line."""
+    far = points[np.hypot(*(points - points[0]).T).argmax()]
+    return np.array([points[np.hypot(*(points - far).T).argmax()], far])
 
 
 def _chord_error(
@@ -125,8 +149,9 @@ def _chord_error(
         return max(flatten, FINEST * size), None, size
     by_row: dict[int, list[Points]] = {}
     for (_, row), points in zip(chosen, curved.corners(1e-3 * size), strict=True):
-        by_row.setdefault(row, []).append(points)
-    median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()]))
+        if float(np.ptp(points, axis=0).max()) > min(_SPECK, _SPECK_SHARE * size):
+            by_row.setdefault(row, []).append(points)
+    median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()] or [size]))
     at_no_gap = max(median * NO_GAP_SHARE, FINEST * size)
     return chord_error(gap or 0.0, at_no_gap, FINEST * size), at_no_gap, size
 

@@ -19,10 +19,7 @@ def of_stroke(found: Traced, stroke: Stroke, row: int, drawn: Sequence[Points]) 
     """Outlines of the closed subpaths of one stroke."""
     sound = [ring for ring in drawn if len(clean_ring(ring)) >= 3]
     if not sound:
-        corners = max(len(clean_ring(ring)) for ring in drawn)
-        found.findings.append(
-            f"{found.file}: {stroke}: outline has {corners} corners; at least 3 that enclose an area are needed"
-        )
+        found.note(f"{stroke} encloses nothing and is left out")
         return []
     rings: list[Points] = []
     for ring in sound:
@@ -31,7 +28,10 @@ def of_stroke(found: Traced, stroke: Stroke, row: int, drawn: Sequence[Points]) 
         for kind, at in mended.faults:
             found.remarks.append(Remark(f"mended {kind}", (np.array([at]),)))
     rings = _distinct_rings(rings)
-    separate = not stroke.fill and len(rings) > 2 and not stroke.whole and _holes_touch(rings)
+    lines = (not stroke.fill or not stroke.styled) and not stroke.whole
+    separate = (
+        lines and len(rings) > 1 and (_cross(rings) or (not stroke.fill and len(rings) > 2 and _holes_touch(rings)))
+    )
     try:
         if separate:
             regions = [Region(clean_ring(ring)) for ring in rings]
@@ -59,6 +59,16 @@ def _distinct_rings(rings: list[Points]) -> list[Points]:
     for ring in rings:
         seen.setdefault(clean_ring(ring)[np.lexsort(clean_ring(ring).T)].tobytes(), ring)
     return list(seen.values())
+
+
+def _cross(rings: Sequence[Points]) -> bool:
+    """Whether two outlines of one path cross each other: a slot over an edge, say."""
+    polygons = np.array([shapely.Polygon(ring) for ring in rings])
+    if not shapely.is_valid(polygons).all():
+        return False
+    first, second = shapely.STRtree(polygons).query(polygons, predicate="overlaps")
+    common = shapely.area(shapely.intersection(polygons[first], polygons[second]))
+    return bool((common > 1e-9 * shapely.area(polygons[first])).any())
 
 
 def _holes_touch(rings: Sequence[Points]) -> bool:

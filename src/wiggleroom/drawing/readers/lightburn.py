@@ -156,6 +156,9 @@ class _LightburnWalk:
             self.left_out[f'{kind} (on {what} "{layer.name}")'] += 1
             return
         paths = tuple(mapped(path, matrix) for path in self._paths(element, kind))
+        if not paths:
+            self.left_out[f"{kind} without size"] += 1
+            return
         if any(not largest_coordinate(path) <= LARGEST for path in paths):
             message = f"has coordinates beyond {LARGEST:g} mm; move or scale it"
             raise ValueError(message)
@@ -183,8 +186,8 @@ class _LightburnWalk:
             return subpaths_of("rect", sizes | {"rx": round_, "ry": round_}, Box(0.0, 0.0, 1.0, 1.0))
         if kind == "Ellipse":
             rx, ry = _number(element, "Rx"), _number(element, "Ry")
-            if min(rx, ry) <= 0:
-                raise ValueError("a radius is 0; it must be larger than 0")
+            if min(rx, ry) == 0:
+                return []
             return [Subpath(complex(rx), [Arc(0j, complex(rx), 1j * ry, 0.0, 2 * math.pi, False, complex(rx))], True)]
         if kind == "Polygon":
             n, rx, ry = int(_number(element, "N")), _number(element, "Rx"), _number(element, "Ry")

@@ -191,6 +191,8 @@ class SvgWalk:
         )
         if problem:
             self.findings.append(f"{self.file}: {stroke}: {problem}")
+        elif not paths:
+            self.left_out[f"{element.tag} without size"] += 1
         else:
             self.strokes.append(stroke)
 
