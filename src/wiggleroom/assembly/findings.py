@@ -145,7 +145,13 @@ def overlap_findings(drawing: Drawing, parts: Sequence[Part]) -> tuple[str, ...]
             listed = ", ".join(f'"{name}"' for name, _ in others[:3])
             b, depth = others[0][0], max(depth for _, depth in others)
             what = f'part "{a}" overlaps {len(others)} others ({listed}, ...) by up to {depth:.6g} mm at gap {drawing.gap:g}'
-            found.append(f"{what}: {_ways_out(a, b, size, drawn)}, and so on")
+            small = drawn and all(size[name] < size[a] for name, _ in others)
+            right = (
+                _ways_out(a, b, size, drawn).replace(f"--hole {b}", "--hole all")
+                if small
+                else _ways_out(a, b, size, drawn)
+            )
+            found.append(f"{what}: {right}, and so on")
             continue
         for b, depth in others:
             what = f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}'

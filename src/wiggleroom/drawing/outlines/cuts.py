@@ -37,6 +37,8 @@ class Claims:
         It is a cut, and who says so: "option", "all", "layer", "name"; or nothing.
     named : list of bool
         A person gave it a name of its own.
+    face : list of bool
+        It is a face of a net of lines, so that nothing lies around or under it.
     style : list
         Outlines of one style are drawn with the same line.
     """
@@ -45,6 +47,7 @@ class Claims:
     marked: list[bool]
     cut: list[str]
     named: list[bool]
+    face: list[bool]
     style: list[object]
 
     def is_part(self, row: int) -> bool:
@@ -168,7 +171,7 @@ def cuts_of(
     Examples
     --------
     >>> squares = np.array([shapely.box(-r, -r, r, r) for r in (9, 6, 3)])
-    >>> plain = Claims([False] * 3, [False] * 3, [""] * 3, [False] * 3, [0] * 3)
+    >>> plain = Claims([False] * 3, [False] * 3, [""] * 3, [False] * 3, [False] * 3, [0] * 3)
     >>> nest = {1: 0, 2: 1}
     >>> cuts_of(squares, nest, nest, Crossings({}, {}, set()), plain, 1e-6).rows
     {1}
@@ -184,9 +187,11 @@ def cuts_of(
         inside_part = parent is not None and parent not in cut
         if claims.is_part(i):
             continue
+        if said == "name" and parent in cut and not over:
+            continue  # a part in a hole, whatever its layer is called
         if said and not (said == "all" and claims.solid[i]):
             chosen = said in ("layer", "option")
-            if parent is not None or over or i in parents or (chosen and i in crossing.both):
+            if claims.face[i] or parent is not None or over or i in parents or (chosen and i in crossing.both):
                 cut.add(i)
                 host[i] = parent if inside_part and parent is not None else max(over, key=over.__getitem__, default=i)
             elif chosen:

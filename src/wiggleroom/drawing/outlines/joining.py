@@ -126,6 +126,41 @@ def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bo
     return found
 
 
+def open_chains(ends: Ends, wanted: Sequence[bool]) -> list[list[tuple[int, bool]]]:
+    """Chains of wanted lines with two open ends, as the sides of a slot over an edge; each line with whether it is travelled backwards.
+
+    Examples
+    --------
+    >>> sides = [np.array([[0.0, 9], [0, 0]]), np.array([[2.0, 0], [0, 0]]), np.array([[2.0, 0], [2, 9]])]
+    >>> open_chains(join_ends(sides, 0.1, 9.0), [True] * 3)
+    [[(0, False), (1, True), (2, False)]]
+    """
+    node = ends.node
+    degree = np.bincount(node.ravel(), minlength=len(ends.at))
+    at_node: dict[int, list[int]] = {}
+    for line, (a, b) in enumerate(node.tolist()):
+        at_node.setdefault(a, []).append(line)
+        at_node.setdefault(b, []).append(line)
+    found: list[list[tuple[int, bool]]] = []
+    seen: set[int] = set()
+    for line, (a, b) in enumerate(node.tolist()):
+        if line in seen or not wanted[line] or min(degree[a], degree[b]) != 1:
+            continue
+        back = degree[a] != 1
+        chain, tip = [(line, back)], a if back else b
+        while degree[tip] == 2:
+            here = chain[-1][0]
+            pair = at_node[tip]
+            following = pair[1] if pair[0] == here else pair[0]
+            back = bool(node[following, 0] != tip)
+            chain.append((following, back))
+            tip = int(node[following, 0] if back else node[following, 1])
+        seen |= {row for row, _ in chain}
+        if degree[tip] == 1 and all(wanted[row] for row, _ in chain):
+            found.append(chain)
+    return found
+
+
 def outline_of(loop: Sequence[tuple[int, bool]], lines: Sequence[Points], ends: Ends) -> Points:
     """Corners (n, 2) [mm] of a loop of lines; ends that meet become one point exactly."""
     pieces = []

@@ -10,12 +10,13 @@ import shapely
 
 from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.outlines.cuts import SMALL
-from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, outline_of
+from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, open_chains, outline_of
 from wiggleroom.drawing.outlines.planar_faces import net_of
 from wiggleroom.drawing.outlines.rings import clean_ring
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.elements import Stroke
+from wiggleroom.drawing.strokes.layers import is_cut
 
 
 def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
@@ -35,6 +36,13 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
         first = min(edge for edge, _ in loop)
         used |= {edge for edge, _ in loop}
         if len(clean_ring(ring)) >= 3:
+            found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
+    for chain in open_chains(ends, [line.stroke.hole or is_cut(line.stroke) for line in lines]):
+        ring = np.vstack([corners[row][::-1] if back else corners[row] for row, back in chain])
+        if len(clean_ring(ring)) >= 3:
+            first = min(row for row, _ in chain)
+            used |= {row for row, _ in chain}
+            ring = np.vstack([ring, ring[:1]])
             found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
     rest = [row for row in range(len(lines)) if row not in used]
     if rest:
@@ -79,7 +87,7 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
     if made:
         cut = f"{_many(len(replaced), 'outline')} cut, " if replaced else ""
-        found.note(f"{cut}{_many(len(made), 'face')} of open lines taken as parts")
+        found.note(f"{cut}{_many(len(made), 'face')} of open lines taken as parts; --hole NAME or @x,y leaves one out")
     found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
     found.outlines += [*made, *alone]
     if net.slivers:

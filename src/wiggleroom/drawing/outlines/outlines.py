@@ -15,7 +15,7 @@ from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Remark, Traced
 from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
-from wiggleroom.drawing.strokes.elements import Artwork
+from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork
 from wiggleroom.drawing.strokes.flatten import Curved
 from wiggleroom.drawing.strokes.pathdata import Line, Subpath
 from wiggleroom.drawing.strokes.strokes import longer_side
@@ -69,14 +69,18 @@ def traced(
         extent = float(np.ptp(points, axis=0).max())
         if extent <= (speck if is_closed else short):
             specks.append(points[:1])
-        elif is_closed and not _is_flat(points, extent):
+        elif not is_closed:
+            lines.append(OpenLine(points, artwork.strokes[row], row))
+        elif (flat := _without_area(points, extent)) is None:
             rings.setdefault(row, []).append(points)
         else:
-            lines.append(OpenLine(_ends(points) if is_closed else points, artwork.strokes[row], row))
+            lines += [OpenLine(line, artwork.strokes[row], row) for line in flat]
+    count = len(specks) + dict(artwork.left_out).get(NO_SIZE, 0)
+    if count:
+        where = f", the first at ({specks[0][0, 0]:.6g}, {specks[0][0, 1]:.6g}) mm" if specks else ""
+        many = "1 point or speck is" if count == 1 else f"{count} points and specks are"
+        found.note(f"{many} left out{where}")
     if specks:
-        x, y = specks[0][0]
-        many = "1 point or speck is" if len(specks) == 1 else f"{len(specks)} points and specks are"
-        found.note(f"{many} left out, the first at ({x:.6g}, {y:.6g}) mm")
         found.remarks.append(Remark("left out", tuple(specks)))
     for row, own in rings.items():
         go_on(stop)
@@ -95,20 +99,15 @@ def _is_closed(path: Subpath) -> bool:
     return (size > 0 or curved) and (path.closed or abs(ends[-1] - path.start) <= COINCIDENT_CORNERS * size)
 
 
-def _is_flat(points: Points, extent: float) -> bool:
-    """Whether a closed outline runs along one line and back."""
+def _without_area(points: Points, extent: float) -> list[Points] | None:
+    """Lines of a closed outline that runs along them and back, enclosing nothing; None for any other."""
     x, y = (points - points[0]).T
     if abs(x[:-1] @ y[1:] - y[:-1] @ x[1:]) > 1e-8 * extent * extent:
-        return False
-    a, b = _ends(points)
-    along = (b - a) / max(float(np.hypot(*(b - a))), 1e-300)
-    return bool(np.abs((points - a) @ np.array([-along[1], along[0]])).max() <= 1e-9 * extent)
-
-
-def _ends(points: Points) -> Points:
-    """Outermost of points on one line."""
-    far = points[np.hypot(*(points - points[0]).T).argmax()]
-    return np.array([points[np.hypot(*(points - far).T).argmax()], far])
+        return None
+    noded = shapely.unary_union(shapely.LineString(points), grid_size=1e-9 * extent)
+    if len(shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))):
+        return None  # a figure of eight
+    return [shapely.get_coordinates(line) for line in shapely.get_parts(shapely.line_merge(noded))]
 
 
 def _chord_error(

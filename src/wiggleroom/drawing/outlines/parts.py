@@ -19,9 +19,9 @@ from wiggleroom.drawing.outlines.outlines import traced
 from wiggleroom.drawing.outlines.rings import clean_ring, part_about_centroid
 from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_light
-from wiggleroom.drawing.strokes.elements import Artwork, Stroke
+from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork, Stroke
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.layers import cut_strokes, has_own_name, is_cut_name
+from wiggleroom.drawing.strokes.layers import cut_strokes, has_own_name, is_cut
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import go_on
 
@@ -121,7 +121,7 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     _say_divided(found, dict(reversed([*zip(first, names, strict=True)])), divided, claims, given)
     _say_pieces(found, outlines, groups)
     _say_mended(found)
-    kinds = [*artwork.left_out, *([("text", unnamed)] if unnamed else [])]
+    kinds = [*((tag, n) for tag, n in artwork.left_out if tag != NO_SIZE), *([("text", unnamed)] if unnamed else [])]
     found.notes += [
         f"{artwork.file}: {count} {tag} elements are left out; only outlines are parts" for tag, count in kinds
     ]
@@ -208,7 +208,7 @@ def _claims(
     """What the file and the options say about each outline: a part whatever lies around it, or a cut."""
     solid_names, solid_rows = _asked(options.solid, polygons)
     hole_names, hole_rows = _asked(options.hole, polygons)
-    claims = Claims([], [], [], [], [])
+    claims = Claims([], [], [], [], [], [])
     unknown = hole_names - {"all"}
     for i, outline in enumerate(found.outlines):
         stroke = outline.stroke
@@ -222,7 +222,6 @@ def _claims(
         unknown -= words | marks
         told = stroke.piece is not None or stroke.whole
         chosen = bool(hole_names & words) or i in hole_rows
-        by_name = not outline.face and any(map(is_cut_name, (stroke.label, stroke.name, *stroke.marks)))
         claims.solid.append(
             "all" in solid_names or i in solid_rows or bool(solid_names & words) or told or (own and stroke.fixed)
         )
@@ -230,11 +229,12 @@ def _claims(
         claims.cut.append(
             "option" if chosen
             else "layer" if stroke.hole
-            else "all" if "all" in hole_names or hole_names & marks
-            else "name" if not told and (by_name or any(map(is_cut_name, (stroke.layer, *_group_marks(stroke)))))
+            else "all" if not outline.face and ("all" in hole_names or hole_names & marks)
+            else "name" if not told and not outline.face and is_cut(stroke)
             else ""
         )  # fmt: skip
         claims.named.append(own and not outline.face and has_own_name(stroke))
+        claims.face.append(outline.face)
         claims.style.append((stroke.colour, bool(stroke.fill), stroke.line_type))
     if unknown:
         named = ", ".join(sorted(unknown))

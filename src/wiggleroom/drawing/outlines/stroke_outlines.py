@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Points, Region
+from wiggleroom.drawing.outlines.cuts import SMALL, WITHIN
 from wiggleroom.drawing.outlines.nesting import regions_by_fill_rule
 from wiggleroom.drawing.outlines.outline_repair import mend
 from wiggleroom.drawing.outlines.rings import clean_ring
@@ -62,13 +63,24 @@ def _distinct_rings(rings: list[Points]) -> list[Points]:
 
 
 def _cross(rings: Sequence[Points]) -> bool:
-    """Whether two outlines of one path cross each other: a slot over an edge, say."""
+    """Whether outlines of one path cross each other as cuts do: a slot over an edge, two slots inside."""
     polygons = np.array([shapely.Polygon(ring) for ring in rings])
     if not shapely.is_valid(polygons).all():
         return False
     first, second = shapely.STRtree(polygons).query(polygons, predicate="overlaps")
-    common = shapely.area(shapely.intersection(polygons[first], polygons[second]))
-    return bool((common > 1e-9 * shapely.area(polygons[first])).any())
+    area = shapely.area(polygons)
+    share = shapely.area(shapely.intersection(polygons[first], polygons[second])) / area[first]
+    pairs = (share > 1e-9) & (area[first] <= area[second])
+    first, second, share = first[pairs], second[pairs], share[pairs]
+    clear = (area[first] <= SMALL * area[second]) & (share >= WITHIN)
+    inner, outer = shapely.STRtree(polygons).query(polygons, predicate="covered_by")
+    held: dict[int, set[int]] = {}
+    for i, j in zip(inner.tolist(), outer.tolist(), strict=True):
+        if i != j:
+            held.setdefault(i, set()).add(j)
+    pairs = zip(first.tolist(), second.tolist(), strict=True)
+    around = [bool(held.get(i, set()) & held.get(j, set())) for i, j in pairs]
+    return len(first) > 0 and bool((clear | np.array(around, dtype=bool)).all())
 
 
 def _holes_touch(rings: Sequence[Points]) -> bool:

@@ -11,7 +11,7 @@ from pathlib import Path
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.readers.source import load
 from wiggleroom.drawing.readers.xmltree import Element, parse_xml
-from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, Artwork, Group, Lettering, Stroke
+from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, NO_SIZE, Artwork, Group, Lettering, Stroke
 from wiggleroom.drawing.strokes.layers import is_hole_layer
 from wiggleroom.drawing.strokes.pathdata import MAX_COORDINATE, NUMBER, Arc, Cubic, Line, Segment, Subpath
 from wiggleroom.drawing.strokes.shapes import subpaths_of
@@ -157,7 +157,7 @@ class _LightburnWalk:
             return
         paths = tuple(mapped(path, matrix) for path in self._paths(element, kind))
         if not paths:
-            self.left_out[f"{kind} without size"] += 1
+            self.left_out[NO_SIZE] += 1
             return
         if any(not largest_coordinate(path) <= LARGEST for path in paths):
             message = f"has coordinates beyond {LARGEST:g} mm; move or scale it"

@@ -179,6 +179,13 @@ def is_cut_name(word: str) -> bool:
     return bool(CUT_NAMES & forms) or any(form in HOLE_WORDS for form in forms)
 
 
+def is_cut(stroke: Stroke) -> bool:
+    """Whether the names of a stroke, or of what it stands in, say that it is cut out of a part."""
+    own = (stroke.label, stroke.name, *stroke.marks, stroke.layer)
+    around = (mark for group in stroke.groups for mark in (group.name, *group.marks))
+    return any(map(is_cut_name, (*own, *around)))
+
+
 def _tokens(word: str) -> list[str]:
     """Words in small letters without accents; numbers part them."""
     plain = unicodedata.normalize("NFKD", word.lower().replace("ß", "ss").replace("ø", "o"))
