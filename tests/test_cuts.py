@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from functools import reduce
 
 import pytest
 from shapely import Polygon
 
-from tests.cut_drawings import CutCase, Line, assert_left, disc, rect, written
+from tests.cut_drawings import CutCase, Line, assert_left, disc, polygons, rect, written
 from wiggleroom.assembly.findings import examine
 from wiggleroom.drawing.read import reading
 from wiggleroom.drawing.strokes.read_options import ReadOptions
@@ -129,3 +130,158 @@ def test_what_may_be_a_part_is_asked(case, style, tmp_path):
     lines = [*found.findings, *examine(found.drawing)[1]]
     assert any(case.asked in line for line in lines), lines
     assert len(lines) == 1 or case.name == "a key over two boards"
+
+
+HEAD = (
+    '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+    'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="200mm" height="100mm" viewBox="0 0 200 100">'
+)
+LINE = 'fill="none" stroke="#000"'
+
+
+def path_of(data: str) -> str:
+    return f'<path d="{data}" {LINE}/>'
+
+
+def box(x: float, y: float, w: float, h: float, more: str = LINE) -> str:
+    return f'<rect x="{x}" y="{y}" width="{w}" height="{h}" {more}/>'
+
+
+SPECKS = (
+    f'<path d="M5 5" {LINE}/><path d="M5 5z" {LINE}/><path d="m 20,55 0,0" {LINE}/><path d="M20 60L20 60Z" {LINE}/>'
+    f'<circle cx="5" cy="5" r="0" {LINE}/><circle cx="5" cy="5" r="0.001" {LINE}/><rect x="3" width="0" height="5" {LINE}/>'
+    f'<path d="" {LINE}/><path d="M100 60 l0.000001 0 l 0 0.000001 z" {LINE}/><line x1="3" y1="3" x2="3" y2="3" {LINE}/>'
+)
+SHEET = box(10, 10, 80, 40)
+TAB = box(48, 5, 3, 20)
+"""45 mm2 of it lie over the sheet."""
+SYMBOL = (
+    f'<defs><symbol id="s" viewBox="0 0 10 10">{box(0, 0, 10, 10)}<circle cx="5" cy="5" r="2" {LINE}/></symbol></defs>'
+)
+TEXTS = (
+    '<text x="95" y="95">hi</text><image href="x.png" width="9" height="9"/><flowRoot><flowPara>a</flowPara></flowRoot>'
+)
+CLIPPED = '<clipPath id="c"><rect width="5" height="5"/></clipPath>'
+HIDDEN = box(0, 0, 5, 5, f'{LINE} display="none"') + f'<g visibility="hidden">{box(99, 0, 5, 5)}</g>'
+TEMPLATES = f'<defs>{TAB}</defs><pattern id="p">{TAB}</pattern><marker id="m">{TAB}</marker><mask id="k">{TAB}</mask>'
+LOOSE = "".join(path_of(d) for d in ("M48 5V25", "M51 25H48", "M51 25V5", "M51 5H48"))
+WHITE = box(10, 10, 80, 40, 'fill="#ccc" stroke="#000"') + box(48, 5, 3, 20, 'fill="#fff" stroke="#000"')
+LABELLED = SHEET.replace("<rect", '<rect inkscape:label="Lid"') + TAB.replace("<rect", '<rect inkscape:label="Slot 1"')
+CLONES = "".join(
+    f'<use xlink:href="#r" inkscape:tiled-clone-of="#r" transform="translate({12 * k})"/>' for k in range(5)
+)
+CIRCLE = f'<circle id="h" cx="20" cy="30" r="3" {LINE}/>'
+OPEN = "open paths are left out"
+ONE = "1 outline across"
+
+SVGS = [
+    ("specks", SHEET + SPECKS, [3200], "10 points and specks are left out"),
+    (
+        "specks in a path",
+        path_of("M10 10h80v40h-80z M20 20z M30 30l0 0z M50 20h10v10h-10z M70 20l1e-4 0z"),
+        [3100],
+        "2 points",
+    ),
+    (
+        "closed lines",
+        SHEET + path_of("M100 60H120Z") + path_of("M100 70H120H110Z") + path_of("M99 80h10v10v-10Z"),
+        [3200],
+        OPEN,
+    ),
+    ("a closed line cuts", SHEET + path_of("M50 0V60Z"), [1600, 1600], "1 outline cut"),
+    ("texts and images", SHEET + TEXTS, [3200], "1 image elements are left out"),
+    (
+        "a symbol used twice",
+        SYMBOL + '<use href="#s" width="20" height="20"/><use href="#s" x="40" width="40" height="20"/>',
+        [400 - 16 * math.pi, 400 - 16 * math.pi],
+        "2 outlines inside others are holes",
+    ),
+    (
+        "a mirrored copy",
+        f'<g id="a">{SHEET}{TAB}</g><use xlink:href="#a" transform="translate(200) scale(-1,1)"/>',
+        [3155, 3155],
+        "2 outlines across",
+    ),
+    ("tiled clones", box(0, 0, 10, 10, f'id="r" {LINE}') + CLONES, [100] * 5, "drawn twice"),
+    (
+        "copies of a hole",
+        SHEET + CIRCLE + '<use href="#h" x="15"/><use href="#h" x="30"/>',
+        [3200 - 27 * math.pi],
+        "3 outlines",
+    ),
+    ("clipped away", f'{CLIPPED}<g clip-path="url(#c)">{SHEET}</g>{box(100, 0, 20, 20)}', [400], "1 clipped rect"),
+    ("clipped in part", f'<svg x="10" y="10" width="10" height="10">{box(0, 0, 20, 20)}</svg>', [400], "read whole"),
+    ("hidden", SHEET + HIDDEN, [3200], "2 hidden rect"),
+    ("templates", SHEET + TEMPLATES, [3200], ""),
+    (
+        "a switch",
+        f'<switch><foreignObject requiredExtensions="http://x"/><g>{SHEET}{TAB}</g><g>{SHEET}</g></switch>',
+        [3155],
+        ONE,
+    ),
+    ("a slot in the same path", path_of("M10 10H90V50H10Z M48 5H51V25H48Z"), [3155], ONE),
+    (
+        "crossing slots in the same path",
+        path_of("M10 10H90V50H10Z M40 20H60V24H40Z M48 15H52V35H48Z"),
+        [3200 - 144],
+        "2 of them touch",
+    ),
+    ("a slot of loose lines", SHEET + LOOSE, [3155], ONE),
+    ("an open slot by name", f'{SHEET}<g id="slots">{path_of("M48 5V25H51V5")}</g>', [3155], ONE),
+    ("a white slot", WHITE, [3155], ONE),
+    (
+        "a cut line beside slots",
+        SHEET + box(20, 5, 3, 20) + box(70, 5, 3, 20) + path_of("M50 10V50"),
+        [1555, 1555],
+        "2 outlines across",
+    ),
+    ("overcuts", SHEET + TAB + path_of("M48 25l-1 1"), [3155], OPEN),
+    ("labels", LABELLED, [3155], "(1 in Lid)"),
+    ("overlaps by rounding", SHEET + box(89.9999995, 10, 30, 40), [3200, 1200], "are taken to touch"),
+]
+
+
+@pytest.mark.parametrize(("body", "areas", "noted"), [row[1:] for row in SVGS], ids=[row[0] for row in SVGS])
+def test_svgs_of_drawing_programs(body, areas, noted, tmp_path):
+    path = tmp_path / "x.svg"
+    path.write_text(f"{HEAD}{body}</svg>")
+    found = reading(path, flatten=1e-4)
+    assert not found.findings
+    assert not examine(found.drawing)[1]
+    assert sorted(shape.area for shape in polygons(found.drawing)) == pytest.approx(sorted(areas), abs=0.01)
+    assert noted in " ".join(found.drawing.notes)
+
+
+def test_specks_do_not_change_the_chord_error(tmp_path):
+    alone, among = tmp_path / "a.svg", tmp_path / "b.svg"
+    disc_ = f'<circle cx="40" cy="40" r="30" {LINE}/>'
+    alone.write_text(f"{HEAD}{disc_}</svg>")
+    among.write_text(f"{HEAD}{disc_}{SPECKS}</svg>")
+    first, second = (reading(path).drawing for path in (alone, among))
+    assert len(first.parts[0].regions[0].outer) == len(second.parts[0].regions[0].outer)
+
+
+def test_mirrored_and_stretched_blocks(tmp_path):
+    """A panel with a slot over its edge and a hole, 756 mm2 and more by the scale."""
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    block, space = document.blocks.new("side"), document.modelspace()
+    for line in (rect(0, 0, 40, 20), rect(10, 15, 3, 8)):
+        block.add_lwpolyline(line.corners, close=True)
+    block.add_circle((30, 10), 3)
+    scales = [(1, 1, 0), (-1, 1, 0), (2, 0.5, 0), (-1, 2, 30)]
+    for k, (x, y, turn) in enumerate(scales):
+        space.add_blockref("side", (200 * k, 0), dxfattribs={"xscale": x, "yscale": y, "rotation": turn})
+    space.add_point((0, 0))
+    space.add_text("a note", dxfattribs={"insert": (0, 90)})
+    document.saveas(tmp_path / "x.dxf")
+    found = reading(tmp_path / "x.dxf", flatten=1e-4)
+    true = 800 - 15 - 9 * math.pi
+    assert sorted(shape.area for shape in polygons(found.drawing)) == pytest.approx(
+        [true, true, true, 2 * true], rel=1e-4
+    )
+    notes = " ".join(found.drawing.notes)
+    assert "4 outlines across the edges of parts cut them" in notes
+    assert "1 point or speck is left out" in notes
+    assert "1 text elements are left out" in notes
