@@ -65,11 +65,14 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     first, second = tree.query(points[rows], predicate="dwithin", distance=tolerance)
     first = rows[first]
     apart = np.hypot(*(ends[first] - ends[second]).T)
+    short = [float(np.ptp(line, axis=0).max()) <= tolerance for line in lines]
     merged = np.arange(len(count))
     for k in np.lexsort((second, first, apart)).tolist():
         a, b = int(label[first[k]]), int(label[second[k]])
         if a == b or merged[a] == merged[b] or not loose[a]:
             continue
+        if first[k] // 2 == second[k] // 2 and short[first[k] // 2]:
+            continue  # a line so short joins others, not itself
         merged[merged == merged[a]] = merged[b]
         loose[a] = loose[b] = False
         widest = max(widest, float(apart[k]))

@@ -148,7 +148,7 @@ def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: R
         if region is not None and region.holes:
             inside = shapely.Polygon(outer)
             holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole)))
-        made.append(Outline(Region(outer, holes), plain, row, face=True))
+        made.append(Outline(Region(outer, holes), plain, row, face=region is not None))
     return made
 
 

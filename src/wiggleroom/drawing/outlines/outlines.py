@@ -53,7 +53,7 @@ def traced(
     closed = [_is_closed(path) for path, _ in paths]
     tolerance, at_no_gap, size = _chord_error(artwork, paths, closed, flatten, gap)
     lengths = [longer_side(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
-    real = [length for length in lengths if length > 1e-6 * size]
+    real = [length for length in lengths if length > min(_SPECK, _SPECK_SHARE * size)]
     within = join if join is not None else min([JOIN_DISTANCE, *(JOIN_SHARE * length for length in real)])
     curved = Curved()
     for path, _ in paths:

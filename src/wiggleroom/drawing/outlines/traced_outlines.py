@@ -23,7 +23,7 @@ class Outline:
     row : int
         Place of the stroke in the file.
     face : bool
-        Whether it is a face of a net of lines.
+        Whether it is a piece of a closed outline that lines cut.
     """
 
     region: Region
