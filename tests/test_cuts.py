@@ -171,6 +171,8 @@ CLONES = "".join(
     f'<use xlink:href="#r" inkscape:tiled-clone-of="#r" transform="translate({12 * k})"/>' for k in range(5)
 )
 CIRCLE = f'<circle id="h" cx="20" cy="30" r="3" {LINE}/>'
+KEYHOLE = 9 * math.pi + 2 * (10 - 8**0.5) - (9 * math.asin(1 / 3) - 8**0.5)
+"""A disc of radius 3 and a slot 2 wide that begins 10 above its centre [mm2]."""
 OPEN = "open paths are left out"
 ONE = "1 outline across"
 
@@ -234,6 +236,30 @@ SVGS = [
         SHEET + box(20, 5, 3, 20) + box(70, 5, 3, 20) + path_of("M50 10V50"),
         [1555, 1555],
         "2 outlines across",
+    ),
+    (
+        "a slot over a cut line",
+        SHEET + path_of("M50 10V50") + box(48, 20, 4, 10),
+        [1580, 1580],
+        "2 outlines inside others are holes",
+    ),
+    (
+        "a piece within cut lines",
+        SHEET + path_of("M10 30H35M65 30H90") + box(35, 20, 30, 20),
+        [1300, 1300, 600],
+        "2 faces",
+    ),
+    (
+        "a hole with a centre mark",
+        SHEET + CIRCLE + path_of("M15 30H25M20 25V35"),
+        [3200 - 9 * math.pi],
+        "4 outlines inside others are holes",
+    ),
+    (
+        "a keyhole of open lines",
+        SHEET + CIRCLE.replace('id="h"', "") + path_of("M19 28V20H21V28"),
+        [3200 - KEYHOLE],
+        "2 outlines inside others are holes",
     ),
     ("overcuts", SHEET + TAB + path_of("M48 25l-1 1"), [3155], OPEN),
     ("labels", LABELLED, [3155], "(1 in Lid)"),

@@ -69,9 +69,11 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     replaced = {k for k, faces in by_owner.items() if len(faces) > 1}
     made: list[Outline] = []
     tree = shapely.STRtree([shapely.LineString(points) for points in corners])
+    enclosed = _enclosed(found, reached, replaced, net.faces, by_owner)
     for k in sorted(replaced):
         outline = found.outlines[k]
-        made += _faces([net.faces[f] for f in by_owner[k]], outline.stroke, outline.row, outline.region)
+        own = _faces([net.faces[f] for f in by_owner[k]], outline.stroke, outline.row, outline.region)
+        made += [replace(face, enclosed=k in enclosed) for face in own]
     alone = []
     faces = np.array(net.faces, dtype=object)
     neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
@@ -85,10 +87,10 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
         else:  # nothing is cut: the outline of one part, whose ends overshoot
             ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
-    if made:
-        cut = f"{_many(len(replaced), 'outline')} cut, " if replaced else ""
-        found.note(f"{cut}{_many(len(made), 'face')} of open lines taken as parts; --hole NAME or @x,y leaves one out")
-    found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
+    found.divided = len(replaced)
+    found.outlines = [
+        replace(outline, enclosed=k in enclosed) for k, outline in enumerate(found.outlines) if k not in replaced
+    ]
     found.outlines += [*made, *alone]
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
@@ -137,6 +139,36 @@ def _owners(
     return owner, [f for f in range(len(faces)) if f not in smallest]
 
 
+def _enclosed(
+    found: Traced,
+    reached: Sequence[int],
+    replaced: set[int],
+    faces: Sequence[shapely.Polygon],
+    by_owner: dict[int, list[int]],
+) -> set[int]:
+    """Closed outlines that lie between faces of the one around them, each at least four times as large: slots over a cut."""
+    inner = [(k, f) for k in reached for f in by_owner.get(k, [])]
+    outer = [(k, f) for k in sorted(replaced) for f in by_owner[k]]
+    if not outer:
+        return set()
+    around = np.array([found.outlines[k].polygon for k, _ in outer], dtype=object)
+    own, pieces = (np.array([faces[f] for _, f in pairs], dtype=object) for pairs in (inner, outer))
+    first, second = shapely.STRtree(pieces).query(own, predicate="intersects")
+    other = np.array(
+        [inner[i][0] != outer[j][0] for i, j in zip(first.tolist(), second.tolist(), strict=True)], dtype=bool
+    )
+    holds = other & shapely.covers(around[second], shapely.point_on_surface(own[first]))
+    beside: dict[int, set[int]] = {}
+    for i, j in zip(first[holds].tolist(), second[holds].tolist(), strict=True):
+        beside.setdefault(inner[i][0], set()).add(j)
+    area = shapely.area(pieces)
+    return {
+        k
+        for k, rows in beside.items()
+        if len(rows) > 1 and found.outlines[k].polygon.area <= SMALL * area[sorted(rows)].min()
+    }
+
+
 def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None) -> list[Outline]:
     """Faces as outlines, from the top left on; holes of the outline that they were cut from stay."""
     plain = replace(stroke, name="", label="", fill="", fixed=stroke.fixed and region is not None)
@@ -148,7 +180,7 @@ def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: R
         if region is not None and region.holes:
             inside = shapely.Polygon(outer)
             holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole)))
-        made.append(Outline(Region(outer, holes), plain, row, face=region is not None))
+        made.append(Outline(Region(outer, holes), plain, row, face=region is not None, of_lines=region is None))
     return made
 
 

@@ -117,6 +117,7 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
         [strokes[row] for row in first], [inside[row] for row in first], [not outlines[row].face for row in first]
     )
     names = unique_names(final)
+    _say_faces(found, first)
     _say_nesting(found, names, first, in_material, cuts)
     _say_divided(found, dict(reversed([*zip(first, names, strict=True)])), divided, claims, given)
     _say_pieces(found, outlines, groups)
@@ -208,7 +209,7 @@ def _claims(
     """What the file and the options say about each outline: a part whatever lies around it, or a cut."""
     solid_names, solid_rows = _asked(options.solid, polygons)
     hole_names, hole_rows = _asked(options.hole, polygons)
-    claims = Claims([], [], [], [], [], [])
+    claims = Claims([], [], [], [], [], [], [])
     unknown = hole_names - {"all"}
     for i, outline in enumerate(found.outlines):
         stroke = outline.stroke
@@ -225,7 +226,7 @@ def _claims(
         claims.solid.append(
             "all" in solid_names or i in solid_rows or bool(solid_names & words) or told or (own and stroke.fixed)
         )
-        claims.marked.append(outline.face or (own and bool(filled or stroke.label or named)))
+        claims.marked.append(own and not outline.face and bool(filled or stroke.label or named))
         claims.cut.append(
             "option" if chosen
             else "layer" if stroke.hole
@@ -235,6 +236,7 @@ def _claims(
         )  # fmt: skip
         claims.named.append(own and not outline.face and has_own_name(stroke))
         claims.face.append(outline.face)
+        claims.enclosed.append(outline.enclosed)
         claims.style.append((stroke.colour, bool(stroke.fill), stroke.line_type))
     if unknown:
         named = ", ".join(sorted(unknown))
@@ -333,6 +335,14 @@ def _pieces(outlines: Sequence[Outline], material: dict[int, list[Region]]) -> l
             key = ("stroke", id(stroke))
         groups.setdefault(key, []).append(row)
     return list(groups.values())
+
+
+def _say_faces(found: Traced, first: Sequence[int]) -> None:
+    """Note parts that open lines bound or cut."""
+    faces = sum(found.outlines[row].face or found.outlines[row].of_lines for row in first)
+    if faces:
+        cut = f"{'1 outline' if found.divided == 1 else f'{found.divided} outlines'} cut, " if found.divided else ""
+        found.note(f"{cut}{'1 face' if faces == 1 else f'{faces} faces'} of open lines taken as parts")
 
 
 def _say_nesting(

@@ -166,7 +166,7 @@ class DxfWalk:
             return _hex(int2rgb(entity.dxf.true_color))
         code = int(entity.dxf.get("color", 256))
         if code == 0:
-            return state.colour
+            return state.colour or "#000000"  # of the block; outside any, black
         if code == 256 and state.layer in self.document.layers:
             layer = self.document.layers.get(state.layer)
             if layer.dxf.hasattr("true_color"):
