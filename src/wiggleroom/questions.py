@@ -36,6 +36,7 @@ def read(
     join: float | None = None,
     solid: Sequence[str] = (),
     stop: Stop | None = None,
+    hole: Sequence[str] = (),
     dpi: float | None = None,
 ) -> Assembly | SpatialAssembly:
     """Assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
@@ -54,7 +55,7 @@ def read(
         Parts that stand, besides those the file fixes.
     goals : sequence of Pull or Turn
         In place of the file's, where there are any.
-    only, skip, join, solid, dpi
+    only, skip, join, solid, hole, dpi
         Of drawings only: see `wiggleroom.assembly.build.read`.
     stop : optional
         Anything with `is_set()`; files in space are read in one go.
@@ -69,11 +70,13 @@ def read(
     if is_spatial_file(path):
         from wiggleroom.spatial.solids.spatial_assembly import read_spatial_assembly
 
-        refuse_planar_options("read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, dpi=dpi)
+        refuse_planar_options(
+            "read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, hole=hole, dpi=dpi
+        )
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())
     from wiggleroom.assembly.build import read as read_planar
 
-    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, dpi)  # type: ignore[arg-type]
+    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi)  # type: ignore[arg-type]
 
 
 @overload

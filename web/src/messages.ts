@@ -35,6 +35,7 @@ export interface OpenRequest {
   skip?: string[];
   join?: number | null;
   solid?: string[];
+  hole?: string[];
   gaps?: [string, string, number][] | null;
   ignore?: [string, string][] | null;
   design?: Design | null;

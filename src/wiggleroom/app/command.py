@@ -60,7 +60,7 @@ def reading_options(file: File) -> list[str]:
     """Options that say how the file was read."""
     unit, how = file.unit or "", file.options
     found = ["--dpi", unit.removesuffix(PER_INCH)] if unit.endswith(PER_INCH) else ["--unit", unit] if unit else []
-    for name, words in (("--only", how.only), ("--skip", how.skip), ("--solid", how.solid)):
+    for name, words in (("--only", how.only), ("--skip", how.skip), ("--solid", how.solid), ("--hole", how.hole)):
         for word in words:
             found += _option(name, word)
     return found if how.join is None else [*found, "--join", f"{how.join:.12g}"]

@@ -102,6 +102,7 @@ def read(
     join: float | None = None,
     solid: Sequence[str] = (),
     stop: Stop | None = None,
+    hole: Sequence[str] = (),
     dpi: float | None = None,
 ) -> Assembly:
     """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
@@ -126,6 +127,8 @@ def read(
         Outlines inside others that are parts, not holes: names, points or "all".
     stop : optional
         Anything with `is_set()`, asked after every element and every outline of a drawing.
+    hole : sequence of str
+        Outlines that are cut out of the parts around or under them: names, points or "all".
     dpi : float, optional
         How many units of a drawing are an inch, in place of `unit`.
 
@@ -139,7 +142,7 @@ def read(
     from wiggleroom.drawing import read_drawing
 
     named = [name for goal in goals if (name := part_of(goal)) is not None]
-    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop)
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop, tuple(hole))
     drawing = read_drawing(Path(path), unit=unit_of(unit, dpi), flatten=flatten, gap=gap, options=options)
     go_on(stop)
     known = PartNames(drawing)

@@ -36,6 +36,7 @@ def assemble(
     skip: Many = (),
     join: float | None = None,
     solid: Many = (),
+    hole: Many = (),
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     picture: Path | None = None,
 ) -> int:
@@ -67,6 +68,8 @@ def assemble(
         Open ends nearer than this are joined [mm]. By default 0.2.
     solid
         Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
+    hole
+        Outlines that are cut out of the parts around or under them: NAME, @x,y or all. May repeat.
     json
         Write joints, unmatched flanks and unplaced panels as JSON to this file; - is stdout, which then holds nothing else.
     picture
@@ -87,7 +90,8 @@ def assemble(
     if join is not None and not 0 <= join < math.inf:
         message = f"--join {join:g}: it must be 0 or more"
         raise InputError(message)
-    options = ReadOptions(tuple(split_words(only)), tuple(split_words(skip)), join, tuple(split_words(solid)))
+    words = (tuple(split_words(names)) for names in (only, skip, solid, hole))
+    options = ReadOptions(**dict(zip(("only", "skip", "solid", "hole"), words, strict=True)), join=join)
     if sheet.given:
         done = _in_space(assembled_sheet(file, sheet, unit=unit_of(unit, dpi), options=options), command)
     else:

@@ -63,6 +63,8 @@ class QuestionOptions:
         line.
     solid
         Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
+    hole
+        Outlines that are cut out of the parts around or under them: NAME, @x,y or all. May repeat.
     ignore
         Two parts that never collide, such as stacked sheets: A,B. May repeat.
     glue
@@ -84,6 +86,7 @@ class QuestionOptions:
     skip: Many = ()
     join: float | None = None
     solid: Many = ()
+    hole: Many = ()
     ignore: Many = ()
     glue: Many = ()
     gap_of: Many = ()
@@ -108,6 +111,7 @@ def read_options(asked: QuestionOptions) -> ReadOptions:
         skip=tuple(split_words(asked.skip)),
         join=asked.join,
         solid=(*split_words(asked.solid), *split_words(asked.fix), *(name for name in named if name)),
+        hole=tuple(split_words(asked.hole)),
     )
 
 

@@ -84,6 +84,7 @@ class OpenRequest(Request, tag="open", kw_only=True):
     skip: tuple[str, ...] = ()
     join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     solid: tuple[str, ...] = ()
+    hole: tuple[str, ...] = ()
     gaps: list[tuple[str, str, Annotated[float, Meta(ge=0, le=1e9)]]] | None = None
     ignore: list[tuple[str, str]] | None = None
     design: Design | None = None

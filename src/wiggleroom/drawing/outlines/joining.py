@@ -65,11 +65,14 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     first, second = tree.query(points[rows], predicate="dwithin", distance=tolerance)
     first = rows[first]
     apart = np.hypot(*(ends[first] - ends[second]).T)
+    short = [float(np.ptp(line, axis=0).max()) <= tolerance for line in lines]
     merged = np.arange(len(count))
     for k in np.lexsort((second, first, apart)).tolist():
         a, b = int(label[first[k]]), int(label[second[k]])
         if a == b or merged[a] == merged[b] or not loose[a]:
             continue
+        if first[k] // 2 == second[k] // 2 and short[first[k] // 2]:
+            continue  # a line so short joins others, not itself
         merged[merged == merged[a]] = merged[b]
         loose[a] = loose[b] = False
         widest = max(widest, float(apart[k]))
@@ -123,6 +126,41 @@ def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bo
             loop.append((following, back))
             tip = int(node[following, 0] if back else node[following, 1])
         found.append(loop)
+    return found
+
+
+def open_chains(ends: Ends, wanted: Sequence[bool]) -> list[list[tuple[int, bool]]]:
+    """Chains of wanted lines with two open ends, as the sides of a slot over an edge; each line with whether it is travelled backwards.
+
+    Examples
+    --------
+    >>> sides = [np.array([[0.0, 9], [0, 0]]), np.array([[2.0, 0], [0, 0]]), np.array([[2.0, 0], [2, 9]])]
+    >>> open_chains(join_ends(sides, 0.1, 9.0), [True] * 3)
+    [[(0, False), (1, True), (2, False)]]
+    """
+    node = ends.node
+    degree = np.bincount(node.ravel(), minlength=len(ends.at))
+    at_node: dict[int, list[int]] = {}
+    for line, (a, b) in enumerate(node.tolist()):
+        at_node.setdefault(a, []).append(line)
+        at_node.setdefault(b, []).append(line)
+    found: list[list[tuple[int, bool]]] = []
+    seen: set[int] = set()
+    for line, (a, b) in enumerate(node.tolist()):
+        if line in seen or not wanted[line] or min(degree[a], degree[b]) != 1:
+            continue
+        back = degree[a] != 1
+        chain, tip = [(line, back)], a if back else b
+        while degree[tip] == 2:
+            here = chain[-1][0]
+            pair = at_node[tip]
+            following = pair[1] if pair[0] == here else pair[0]
+            back = bool(node[following, 0] != tip)
+            chain.append((following, back))
+            tip = int(node[following, 0] if back else node[following, 1])
+        seen |= {row for row, _ in chain}
+        if degree[tip] == 1 and all(wanted[row] for row, _ in chain):
+            found.append(chain)
     return found
 
 

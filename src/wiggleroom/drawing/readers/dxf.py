@@ -40,8 +40,6 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
     notes = [*assumed, *file.notes]
     if walk.hidden:
         notes.append(f"{file.name}: layers that are off or frozen are left out: {', '.join(sorted(walk.hidden))}")
-    if walk.pointlike:
-        notes.append(f"{file.name}: {walk.pointlike} elements of no length are left out")
     return Artwork(
         file=file.name,
         strokes=tuple(walk.strokes),

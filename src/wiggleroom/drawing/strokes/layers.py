@@ -57,6 +57,18 @@ HOLE_WORDS = (
     "孔",
     "穴",
 )
+CUT_NAMES = {
+    "hole", "slot", "notch", "cutout", "cutaway", "relief", "dogbone", "opening", "mortise", "mortice", "inside", "inner",
+    "interior", "schlitz", "ausschnitt", "aussparung", "kerbe", "langloch", "durchbruch", "innen", "innenkontur", "fente",
+    "encoche", "mortaise", "rainure", "interieur", "ranura", "muesca", "interno", "asola", "fessura", "fenda", "ranhura",
+    "entalhe", "sleuf", "gleuf", "inkeping", "uitsparing", "wyciecie", "szczelina", "паз", "вырез", "槽", "スリット",
+}  # fmt: skip
+"""Words, and their plurals, for what is cut out of a part; HOLE_WORDS besides."""
+PART_NAMES = {
+    "cover", "plug", "cap", "plate", "panel", "lid", "part", "piece", "board", "insert", "key", "pin", "peg", "filler", "ring",
+    "frame", "box", "wall", "side", "tray", "deckel", "platte", "teil", "stopfen", "couvercle", "tapa", "pieza",
+}  # fmt: skip
+"""Words that say that a name such as "slot cover" is that of a part all the same."""
 REFERENCE_LINE_TYPES = (
     "center", "centre", "hidden", "phantom", "dashdot", "divide", "axis", "axes", "mitte", "achse", "verdeckt", "strichpunkt",
 )  # fmt: skip
@@ -235,6 +247,32 @@ def is_outside_layer(word: str) -> bool:
     return any(token.startswith(OUTSIDE_WORDS) for token in _tokens(word))
 
 
+def is_cut_name(word: str) -> bool:
+    """Whether a name is one of a hole, slot or notch.
+
+    Examples
+    --------
+    >>> [is_cut_name(word) for word in ("slot_hole1", "Finger notches", "Inner cuts", "slot cover", "slotted", "divider")]
+    [True, True, True, False, False, False]
+    """
+    tokens = _tokens(word)
+    if PART_NAMES & {form for token in tokens for form in (token, token.removesuffix("s"))}:
+        return False
+    forms = {
+        form
+        for t in tokens
+        for form in (t, t.removesuffix("s"), t.removesuffix("es"), t.removesuffix("e"), t.removesuffix("n"))
+    }
+    return bool(CUT_NAMES & forms) or any(form in HOLE_WORDS for form in forms)
+
+
+def is_cut(stroke: Stroke) -> bool:
+    """Whether the names of a stroke, or of what it stands in, say that it is cut out of a part."""
+    own = (stroke.label, stroke.name, *stroke.marks, stroke.layer)
+    around = (mark for group in stroke.groups for mark in (group.name, *group.marks))
+    return any(map(is_cut_name, (*own, *around)))
+
+
 def _tokens(word: str) -> list[str]:
     """Words in small letters without accents; numbers part them."""
     plain = unicodedata.normalize("NFKD", word.lower().replace("ß", "ss").replace("ø", "o"))
@@ -356,7 +394,12 @@ def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
 def _called(stroke: Stroke, options: ReadOptions) -> bool:
     """Whether a person gave a stroke its name, or asked for it as a part."""
     own = {stroke.label, stroke.name}
-    return bool(stroke.label) or "all" in options.solid or bool(own & set(options.solid)) or has_own_name(stroke)
+    return (
+        bool(stroke.label)
+        or "all" in options.solid
+        or bool(own & {*options.solid, *options.hole})
+        or has_own_name(stroke)
+    )
 
 
 _AUTOMATIC = re.compile(
