@@ -18,6 +18,10 @@ JOIN_DISTANCE = 0.05
 """Open ends nearer than this [mm] are joined, ..."""
 JOIN_SHARE = 0.01
 """... and nearer than this share of the shortest line."""
+CLOSING_SHARE = 1e-3
+"""The two ends of one line nearer than this share of its size are one, if no other end is near; ..."""
+ALONE = 3.0
+"""... that is nearer than so many times their distance."""
 COINCIDENCE_TOLERANCE = 1e-9
 """Ends nearer than this share of the drawing's size are one."""
 
@@ -41,11 +45,21 @@ class Ends:
     widest: float
 
 
-def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
+def join_ends(lines: Sequence[Points], tolerance: float, size: float, *, further: bool = False) -> Ends:
     """Which ends meet: those in one place, and open ones with the nearest within `tolerance` [mm].
 
     An end that meets another one already is not drawn to a third, so that a clearance between two closed outlines of
     single lines stays.
+
+    Parameters
+    ----------
+    lines : sequence of (n, 2) float64 [mm]
+    tolerance : float [mm]
+    size : float [mm]
+        Of the drawing.
+    further : bool
+        Whether two ends with no other one near are joined over more than `tolerance`: up to `JOIN_DISTANCE` and `JOIN_SHARE` of
+        the shorter of their lines, the two ends of one line up to `CLOSING_SHARE` of its size.
 
     Examples
     --------
@@ -76,6 +90,11 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
         merged[merged == merged[a]] = merged[b]
         loose[a] = loose[b] = False
         widest = max(widest, float(apart[k]))
+    if further:
+        lengths = np.repeat([float(np.ptp(line, axis=0).max()) for line in lines], 2)
+        for a, b, apart_here in _pairs_alone(ends, label, loose, lengths, tree):
+            merged[merged == merged[a]] = merged[b]
+            widest = max(widest, apart_here)
     label = merged[label]
     kept, node = np.unique(label, return_inverse=True)
     at = np.empty((len(kept), 2))
@@ -84,6 +103,31 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     rank = np.empty(len(kept), dtype=np.int64)
     rank[order] = np.arange(len(kept))
     return Ends(rank[node].reshape(-1, 2), at[order], widest)
+
+
+def _pairs_alone(
+    ends: Points, label: Ints, loose: NDArray[np.bool_], lengths: NDArray[np.float64], tree: shapely.STRtree
+) -> list[tuple[int, int, float]]:
+    """Labels of two loose ends with no other end near, and how far they are apart [mm]."""
+    rows = np.flatnonzero(loose[label])
+    reach = np.maximum(JOIN_DISTANCE, CLOSING_SHARE * lengths)
+    found = []
+    for row in rows.tolist():
+        near = tree.query(shapely.Point(ends[row]), predicate="dwithin", distance=ALONE * reach[row])
+        apart = np.hypot(*(ends[near] - ends[row]).T)
+        order = np.argsort(apart, kind="stable")
+        near, apart = near[order], apart[order]
+        if len(near) < 2 or near[1] < row or not loose[label[near[1]]]:
+            continue
+        other, gap = int(near[1]), float(apart[1])
+        closing = other // 2 == row // 2
+        most = CLOSING_SHARE * lengths[row] if closing else min(JOIN_DISTANCE, JOIN_SHARE * lengths[[row, other]].min())
+        third = (
+            np.hypot(*(ends[near[2:], None] - ends[[row, other]]).transpose(2, 0, 1)).min() if len(near) > 2 else np.inf
+        )
+        if gap <= most and third > ALONE * gap:
+            found.append((int(label[row]), int(label[other]), gap))
+    return found
 
 
 def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bool]]]:

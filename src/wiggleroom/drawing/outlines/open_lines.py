@@ -28,7 +28,7 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View
     lines = once
     found.open_lines = len(lines)
     corners = [line.corners for line in lines]
-    ends = join_ends(corners, found.join, size)
+    ends = join_ends(corners, found.join, size, further=found.further)
     if ends.widest > 1e-6 * size:
         found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
     used = set()
@@ -64,7 +64,7 @@ def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
 def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     """Closed outlines cut by lines, and faces of the lines themselves."""
     corners = [line.corners for line in lines]
-    ends = join_ends(corners, found.join, size)
+    ends = join_ends(corners, found.join, size, further=found.further)
     reached = _reached(found, corners, max(found.join, found.tolerance))
     rings = [ring for k in reached for ring in (found.outlines[k].region.outer, *found.outlines[k].region.holes)]
     net = net_of(corners, ends, rings, join=found.join, chord=found.tolerance)

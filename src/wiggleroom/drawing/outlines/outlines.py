@@ -67,7 +67,9 @@ def traced(
     for path, _ in paths:
         go_on(stop)
         curved.add(path)
-    found = Traced(artwork.file, tolerance, within, at_no_gap if curved.bent else None, FINEST * size)
+    found = Traced(
+        artwork.file, tolerance, within, at_no_gap if curved.bent else None, FINEST * size, further=join is None
+    )
     corners = curved.corners(tolerance)
     rings: dict[int, list[Points]] = {}
     lines: list[OpenLine] = []

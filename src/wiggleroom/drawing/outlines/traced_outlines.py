@@ -75,6 +75,8 @@ class Traced:
         Chord error without a gap; None where there are no curves, or their chord error was given.
     finest : float [mm]
         Least chord error that the size of the drawing allows.
+    further : bool
+        Whether ends with no other one near were joined over more.
     notes, findings : list of str
     remarks : list of Remark
     open_lines : int
@@ -93,6 +95,7 @@ class Traced:
     findings: list[str] = field(default_factory=list)
     remarks: list[Remark] = field(default_factory=list)
     open_lines: int = 0
+    further: bool = True
     divided: int = 0
 
     def note(self, line: str) -> None:
