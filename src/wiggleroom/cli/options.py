@@ -219,6 +219,7 @@ def asked_drawing(file: str, asked: QuestionOptions) -> Drawing:
 
 def _read_with_roles(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[Goal]]:
     """What the file says, and the parts that stand and the goals that the options name."""
+    from wiggleroom.assembly.inventory import size_lines
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing
     from wiggleroom.drawing.dimension import is_spatial_file
@@ -232,7 +233,7 @@ def _read_with_roles(file: str, asked: QuestionOptions) -> tuple[Drawing, list[s
     drawing = read_drawing(
         file, unit=asked.length_unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked)
     )
-    for line in drawing.notes:
+    for line in (*size_lines(drawing), *drawing.notes):
         note(line)
     return with_roles(drawing, asked, wanted)
 
