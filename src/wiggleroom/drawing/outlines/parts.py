@@ -381,6 +381,11 @@ def _say_nesting(
             else f"{len(cuts.kept)} outlines inside others are parts, as they touch each other or the edge"
         )
         found.note(f"{said} ({listed}); --hole NAME, @x,y or all makes holes of them")
+    islands = [called[i] for i in parents if i in called and i not in cuts.rows and parents[i] in cuts.rows]
+    if islands:
+        listed = ", ".join(islands[:4]) + (", ..." if len(islands) > 4 else "")
+        said = "1 part lies in a hole" if len(islands) == 1 else f"{len(islands)} parts lie in holes"
+        found.note(f"{said} of another ({listed})")
     filling = [
         called[i]
         for i in parents

@@ -28,6 +28,8 @@ _SAME_SIZE = 0.01
 """Frames of several sheets differ by no more than this share of their size."""
 _COVERED = 0.3
 """Holes leave more of a panel than parts leave of a sheet: they cover less than this share of it."""
+_THIN = 0.3
+"""Walls thinner than this [mm] between holes are the lines of a laser rather than material."""
 _OPENED = 0.5
 """A part has holes that cover less than this share of it; a ring round another part has one that covers more."""
 _MOST_FRAMES = 4
@@ -91,6 +93,7 @@ def leave_out_frames(found: Traced, view: View | None, options: ReadOptions) -> 
         rows = {row for row in rows_at(points, [outline.polygon for outline in found.outlines]) if row is not None}
         _leave_out(found, rows)
         found.note(f"{len(rows)} {'outline' if len(rows) == 1 else 'outlines'} left out (--skip)")
+    _say_cut_outs(found)
     for _ in range(_MOST_FRAMES):
         if options.only or len(found.outlines) < 2:
             return
@@ -103,6 +106,20 @@ def leave_out_frames(found: Traced, view: View | None, options: ReadOptions) -> 
         what = "rectangle round everything is" if len(rows) == 1 else "rectangles round everything are"
         found.note(f"{len(rows)} {what} left out as the sheet ({why}); --solid {at} makes it a part")
         _leave_out(found, rows)
+
+
+def _say_cut_outs(found: Traced) -> None:
+    """Note filled shapes whose holes all but touch each other: what they cut out may be the parts."""
+    for outline in found.outlines:
+        holes = np.array([shapely.Polygon(hole) for hole in outline.region.holes], dtype=object)
+        if len(holes) < 2 or shapely.area(holes).sum() < _COVERED * outline.polygon.area:
+            continue
+        first, second = shapely.STRtree(holes).query(holes, predicate="dwithin", distance=_THIN)
+        if (first != second).any():
+            found.note(
+                f"{outline.stroke}: its {len(holes)} holes leave walls thinner than {_THIN:g} mm; if what they cut out are the parts, "
+                "draw these as outlines"
+            )
 
 
 def _leave_out(found: Traced, rows: set[int]) -> None:
