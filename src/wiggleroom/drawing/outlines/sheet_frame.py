@@ -298,8 +298,12 @@ class _Sheet:
             [outlines[row].stroke for row in rows],
             [o.stroke for k, o in enumerate(outlines) if k not in rows],
         )
-        layer = {s.layer for s in strokes} - {""} if not {s.layer for s in strokes} & {s.layer for s in rest} else set()
-        colour = {s.colour for s in strokes} if not {s.colour for s in strokes} & {s.colour for s in rest} else set()
+        layer: set[str] = (
+            {s.layer for s in strokes} - {""} if not {s.layer for s in strokes} & {s.layer for s in rest} else set()
+        )
+        colour: set[str] = (
+            {s.colour for s in strokes} if not {s.colour for s in strokes} & {s.colour for s in rest} else set()
+        )
         dashed = bool(strokes[0].line_type) and strokes[0].line_type not in {s.line_type for s in rest}
         own = (
             f"on layer {min(layer)} alone"
