@@ -233,7 +233,9 @@ class _Sheet:
     def free_point(self, row: int) -> str:
         """A point in a frame outside all that lies in it, as options take it."""
         rest = self.polygons[row].difference(shapely.union_all(self.polygons[self.inside.get(row, [])]))
-        point = max(shapely.get_parts(rest), key=shapely.area).representative_point() if rest.area else rest.centroid
+        point = (
+            sorted(shapely.get_parts(rest), key=shapely.area)[-1].representative_point() if rest.area else rest.centroid
+        )
         return f"@{point.x:.4g},{point.y:.4g}"
 
     def _is_rectangle(self, row: int) -> bool:
@@ -306,10 +308,10 @@ class _Sheet:
         )
         dashed = bool(strokes[0].line_type) and strokes[0].line_type not in {s.line_type for s in rest}
         own = (
-            f"on layer {min(layer)} alone"
+            f"on layer {sorted(layer)[0]} alone"
             if layer
-            else f"alone {name_of(min(colour))}"
-            if colour and min(colour)
+            else f"alone {name_of(sorted(colour)[0])}"
+            if colour and all(colour)
             else ""
         )
         return _Evidence(
