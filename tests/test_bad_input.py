@@ -128,10 +128,10 @@ SVG_CASES = {
     "nothing": (svg(""), "no closed outline"),
     "open only": (svg('<path d="M0 0L3 0L3 3"/>'), "but 1 open; every part must be closed"),
     "line only": (svg('<line x2="3" y2="3"/>'), "no closed outline"),
-    "two corners": (svg('<path id="q" d="M0 0L3 0z"/>'), 'path "q" (line 1): outline has 2 corners'),
-    "one point": (svg(SQUARE + '<polygon points="1,1 1,1 1,1"/>'), "outline has 1 corners"),
-    "no size": (svg('<rect id="a" width="0" height="3"/>'), "at least 3"),
-    "no radius": (svg('<circle id="a"/>'), "a radius is 0 or missing"),
+    "two corners": (svg('<path id="q" d="M0 0L3 0z"/>'), "but 1 open; every part must be closed"),
+    "one point": (svg('<polygon points="1,1 1,1 1,1"/>'), "is 0 mm large"),
+    "no size": (svg('<rect id="a" width="0" height="3"/>'), "no closed outline, only 1 element without size"),
+    "no radius": (svg('<circle id="a"/>'), "no closed outline, only 1 element without size"),
     "radius below zero": (svg('<circle r="-1"/>'), "must not be negative"),
     "width below zero": (svg('<rect width="-1" height="1"/>'), "must not be negative"),
     "bad number": (svg('<path d="M0 0L3 foo 3 3z"/>'), '"foo"'),
@@ -328,7 +328,9 @@ def test_all_findings_at_once(tmp_path):
 
 def test_all_findings_of_a_drawing_at_once(tmp_path):
     path = tmp_path / "x.svg"
-    path.write_text(svg('<path id="p" d="M0 0z q"/><circle id="c" r="-1"/>' + SQUARE + SQUARE + '<rect id="r"/>'))
+    path.write_text(
+        svg('<path id="p" d="M0 0z q"/><circle id="c" r="-1"/>' + SQUARE + SQUARE + '<rect id="r" width="-1"/>')
+    )
     findings = findings_of(path)
     assert [next(n for n in ("p", "c", "r") if f'"{n}"' in finding) for finding in findings] == ["p", "c", "r"]
 

@@ -411,7 +411,10 @@ def test_invisible_elements_are_no_parts():
         + "</g>"
     )
     assert names(drawing) == ["a", "b"]
-    assert not drawing.notes
+    assert drawing.notes == (
+        "drawing: 4 hidden rect elements are left out; only outlines are parts",
+        "drawing: 1 hidden g elements are left out; only outlines are parts",
+    )
 
 
 @pytest.mark.parametrize(

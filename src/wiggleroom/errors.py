@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,6 +16,35 @@ def where_raised(problem: BaseException) -> str:
         place = f" ({Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno})"
         trace = trace.tb_next
     return place
+
+
+def grouped(lines: Sequence[str], most: int = 3) -> tuple[str, ...]:
+    """Findings with those of one cause, more than `most` of them, in one line: the first, and how many there are.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        Each "where: what"; lines that differ only in numbers and in quoted names have one cause.
+    most : int
+
+    Examples
+    --------
+    >>> grouped([f'a.svg: part "{n}": crosses itself at ({n}, 0) mm' for n in range(5)], most=3)
+    ('a.svg: part "0": crosses itself at (0, 0) mm (and 4 more like it: "1", "2", "3", ...)',)
+    """
+    causes: dict[str, list[str]] = {}
+    for line in dict.fromkeys(lines):
+        causes.setdefault(re.sub(r'"[^"]*"|#?[-+.\d]+(?:e[-+]?\d+)?', "#", line), []).append(line)
+    found = []
+    for alike in causes.values():
+        if len(alike) <= most:
+            found += alike
+            continue
+        names = [match.group() for line in alike[1:] if (match := re.search(r'"[^"]*"', line))]
+        listed = ", ".join(list(dict.fromkeys(names))[:3])
+        said = f": {listed}, ..." if listed else ""
+        found.append(f"{alike[0]} (and {len(alike) - 1} more like it{said})")
+    return tuple(found)
 
 
 class WiggleroomError(Exception):

@@ -38,6 +38,8 @@ def read(
     join: float | None = None,
     solid: Sequence[str] = (),
     stop: Stop | None = None,
+    hole: Sequence[str] = (),
+    dpi: float | None = None,
     overlapping: bool = False,
 ) -> Assembly | SpatialAssembly:
     """Assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
@@ -49,14 +51,14 @@ def read(
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional
-        In place of the drawing's: mm, cm, m, in or px; drawings only.
+        In place of the drawing's: mm, cm, m, in, px or pt; drawings only.
     flatten : float, optional [mm]
         Largest distance between a curve and the straight edges that replace it; drawings only.
     fix : sequence of names
         Parts that stand, besides those the file fixes.
     goals : sequence of Pull or Turn
         In place of the file's, where there are any.
-    only, skip, join, solid
+    only, skip, join, solid, hole, dpi
         Of drawings only: see `wiggleroom.assembly.build.read`.
     stop : optional
         Anything with `is_set()`; files in space are read in one go.
@@ -73,11 +75,13 @@ def read(
     if is_spatial_file(path):
         from wiggleroom.spatial.solids.spatial_assembly import read_spatial_assembly
 
-        refuse_planar_options("read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid)
+        refuse_planar_options(
+            "read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, hole=hole, dpi=dpi
+        )
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())
     from wiggleroom.assembly.build import read as read_planar
 
-    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, overlapping)  # type: ignore[arg-type]
+    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)  # type: ignore[arg-type]
 
 
 @overload

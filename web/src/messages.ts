@@ -28,13 +28,14 @@ export interface OpenRequest {
   data?: string;
   beside?: Record<string, string>;
   sample?: boolean;
-  unit?: "cm" | "in" | "m" | "mm" | "px" | null;
+  unit?: "cm" | "in" | "m" | "mm" | "pt" | "px" | null;
   flatten?: number | null;
   gap?: number | null;
   only?: string[];
   skip?: string[];
   join?: number | null;
   solid?: string[];
+  hole?: string[];
   gaps?: [string, string, number][] | null;
   ignore?: [string, string][] | null;
   design?: Design | null;

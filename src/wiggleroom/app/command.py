@@ -9,6 +9,7 @@ from wiggleroom.app.design_cache import goals_of
 from wiggleroom.app.open_requests import File, saved_name
 from wiggleroom.drawing.model import Drawing, Goal
 from wiggleroom.drawing.strokes.chord_error import chord_error
+from wiggleroom.drawing.units import PER_INCH
 from wiggleroom.schema.requests import Design, GoalEntry
 
 if TYPE_CHECKING:
@@ -57,8 +58,9 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
 
 def reading_options(file: File) -> list[str]:
     """Options that say how the file was read."""
-    found, how = [] if file.unit is None else ["--unit", file.unit], file.options
-    for name, words in (("--only", how.only), ("--skip", how.skip), ("--solid", how.solid)):
+    unit, how = file.unit or "", file.options
+    found = ["--dpi", unit.removesuffix(PER_INCH)] if unit.endswith(PER_INCH) else ["--unit", unit] if unit else []
+    for name, words in (("--only", how.only), ("--skip", how.skip), ("--solid", how.solid), ("--hole", how.hole)):
         for word in words:
             found += _option(name, word)
     return found if how.join is None else [*found, "--join", f"{how.join:.12g}"]

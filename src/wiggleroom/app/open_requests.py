@@ -150,6 +150,7 @@ def first_open(
             skip=how.skip,
             join=how.join,
             solid=how.solid,
+            hole=how.hole,
             gaps=_gaps_of(drawing),
             ignore=list(drawing.ignore),
             design=design,
@@ -246,7 +247,7 @@ def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
 
 
 def _options(request: OpenRequest) -> ReadOptions:
-    return ReadOptions(request.only, request.skip, request.join, request.solid)
+    return ReadOptions(request.only, request.skip, request.join, request.solid, hole=request.hole)
 
 
 def _read(path: Path, request: OpenRequest) -> Drawing:

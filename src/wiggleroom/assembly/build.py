@@ -16,6 +16,7 @@ from wiggleroom.assembly.statements import PartNames, unknown
 from wiggleroom.drawing.model import Drawing, Goal, Part, Region, part_of
 from wiggleroom.drawing.strokes.chord_error import flattened_for
 from wiggleroom.drawing.strokes.read_options import ReadOptions
+from wiggleroom.drawing.units import unit_of
 from wiggleroom.errors import InputError, OverlapError, Stop, go_on
 
 FAR_REFERENCE = 1000.0
@@ -150,6 +151,8 @@ def read(
     join: float | None = None,
     solid: Sequence[str] = (),
     stop: Stop | None = None,
+    hole: Sequence[str] = (),
+    dpi: float | None = None,
     overlapping: bool = False,
 ) -> Assembly:
     """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
@@ -161,7 +164,7 @@ def read(
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional
-        In place of the file's: mm, cm, m, in or px.
+        In place of the file's: mm, cm, m, in, px or pt.
     flatten : float, optional [mm]
         Largest distance between a curve and the straight edges that replace it.
     fix, goals
@@ -174,6 +177,10 @@ def read(
         Outlines inside others that are parts, not holes: names, points or "all".
     stop : optional
         Anything with `is_set()`, asked after every element and every outline of a drawing.
+    hole : sequence of str
+        Outlines that are cut out of the parts around or under them: names, points or "all".
+    dpi : float, optional
+        How many units of a drawing are an inch, in place of `unit`.
     overlapping : bool
         As for `assemble`.
 
@@ -187,8 +194,8 @@ def read(
     from wiggleroom.drawing import read_drawing
 
     named = [name for goal in goals if (name := part_of(goal)) is not None]
-    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop)
-    drawing = read_drawing(Path(path), unit=unit, flatten=flatten, gap=gap, options=options)
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop, tuple(hole))
+    drawing = read_drawing(Path(path), unit=unit_of(unit, dpi), flatten=flatten, gap=gap, options=options)
     go_on(stop)
     known = PartNames(drawing)
     fixed = [known(name) for name in fix]

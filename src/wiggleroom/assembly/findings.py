@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -14,7 +15,7 @@ from wiggleroom.assembly.statements import given_goals, missing_roles, statement
 from wiggleroom.drawing.model import Drawing, Goal, Part
 from wiggleroom.drawing.strokes.chord_error import flattened_for
 from wiggleroom.drawing.writers.glue_groups import collidable
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, grouped
 
 
 def findings(drawing: Drawing) -> tuple[str, ...]:
@@ -56,7 +57,7 @@ def examine_parts(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
         j for j in drawing.gaps if names.issuperset(j.parts) and j.parts[0] != j.parts[1] and 0 <= j.gap < np.inf
     )
     parts, gone = apply_gap(replace(drawing, parts=tuple(sound), gaps=joints))
-    return parts, (*found, *_located(drawing, gone))
+    return parts, grouped((*found, *_located(drawing, gone)))
 
 
 def _located(drawing: Drawing, lines: Sequence[str]) -> tuple[str, ...]:
@@ -129,12 +130,39 @@ _MAX_LINES = 5
 
 
 def overlap_findings(drawing: Drawing, parts: Sequence[Part]) -> tuple[str, ...]:
-    """One line per pair of parts, as made, that overlaps at rest and may not."""
+    """One line per pair of parts, as made, that overlaps at rest and may not; a part that lies over many has one line."""
+    pairs = free_overlaps(drawing, parts)
+    drawn = bool(drawing.source) and not drawing.source.lower().endswith(".json")
+    size = {part.name: float(np.prod(np.ptp(np.vstack([r.outer for r in part.regions]), axis=0))) for part in parts}
+    often = Counter(name for a, b, _ in pairs for name in (a, b))
+    groups: dict[str, list[tuple[str, float]]] = {}
+    for a, b, depth in pairs:
+        hub, other = (b, a) if often[b] > often[a] else (a, b)
+        groups.setdefault(hub, []).append((other, depth))
     found = []
-    for a, b, depth in free_overlaps(drawing, parts):
-        right = f"draw them apart, ask for a larger gap, or --glue {a},{b} or --ignore {a},{b}"
-        found.append(f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}')
+    for a, others in groups.items():
+        if len(others) > _MAX_LINES:
+            listed = ", ".join(f'"{name}"' for name, _ in others[:3])
+            b, depth = others[0][0], max(depth for _, depth in others)
+            what = f'part "{a}" overlaps {len(others)} others ({listed}, ...) by up to {depth:.6g} mm at gap {drawing.gap:g}'
+            small = drawn and all(size[name] < size[a] for name, _ in others)
+            right = (
+                _ways_out(a, b, size, drawn).replace(f"--hole {b}", "--hole all")
+                if small
+                else _ways_out(a, b, size, drawn)
+            )
+            found.append(f"{what}: {right}, and so on")
+            continue
+        for b, depth in others:
+            what = f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}'
+            found.append(f"{what}: {_ways_out(a, b, size, drawn)}")
     return _located(drawing, found)
+
+
+def _ways_out(a: str, b: str, size: Mapping[str, float], drawn: bool) -> str:
+    """What would be right where two parts overlap."""
+    hole = f"--hole {min(a, b, key=size.__getitem__)} if it is cut out, " if drawn else ""
+    return f"draw them apart, ask for a larger gap, {hole}or --glue {a},{b} or --ignore {a},{b}"
 
 
 def free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:

@@ -62,3 +62,36 @@ def inventory(drawing: Drawing, layers: Sequence[str] = ()) -> tuple[InventoryRo
             InventoryRow(part.name, layer, x, y, width, height, float(area), len(part.regions), holes, part.fixed)
         )
     return tuple(rows)
+
+
+def size_of(drawing: Drawing) -> tuple[float, float]:
+    """Width and height of the box round all parts as drawn [mm].
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Part, Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]))
+    >>> size_of(Drawing((Part("a", (square,)), Part("b", (square,), at=(5.0, 0.0, 0.0)))))
+    (7.0, 1.0)
+    """
+    if not drawing.parts:
+        return 0.0, 0.0
+    corners = np.vstack([place(region.outer, part.at) for part in drawing.parts for region in part.regions])
+    width, height = np.ptp(corners, axis=0).tolist()
+    return width, height
+
+
+def size_lines(drawing: Drawing) -> tuple[str, ...]:
+    """One line with the size of a drawing and how many parts it has; none for an assembly file, which says its own unit.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Part, Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]))
+    >>> size_lines(Drawing((Part("a", (square,)),), source="a.svg"))
+    ('a.svg: drawing 2 x 1 mm, 1 part',)
+    """
+    if drawing.source.lower().endswith(".json"):
+        return ()
+    (width, height), count = size_of(drawing), len(drawing.parts)
+    return (f"{drawing.source}: drawing {width:.4g} x {height:.4g} mm, {count} {'part' if count == 1 else 'parts'}",)

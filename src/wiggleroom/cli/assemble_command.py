@@ -30,11 +30,13 @@ def assemble(
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     sheet: SheetOptions = _NO_SHEET,
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None,
+    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None,
+    dpi: float | None = None,
     only: Many = (),
     skip: Many = (),
     join: float | None = None,
     solid: Many = (),
+    hole: Many = (),
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     picture: Path | None = None,
     force: Force = False,
@@ -57,6 +59,8 @@ def assemble(
         The assembly file to write (.json): plates as cut, in space.
     unit
         Unit of the drawing, in place of the file's.
+    dpi
+        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
     only
         Read these alone of a drawing: layers, colours or names, A,B. May repeat.
     skip
@@ -65,6 +69,8 @@ def assemble(
         Open ends nearer than this are joined [mm]. By default 0.2.
     solid
         Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
+    hole
+        Outlines that are cut out of the parts around or under them: NAME, @x,y or all. May repeat.
     json
         Write joints, unmatched flanks and unplaced panels as JSON to this file; - is stdout, which then holds nothing else.
     picture
@@ -77,6 +83,7 @@ def assemble(
     from wiggleroom.cli.asking import split_words
     from wiggleroom.cli.say import note, show
     from wiggleroom.drawing.strokes.read_options import ReadOptions
+    from wiggleroom.drawing.units import unit_of
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
 
@@ -86,13 +93,14 @@ def assemble(
     if join is not None and not 0 <= join < math.inf:
         message = f"--join {join:g}: it must be 0 or more"
         raise InputError(message)
-    options = ReadOptions(tuple(split_words(only)), tuple(split_words(skip)), join, tuple(split_words(solid)))
+    words = (tuple(split_words(names)) for names in (only, skip, solid, hole))
+    options = ReadOptions(**dict(zip(("only", "skip", "solid", "hole"), words, strict=True)), join=join)
     if sheet.given:
-        done = _in_space(assembled_sheet(file, sheet, unit=unit, options=options), command)
+        done = _in_space(assembled_sheet(file, sheet, unit=unit_of(unit, dpi), options=options), command)
     else:
         from wiggleroom.mating.cutting_sheet import read_sheet
 
-        done = _in_plane(read_sheet(Path(file), unit=unit, options=options), sheet.burn, command)
+        done = _in_plane(read_sheet(Path(file), unit=unit_of(unit, dpi), options=options), sheet.burn, command)
     if json is not None:
         write_result(done.record, json)
     if json != "-":

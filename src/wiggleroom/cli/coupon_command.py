@@ -25,7 +25,8 @@ def coupon(
     joint: str | None = None,
     pitch: float | None = None,
     size: Many = (),
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None,
+    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None,
+    dpi: float | None = None,
     flatten: float | None = None,
     force: Force = False,
 ) -> int:
@@ -61,6 +62,8 @@ def coupon(
         One size of the joint, as a fraction of the pitch: NAME=0.2. May repeat.
     unit
         Unit of the drawing, in place of the file's.
+    dpi
+        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
     flatten
         Largest distance between a curve and the straight edges that stand for it [mm].
     force
@@ -69,13 +72,14 @@ def coupon(
     from wiggleroom.assembly import coupon as make
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing, write_drawing
+    from wiggleroom.drawing.units import unit_of
     from wiggleroom.errors import InputError
 
     sizes, wrong = sizes_of(size)
     if file is not None and (joint is not None or pitch is not None or size):
         wrong.append("coupon: give a file with a joint of your own, or --joint, --pitch and --size, not both")
-    if file is None and (unit is not None or flatten is not None):
-        wrong.append("coupon: --unit and --flatten go with a file")
+    if file is None and (unit is not None or dpi is not None or flatten is not None):
+        wrong.append("coupon: --unit, --dpi and --flatten go with a file")
     if wrong:
         raise InputError(wrong)
     check_outputs(file or "", {"--output": (output, (".svg", ".dxf", ".json"))}, force)
@@ -83,7 +87,7 @@ def coupon(
     if file is None:
         sheet = make.comb(joint or "tee", gaps, 20.0 if pitch is None else pitch, **sizes)
     else:
-        drawing = read_drawing(file, unit=unit, flatten=flatten)
+        drawing = read_drawing(file, unit=unit_of(unit, dpi), flatten=flatten)
         for line in drawing.notes:
             note(line)
         names = [part.name for part in drawing.parts]

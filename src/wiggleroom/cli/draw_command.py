@@ -34,6 +34,7 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     force
         Write over a file that was not made by this program, or was changed since.
     """
+    from wiggleroom.assembly.inventory import size_lines
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
     from wiggleroom.drawing.dimension import is_spatial_file
@@ -51,7 +52,7 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     check_outputs(file, {"OUT": (out, STILLS)}, force)
     command = command_line()
     seen = inspect_file(file, asked)
-    for line in (*seen.assembly.drawing.notes, *seen.findings):
+    for line in (*size_lines(seen.assembly.drawing), *seen.assembly.drawing.notes, *seen.findings):
         note(line)
     write_picture(picture_of_reading(seen.assembly, seen.rows, seen.remarks, seen.findings, command=command), out)
     show(_table(seen.rows))
@@ -72,6 +73,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     force
         Write over a file that was not made by this program, or was changed since.
     """
+    from wiggleroom.assembly.inventory import size_lines, size_of
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
     from wiggleroom.drawing.dimension import is_spatial_file
@@ -88,11 +90,16 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
             show(spatial_parts_table(assembly))
         return 0
     seen = inspect_file(file, asked)
-    for line in (*seen.assembly.drawing.notes, *seen.findings):
+    for line in (*size_lines(seen.assembly.drawing), *seen.assembly.drawing.notes, *seen.findings):
         note(line)
     if json is not None:
         command = command_line()
-        write_result(parts_result(seen.rows, seen.assembly.drawing.notes, seen.findings, command), json)
+        write_result(
+            parts_result(
+                seen.rows, seen.assembly.drawing.notes, seen.findings, command, size=size_of(seen.assembly.drawing)
+            ),
+            json,
+        )
     if json != "-":
         show(_table(seen.rows))
     return 2 if seen.findings else 0

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
 
 _HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
-_OF_DRAWINGS = ("unit", "only", "skip", "join", "solid")
+_OF_DRAWINGS = ("unit", "dpi", "only", "skip", "join", "solid", "hole")
 """Options that say how a drawing is read, a cutting sheet too."""
 
 
@@ -84,7 +84,7 @@ def read_in_space(
     if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
     drawn = sheet is not None and sheet.given
-    for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid"):
+    for option in ("unit", "dpi", "flatten", "objective", "only", "skip", "join", "solid", "hole"):
         if getattr(asked, option) not in (None, ()) and not (drawn and option in _OF_DRAWINGS):
             wrong.append(
                 f"--{option.replace('_', '-')} is for parts in the plane; {file} is asked in space: leave it out"
@@ -98,7 +98,7 @@ def read_in_space(
         from wiggleroom.cli.options import read_options
         from wiggleroom.cli.sheet_options import assembled_sheet, sure_text
 
-        found = assembled_sheet(file, sheet, unit=asked.unit, options=read_options(asked), stop=stop)
+        found = assembled_sheet(file, sheet, unit=asked.length_unit, options=read_options(asked), stop=stop)
         drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
     else:
         with at_once(stop):

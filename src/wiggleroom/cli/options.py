@@ -36,6 +36,8 @@ class QuestionOptions:
         Clearance across every joint [mm]: every outline moves inward by half of it. In place of the file's.
     unit
         Unit of the drawing, in place of the file's.
+    dpi
+        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
     flatten
         Largest distance between a curve and the straight edges that stand for it [mm], at every gap. By default gap/50, and
         without a gap 1e-4 of the median part.
@@ -61,6 +63,8 @@ class QuestionOptions:
         line.
     solid
         Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
+    hole
+        Outlines that are cut out of the parts around or under them: NAME, @x,y or all. May repeat.
     ignore
         Two parts that never collide, such as stacked sheets: A,B. May repeat.
     glue
@@ -70,7 +74,8 @@ class QuestionOptions:
     """
 
     gap: float | None = None
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None
+    dpi: float | None = None
     flatten: float | None = None
     fix: Many = ()
     pull: Many = ()
@@ -81,9 +86,17 @@ class QuestionOptions:
     skip: Many = ()
     join: float | None = None
     solid: Many = ()
+    hole: Many = ()
     ignore: Many = ()
     glue: Many = ()
     gap_of: Many = ()
+
+    @property
+    def length_unit(self) -> str | None:
+        """Unit of the drawing that the options say, by name or by units an inch."""
+        from wiggleroom.drawing.units import unit_of
+
+        return unit_of(self.unit, self.dpi)
 
 
 def read_options(asked: QuestionOptions) -> ReadOptions:
@@ -98,6 +111,7 @@ def read_options(asked: QuestionOptions) -> ReadOptions:
         skip=tuple(split_words(asked.skip)),
         join=asked.join,
         solid=(*split_words(asked.solid), *split_words(asked.fix), *(name for name in named if name)),
+        hole=tuple(split_words(asked.hole)),
     )
 
 
@@ -167,7 +181,7 @@ def inspect_file(file: str, asked: QuestionOptions) -> InspectedFile:
     from wiggleroom.errors import InputError
 
     wanted = goals_of_options(asked)
-    found = reading(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
+    found = reading(file, unit=asked.length_unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     drawing, fixed, goals = with_roles(found.drawing, asked, wanted) if found.drawing.parts else (found.drawing, [], [])
     names = [p.name for p in drawing.parts]
     wrong = [f"fix: {unknown(name, names)}" for name in fixed if name not in names]
@@ -207,6 +221,7 @@ def asked_drawing(file: str, asked: QuestionOptions) -> Drawing:
 
 def _read_with_roles(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[Goal]]:
     """What the file says, and the parts that stand and the goals that the options name."""
+    from wiggleroom.assembly.inventory import size_lines
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing
     from wiggleroom.drawing.dimension import is_spatial_file
@@ -217,8 +232,10 @@ def _read_with_roles(file: str, asked: QuestionOptions) -> tuple[Drawing, list[s
         message = f"{file}: is an assembly in space, which {answering} take; this command is for drawings"
         raise InputError(message)
     wanted = goals_of_options(asked)
-    drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
-    for line in drawing.notes:
+    drawing = read_drawing(
+        file, unit=asked.length_unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked)
+    )
+    for line in (*size_lines(drawing), *drawing.notes):
         note(line)
     return with_roles(drawing, asked, wanted)
 

@@ -134,4 +134,4 @@ def first_request(file: str, asked: QuestionOptions) -> bytes:
     if is_spatial_file(file):
         return first_open_in_space(Path(file), read_in_space(file, asked).drawing)
     drawing = asked_drawing(file, asked)
-    return first_open(Path(file), drawing, asked.unit, asked.flatten, asked.gap, read_options(asked))
+    return first_open(Path(file), drawing, asked.length_unit, asked.flatten, asked.gap, read_options(asked))

@@ -38,7 +38,7 @@ def read_drawing(
     path : str or Path
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     unit : str, optional
-        What one user unit of a drawing is (mm, cm, m, in, px), whatever the file says.
+        What one user unit of a drawing is (mm, cm, m, in, px, pt, or units an inch as "90dpi"), whatever the file says.
     flatten : float [mm], optional
         Chord error of curves in a drawing.
     gap : float [mm], optional

@@ -66,7 +66,7 @@ def read_sheet(path: str | Path, *, unit: str | None = None, options: ReadOption
     path : str or Path
         A drawing, or an assembly file in the plane.
     unit : str, optional
-        What one user unit is (mm, cm, m, in, px), whatever the file says.
+        What one user unit is (mm, cm, m, in, px, pt, or units an inch as "90dpi"), whatever the file says.
     options : ReadOptions, optional
         What is read of a drawing, and how far open ends are joined: by default up to `OPEN_ENDS`.
 

@@ -28,6 +28,7 @@ class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=
     """What a file holds: `wiggleroom parts --json`."""
 
     parts: list[PartListing]
+    size: Annotated[tuple[float, float], Meta(description="width and height of the box round all parts [mm]")]
     notes: Notes
     findings: Findings
     command: Command

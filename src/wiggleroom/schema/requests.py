@@ -77,13 +77,14 @@ class OpenRequest(Request, tag="open", kw_only=True):
     data: bytes = b""
     beside: dict[str, bytes] = {}
     sample: bool = False
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     only: tuple[str, ...] = ()
     skip: tuple[str, ...] = ()
     join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     solid: tuple[str, ...] = ()
+    hole: tuple[str, ...] = ()
     gaps: list[tuple[str, str, Annotated[float, Meta(ge=0, le=1e9)]]] | None = None
     ignore: list[tuple[str, str]] | None = None
     design: Design | None = None

@@ -18,6 +18,10 @@ JOIN_DISTANCE = 0.05
 """Open ends nearer than this [mm] are joined, ..."""
 JOIN_SHARE = 0.01
 """... and nearer than this share of the shortest line."""
+CLOSING_SHARE = 1e-3
+"""The two ends of one line nearer than this share of its size are one, if no other end is near; ..."""
+ALONE = 3.0
+"""... that is nearer than so many times their distance."""
 COINCIDENCE_TOLERANCE = 1e-9
 """Ends nearer than this share of the drawing's size are one."""
 
@@ -41,11 +45,21 @@ class Ends:
     widest: float
 
 
-def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
+def join_ends(lines: Sequence[Points], tolerance: float, size: float, *, further: bool = False) -> Ends:
     """Which ends meet: those in one place, and open ones with the nearest within `tolerance` [mm].
 
     An end that meets another one already is not drawn to a third, so that a clearance between two closed outlines of
     single lines stays.
+
+    Parameters
+    ----------
+    lines : sequence of (n, 2) float64 [mm]
+    tolerance : float [mm]
+    size : float [mm]
+        Of the drawing.
+    further : bool
+        Whether two ends with no other one near are joined over more than `tolerance`: up to `JOIN_DISTANCE` and `JOIN_SHARE` of
+        the shorter of their lines, the two ends of one line up to `CLOSING_SHARE` of its size.
 
     Examples
     --------
@@ -65,14 +79,22 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     first, second = tree.query(points[rows], predicate="dwithin", distance=tolerance)
     first = rows[first]
     apart = np.hypot(*(ends[first] - ends[second]).T)
+    short = [float(np.ptp(line, axis=0).max()) <= tolerance for line in lines]
     merged = np.arange(len(count))
     for k in np.lexsort((second, first, apart)).tolist():
         a, b = int(label[first[k]]), int(label[second[k]])
         if a == b or merged[a] == merged[b] or not loose[a]:
             continue
+        if first[k] // 2 == second[k] // 2 and short[first[k] // 2]:
+            continue  # a line so short joins others, not itself
         merged[merged == merged[a]] = merged[b]
         loose[a] = loose[b] = False
         widest = max(widest, float(apart[k]))
+    if further:
+        lengths = np.repeat([float(np.ptp(line, axis=0).max()) for line in lines], 2)
+        for a, b, apart_here in _pairs_alone(ends, label, loose, lengths, tree):
+            merged[merged == merged[a]] = merged[b]
+            widest = max(widest, apart_here)
     label = merged[label]
     kept, node = np.unique(label, return_inverse=True)
     at = np.empty((len(kept), 2))
@@ -81,6 +103,31 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     rank = np.empty(len(kept), dtype=np.int64)
     rank[order] = np.arange(len(kept))
     return Ends(rank[node].reshape(-1, 2), at[order], widest)
+
+
+def _pairs_alone(
+    ends: Points, label: Ints, loose: NDArray[np.bool_], lengths: NDArray[np.float64], tree: shapely.STRtree
+) -> list[tuple[int, int, float]]:
+    """Labels of two loose ends with no other end near, and how far they are apart [mm]."""
+    rows = np.flatnonzero(loose[label])
+    reach = np.maximum(JOIN_DISTANCE, CLOSING_SHARE * lengths)
+    found = []
+    for row in rows.tolist():
+        near = tree.query(shapely.Point(ends[row]), predicate="dwithin", distance=ALONE * reach[row])
+        apart = np.hypot(*(ends[near] - ends[row]).T)
+        order = np.argsort(apart, kind="stable")
+        near, apart = near[order], apart[order]
+        if len(near) < 2 or near[1] < row or not loose[label[near[1]]]:
+            continue
+        other, gap = int(near[1]), float(apart[1])
+        closing = other // 2 == row // 2
+        most = CLOSING_SHARE * lengths[row] if closing else min(JOIN_DISTANCE, JOIN_SHARE * lengths[[row, other]].min())
+        third = (
+            np.hypot(*(ends[near[2:], None] - ends[[row, other]]).transpose(2, 0, 1)).min() if len(near) > 2 else np.inf
+        )
+        if gap <= most and third > ALONE * gap:
+            found.append((int(label[row]), int(label[other]), gap))
+    return found
 
 
 def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bool]]]:
@@ -123,6 +170,41 @@ def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bo
             loop.append((following, back))
             tip = int(node[following, 0] if back else node[following, 1])
         found.append(loop)
+    return found
+
+
+def open_chains(ends: Ends, wanted: Sequence[bool]) -> list[list[tuple[int, bool]]]:
+    """Chains of wanted lines with two open ends, as the sides of a slot over an edge; each line with whether it is travelled backwards.
+
+    Examples
+    --------
+    >>> sides = [np.array([[0.0, 9], [0, 0]]), np.array([[2.0, 0], [0, 0]]), np.array([[2.0, 0], [2, 9]])]
+    >>> open_chains(join_ends(sides, 0.1, 9.0), [True] * 3)
+    [[(0, False), (1, True), (2, False)]]
+    """
+    node = ends.node
+    degree = np.bincount(node.ravel(), minlength=len(ends.at))
+    at_node: dict[int, list[int]] = {}
+    for line, (a, b) in enumerate(node.tolist()):
+        at_node.setdefault(a, []).append(line)
+        at_node.setdefault(b, []).append(line)
+    found: list[list[tuple[int, bool]]] = []
+    seen: set[int] = set()
+    for line, (a, b) in enumerate(node.tolist()):
+        if line in seen or not wanted[line] or min(degree[a], degree[b]) != 1:
+            continue
+        back = degree[a] != 1
+        chain, tip = [(line, back)], a if back else b
+        while degree[tip] == 2:
+            here = chain[-1][0]
+            pair = at_node[tip]
+            following = pair[1] if pair[0] == here else pair[0]
+            back = bool(node[following, 0] != tip)
+            chain.append((following, back))
+            tip = int(node[following, 0] if back else node[following, 1])
+        seen |= {row for row, _ in chain}
+        if degree[tip] == 1 and all(wanted[row] for row, _ in chain):
+            found.append(chain)
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,11 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.outlines.rings import clean_ring, signed_area
+
+WALL_LENGTH = 10.0
+"""A wall too thin to stand is longer round than this many times the thickness; what is shorter is the tip of a corner."""
+FILM = 1e-7
+"""What is thinner than this share of the least wall is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,63 +105,27 @@ def _around(polygons: NDArray[np.object_]) -> list[list[int]]:
     return [sorted(holders) for holders in around]
 
 
-def hole_rows(
-    outlines: NDArray[np.object_], parents: dict[int, int], solid: Sequence[bool], tolerance: float
-) -> set[int]:
-    """Outlines that are holes of the part around them.
-
-    One inside a part is a hole if it contains another outline, or if it is empty; but not if it is solid or touches
-    another outline inside that part, or the edge of the part: two holes that touch would be one.
-
-    Parameters
-    ----------
-    outlines : (n,) polygons [mm]
-    parents : dict of int
-        For every outline inside another one, the smallest that holds it.
-    solid : (n,) bool
-        Outlines that are parts in any case.
-    tolerance : float [mm]
-        Outlines nearer than this touch.
-
-    Examples
-    --------
-    >>> squares = np.array([shapely.box(-r, -r, r, r) for r in (9, 6, 3)])
-    >>> hole_rows(squares, {1: 0, 2: 1}, [False] * 3, 1e-6)
-    {1}
-    """
-    if not parents:
-        return set()
-    siblings: dict[int, list[int]] = {}
-    for i, parent in parents.items():
-        siblings.setdefault(parent, []).append(i)
-    touching = set()
-    for parent, rows in siblings.items():
-        edges = shapely.boundary(np.append(outlines[rows], outlines[parent]))
-        first, second = shapely.STRtree(edges).query(edges, predicate="dwithin", distance=tolerance)
-        touching |= {rows[k] for k in first[first != second].tolist() if k < len(rows)}
-    holes: set[int] = set()
-    for i in np.argsort(-shapely.area(outlines), kind="stable").tolist():
-        inside_part = i in parents and parents[i] not in holes
-        if inside_part and not solid[i] and i not in touching:
-            holes.add(i)
-    return holes
-
-
 def cut_nested(
-    regions: Sequence[Region], parents: dict[int, int], holes: set[int], tolerance: float
+    regions: Sequence[Region],
+    inside: dict[int, int],
+    cuts: set[int],
+    across: Mapping[int, Sequence[int]],
+    touch: float,
 ) -> dict[int, list[Region]]:
-    """Material of every part: outlines inside it cut out, where it has no hole there yet.
+    """Material of every part: what lies inside it or cuts across its edge taken out.
 
     Parameters
     ----------
     regions : sequence of Region [mm]
         Material as drawn.
-    parents : dict of int
-        For every outline inside another one, the smallest that holds it.
-    holes : set of int
-        Rows that are holes, not parts.
-    tolerance : float [mm]
-        Chord error of the outlines: two that overlap by no more than this only touch.
+    inside : dict of int
+        For every outline inside another one, the smallest that holds it; where that has no hole there yet.
+    cuts : set of int
+        Rows that are cuts, not parts.
+    across : dict of sequences of int
+        By row of a part, the cuts that cross its edge.
+    touch : float [mm]
+        Walls between two cuts, or a cut and the edge, that are thinner than this are gone.
 
     Returns
     -------
@@ -166,18 +135,20 @@ def cut_nested(
     Examples
     --------
     >>> square = np.array([[0.0, 0], [9, 0], [9, 9], [0, 9]])
-    >>> cut = cut_nested([Region(square), Region(square / 3 + 1)], {1: 0}, set(), 1e-3)
+    >>> cut = cut_nested([Region(square), Region(square / 3 + 1)], {1: 0}, set(), {}, 1e-3)
     >>> cut[0][0].holes[0].tolist()
     [[1.0, 4.0], [4.0, 4.0], [4.0, 1.0], [1.0, 1.0]]
     """
-    result = {i: [region] for i, region in enumerate(regions) if i not in holes}
+    result = {i: [region] for i, region in enumerate(regions) if i not in cuts}
     outlines = np.array([shapely.Polygon(region.outer) for region in regions])
-    cuts: dict[int, list[int]] = {}
-    for inner, outer in parents.items():
-        if outer not in holes and not meets_hole(outlines[inner], regions[outer], tolerance):
-            cuts.setdefault(outer, []).append(inner)
-    for outer, inners in cuts.items():
-        result[outer] = _cut(regions[outer], outlines[inners])
+    inner_rows: dict[int, list[int]] = {}
+    for inner, outer in inside.items():
+        if outer not in cuts:
+            inner_rows.setdefault(outer, []).append(inner)
+    for row in sorted({*inner_rows, *across}):
+        rows = list(dict.fromkeys((*inner_rows.get(row, ()), *across.get(row, ()))))
+        gone = outlines[[k for k in rows if k in cuts]]
+        result[row] = _cut(regions[row], outlines[rows], gone, touch)
     return result
 
 
@@ -200,22 +171,57 @@ def direct_parents(outlines: NDArray[np.object_]) -> dict[int, int]:
     return parents
 
 
-def meets_hole(outline: shapely.Polygon, region: Region, tolerance: float) -> bool:
-    """Tell whether a hole is there already; where it is too small, that is an overlap to report, not to cut."""
-    holes = [shapely.Polygon(hole) for hole in region.holes]
-    shared = sum(shapely.area(shapely.intersection(outline, holes))) if holes else 0.0
-    return bool(shared > tolerance * outline.length + 1e-9 * outline.area)
+def shares_in_material(
+    outlines: NDArray[np.object_], parents: dict[int, int], regions: Sequence[Region], tolerance: float
+) -> dict[int, float]:
+    """Of outlines that meet a hole which the path around them has, the share of each that lies in material.
+
+    Parameters
+    ----------
+    outlines : (n,) polygons [mm]
+    parents : dict of int
+        For every outline inside another one, the smallest that holds it.
+    regions : sequence of Region [mm]
+        Material of each path.
+    tolerance : float [mm]
+        Chord error of the outlines: two that overlap by no more than this only touch.
+    """
+    found: dict[int, float] = {}
+    children: dict[int, list[int]] = {}
+    for inner, outer in parents.items():
+        if regions[outer].holes:
+            children.setdefault(outer, []).append(inner)
+    for outer, rows in children.items():
+        holes = np.array([shapely.Polygon(hole) for hole in regions[outer].holes])
+        first, second = shapely.STRtree(holes).query(outlines[rows], predicate="intersects")
+        shared = np.bincount(
+            first, shapely.area(shapely.intersection(outlines[rows][first], holes[second])), minlength=len(rows)
+        )
+        for row, common in zip(rows, shared.tolist(), strict=True):
+            outline = outlines[row]
+            if common > tolerance * outline.length + 1e-9 * outline.area:
+                found[row] = 1 - common / outline.area
+    return found
 
 
-def _cut(region: Region, inners: np.ndarray) -> list[Region]:
-    """Cut holes of exactly the inner outlines; where these touch each other or an edge, take the difference."""
+def _cut(region: Region, inners: NDArray[np.object_], gone: NDArray[np.object_], touch: float) -> list[Region]:
+    """Cut holes of exactly the inner outlines; where these touch each other or an edge, take the difference.
+
+    `gone` are those of the inner outlines that are cuts.
+    """
     edges = np.array([shapely.LinearRing(ring) for ring in (region.outer, *region.holes)])
-    first, second = shapely.STRtree(inners).query(inners, predicate="intersects")
-    apart = (first == second).all() and not shapely.intersects(edges[:, None], inners).any()
-    if apart:
+    tree = shapely.STRtree(inners)
+    first, second = tree.query(inners, predicate="dwithin", distance=touch if len(gone) else 0.0)
+    met, _ = tree.query(edges, predicate="dwithin", distance=touch if len(gone) else 0.0)
+    if (first == second).all() and not len(met):
         new = (clean_ring(shapely.get_coordinates(inner), clockwise=True) for inner in inners)
         return [Region(region.outer, (*region.holes, *new))]
-    rest = shapely.difference(shapely.Polygon(region.outer, region.holes), shapely.union_all(inners))
+    material = shapely.Polygon(region.outer, region.holes)
+    if not material.is_valid:
+        return [region]
+    rest = shapely.difference(material, shapely.union_all(inners))
+    if len(gone):
+        rest = _without_walls(rest, shapely.union_all(gone), touch)
     least = 1e-9 * shapely.Polygon(region.outer).area
     pieces = [piece for piece in shapely.get_parts(rest) if piece.area > least]
     return [
@@ -229,3 +235,16 @@ def _cut(region: Region, inners: np.ndarray) -> list[Region]:
         )
         for piece in pieces
     ]
+
+
+def _without_walls(rest: shapely.Geometry, gone: shapely.Geometry, touch: float) -> shapely.Geometry:
+    """Material without walls beside cuts that are thinner than `touch`: a notch drawn a hair inside the edge is open."""
+    core = shapely.buffer(rest, -touch / 2, join_style="mitre")
+    thick = shapely.buffer(core, touch / 2, join_style="mitre")
+    thin = shapely.get_parts(shapely.difference(rest, thick))
+    wall = shapely.length(thin) > WALL_LENGTH * touch
+    wall &= shapely.area(thin) > FILM * touch * shapely.length(thin)
+    wall &= shapely.dwithin(thin, gone, 1e-3 * touch)
+    if not wall.any():
+        return rest
+    return shapely.difference(rest, shapely.union_all(shapely.buffer(thin[wall], FILM * touch, join_style="mitre")))

@@ -9,23 +9,26 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Points, Region
-from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, outline_of
+from wiggleroom.drawing.outlines.cuts import SMALL
+from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, open_chains, outline_of
 from wiggleroom.drawing.outlines.planar_faces import net_of
 from wiggleroom.drawing.outlines.rings import clean_ring
+from wiggleroom.drawing.outlines.sheet_frame import View, page_edge
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.elements import Stroke
+from wiggleroom.drawing.strokes.layers import is_cut
 
 
-def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
-    """Outlines that open lines make one after the other, and faces that they cut."""
+def open_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View | None = None) -> None:
+    """Outlines that open lines make one after the other, and faces that they cut, also of the page."""
     once = _distinct_lines(lines, size)
     if len(once) < len(lines):
         found.note(f"{len(lines) - len(once)} open lines are drawn twice; the copies are left out")
     lines = once
     found.open_lines = len(lines)
     corners = [line.corners for line in lines]
-    ends = join_ends(corners, found.join, size)
+    ends = join_ends(corners, found.join, size, further=found.further)
     if ends.widest > 1e-6 * size:
         found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
     used = set()
@@ -35,8 +38,17 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
         used |= {edge for edge, _ in loop}
         if len(clean_ring(ring)) >= 3:
             found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
+    for chain in open_chains(ends, [line.stroke.hole or is_cut(line.stroke) for line in lines]):
+        ring = np.vstack([corners[row][::-1] if back else corners[row] for row, back in chain])
+        if len(clean_ring(ring)) >= 3:
+            first = min(row for row, _ in chain)
+            used |= {row for row, _ in chain}
+            ring = np.vstack([ring, ring[:1]])
+            found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
     rest = [row for row in range(len(lines)) if row not in used]
     if rest:
+        page = page_edge(found, [lines[row] for row in rest], view)
+        found.outlines += [page] if page is not None else []
         _net(found, [lines[row] for row in rest], size)
 
 
@@ -52,7 +64,7 @@ def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
 def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     """Closed outlines cut by lines, and faces of the lines themselves."""
     corners = [line.corners for line in lines]
-    ends = join_ends(corners, found.join, size)
+    ends = join_ends(corners, found.join, size, further=found.further)
     reached = _reached(found, corners, max(found.join, found.tolerance))
     rings = [ring for k in reached for ring in (found.outlines[k].region.outer, *found.outlines[k].region.holes)]
     net = net_of(corners, ends, rings, join=found.join, chord=found.tolerance)
@@ -60,9 +72,11 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     replaced = {k for k, faces in by_owner.items() if len(faces) > 1}
     made: list[Outline] = []
     tree = shapely.STRtree([shapely.LineString(points) for points in corners])
+    enclosed = _enclosed(found, reached, replaced, net.faces, by_owner)
     for k in sorted(replaced):
         outline = found.outlines[k]
-        made += _faces([net.faces[f] for f in by_owner[k]], outline.stroke, outline.row, outline.region)
+        own = _faces([net.faces[f] for f in by_owner[k]], outline.stroke, outline.row, outline.region)
+        made += [replace(face, enclosed=k in enclosed) for face in own]
     alone = []
     faces = np.array(net.faces, dtype=object)
     neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
@@ -76,10 +90,10 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
         else:  # nothing is cut: the outline of one part, whose ends overshoot
             ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
-    if made:
-        cut = f"{_many(len(replaced), 'outline')} cut, " if replaced else ""
-        found.note(f"{cut}{_many(len(made), 'face')} of open lines taken as parts")
-    found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
+    found.divided = len(replaced)
+    found.outlines = [
+        replace(outline, enclosed=k in enclosed) for k, outline in enumerate(found.outlines) if k not in replaced
+    ]
     found.outlines += [*made, *alone]
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
@@ -100,7 +114,9 @@ def _reached(found: Traced, lines: Sequence[Points], within: float) -> list[int]
     first, second = shapely.STRtree(polygons[rows]).query(polygons[rows], predicate="overlaps")
     common = shapely.area(shapely.intersection(polygons[rows][first], polygons[rows][second]))
     slack = within * np.minimum(shapely.length(polygons[rows][first]), shapely.length(polygons[rows][second]))
-    crossing = set(first[common > slack].tolist())
+    area = shapely.area(polygons[rows])
+    large = area[first] * SMALL >= area[second]  # the other one is a slot across its edge
+    crossing = set(first[(common > slack) & ~large].tolist())
     return [int(row) for k, row in enumerate(rows) if k not in crossing]
 
 
@@ -126,6 +142,36 @@ def _owners(
     return owner, [f for f in range(len(faces)) if f not in smallest]
 
 
+def _enclosed(
+    found: Traced,
+    reached: Sequence[int],
+    replaced: set[int],
+    faces: Sequence[shapely.Polygon],
+    by_owner: dict[int, list[int]],
+) -> set[int]:
+    """Closed outlines that lie between faces of the one around them, each at least four times as large: slots over a cut."""
+    inner = [(k, f) for k in reached for f in by_owner.get(k, [])]
+    outer = [(k, f) for k in sorted(replaced) for f in by_owner[k]]
+    if not outer:
+        return set()
+    around = np.array([found.outlines[k].polygon for k, _ in outer], dtype=object)
+    own, pieces = (np.array([faces[f] for _, f in pairs], dtype=object) for pairs in (inner, outer))
+    first, second = shapely.STRtree(pieces).query(own, predicate="intersects")
+    other = np.array(
+        [inner[i][0] != outer[j][0] for i, j in zip(first.tolist(), second.tolist(), strict=True)], dtype=bool
+    )
+    holds = other & shapely.covers(around[second], shapely.point_on_surface(own[first]))
+    beside: dict[int, set[int]] = {}
+    for i, j in zip(first[holds].tolist(), second[holds].tolist(), strict=True):
+        beside.setdefault(inner[i][0], set()).add(j)
+    area = shapely.area(pieces)
+    return {
+        k
+        for k, rows in beside.items()
+        if len(rows) > 1 and found.outlines[k].polygon.area <= SMALL * area[sorted(rows)].min()
+    }
+
+
 def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None) -> list[Outline]:
     """Faces as outlines, from the top left on; holes of the outline that they were cut from stay."""
     plain = replace(stroke, name="", label="", fill="", fixed=stroke.fixed and region is not None)
@@ -137,7 +183,7 @@ def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: R
         if region is not None and region.holes:
             inside = shapely.Polygon(outer)
             holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole)))
-        made.append(Outline(Region(outer, holes), plain, row, face=True))
+        made.append(Outline(Region(outer, holes), plain, row, face=region is not None, of_lines=region is None))
     return made
 
 

@@ -13,20 +13,28 @@ from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.outlines.open_lines import open_lines
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
-from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Traced
+from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Remark, Traced
 from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
-from wiggleroom.drawing.strokes.elements import Artwork
+from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.pathdata import Subpath
+from wiggleroom.drawing.strokes.pathdata import Line, Subpath
 from wiggleroom.drawing.strokes.strokes import longer_side
 from wiggleroom.errors import InputError, Stop, go_on
 
+_SPECK, _SPECK_SHARE = 0.02, 1e-4
+"""Closed outlines smaller than this [mm, share of the drawing's size] are specks: no beam is so thin."""
 _COPY, _COPY_SHARE = 1e-3, 1e-5
 """Outlines nearer than this [mm, share of the drawing's size] are one drawn twice; a clearance is never so small."""
 
 
 def traced(
-    artwork: Artwork, *, flatten: float | None, gap: float | None, join: float | None, stop: Stop | None = None
+    artwork: Artwork,
+    *,
+    flatten: float | None,
+    gap: float | None,
+    join: float | None,
+    view: tuple[float, float, float, float] | None = None,
+    stop: Stop | None = None,
 ) -> Traced:
     """Outlines that the strokes of a drawing make.
 
@@ -39,6 +47,8 @@ def traced(
     gap : float [mm], optional
     join : float [mm], optional
         Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
+    view : (x, y, width, height), optional [mm]
+        The page, whose edge is that of the board where lines end on it.
     stop : optional
         Asked before every outline.
 
@@ -51,31 +61,42 @@ def traced(
     closed = [_is_closed(path) for path, _ in paths]
     tolerance, at_no_gap, size = _chord_error(artwork, paths, closed, flatten, gap)
     lengths = [longer_side(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
-    real = [length for length in lengths if length > 1e-6 * size]
+    real = [length for length in lengths if length > min(_SPECK, _SPECK_SHARE * size)]
     within = join if join is not None else min([JOIN_DISTANCE, *(JOIN_SHARE * length for length in real)])
     curved = Curved()
     for path, _ in paths:
         go_on(stop)
         curved.add(path)
-    found = Traced(artwork.file, tolerance, within, at_no_gap if curved.bent else None, FINEST * size)
+    found = Traced(
+        artwork.file, tolerance, within, at_no_gap if curved.bent else None, FINEST * size, further=join is None
+    )
     corners = curved.corners(tolerance)
     rings: dict[int, list[Points]] = {}
     lines: list[OpenLine] = []
-    short = 0
+    specks: list[Points] = []
+    short, speck = 1e-9 * size, min(_SPECK, _SPECK_SHARE * size)
     for (_, row), points, is_closed in zip(paths, corners, closed, strict=True):
-        if is_closed:
-            rings.setdefault(row, []).append(points)
-        elif float(np.ptp(points, axis=0).max()) > 1e-9 * size:
+        extent = float(np.ptp(points, axis=0).max())
+        if extent <= (speck if is_closed else short):
+            specks.append(points[:1])
+        elif not is_closed:
             lines.append(OpenLine(points, artwork.strokes[row], row))
+        elif (flat := _without_area(points, extent)) is None:
+            rings.setdefault(row, []).append(points)
         else:
-            short += 1
-    if short:
-        found.note(f"{short} elements of no length are left out")
+            lines += [OpenLine(line, artwork.strokes[row], row) for line in flat]
+    count = len(specks) + dict(artwork.left_out).get(NO_SIZE, 0)
+    if count:
+        where = f", the first at ({specks[0][0, 0]:.6g}, {specks[0][0, 1]:.6g}) mm" if specks else ""
+        many = "1 point or speck is" if count == 1 else f"{count} points and specks are"
+        found.note(f"{many} left out{where}")
+    if specks:
+        found.remarks.append(Remark("left out", tuple(specks)))
     for row, own in rings.items():
         go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
     if lines:
-        open_lines(found, lines, size)
+        open_lines(found, lines, size, view)
     found.outlines.sort(key=lambda outline: outline.row)
     _without_copies(found)
     return found
@@ -84,7 +105,19 @@ def traced(
 def _is_closed(path: Subpath) -> bool:
     ends = [path.start, *(segment.end for segment in path.segments)]
     size = max(abs(end - path.start) for end in ends)
-    return path.closed or abs(ends[-1] - path.start) <= COINCIDENT_CORNERS * size
+    curved = not all(isinstance(segment, Line) for segment in path.segments)
+    return (size > 0 or curved) and (path.closed or abs(ends[-1] - path.start) <= COINCIDENT_CORNERS * size)
+
+
+def _without_area(points: Points, extent: float) -> list[Points] | None:
+    """Lines of a closed outline that runs along them and back, enclosing nothing; None for any other."""
+    x, y = (points - points[0]).T
+    if abs(x[:-1] @ y[1:] - y[:-1] @ x[1:]) > 1e-8 * extent * extent:
+        return None
+    noded = shapely.unary_union(shapely.LineString(points), grid_size=1e-9 * extent)
+    if len(shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))):
+        return None  # a figure of eight
+    return [shapely.get_coordinates(line) for line in shapely.get_parts(shapely.line_merge(noded))]
 
 
 def _chord_error(
@@ -125,8 +158,9 @@ def _chord_error(
         return max(flatten, FINEST * size), None, size
     by_row: dict[int, list[Points]] = {}
     for (_, row), points in zip(chosen, curved.corners(1e-3 * size), strict=True):
-        by_row.setdefault(row, []).append(points)
-    median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()]))
+        if float(np.ptp(points, axis=0).max()) > min(_SPECK, _SPECK_SHARE * size):
+            by_row.setdefault(row, []).append(points)
+    median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()] or [size]))
     at_no_gap = max(median * NO_GAP_SHARE, FINEST * size)
     return chord_error(gap or 0.0, at_no_gap, FINEST * size), at_no_gap, size
 

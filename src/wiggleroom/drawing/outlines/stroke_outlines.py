@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Points, Region
+from wiggleroom.drawing.outlines.cuts import SMALL, WITHIN
 from wiggleroom.drawing.outlines.nesting import regions_by_fill_rule
 from wiggleroom.drawing.outlines.outline_repair import mend
 from wiggleroom.drawing.outlines.rings import clean_ring
@@ -19,10 +20,7 @@ def of_stroke(found: Traced, stroke: Stroke, row: int, drawn: Sequence[Points]) 
     """Outlines of the closed subpaths of one stroke."""
     sound = [ring for ring in drawn if len(clean_ring(ring)) >= 3]
     if not sound:
-        corners = max(len(clean_ring(ring)) for ring in drawn)
-        found.findings.append(
-            f"{found.file}: {stroke}: outline has {corners} corners; at least 3 that enclose an area are needed"
-        )
+        found.note(f"{stroke} encloses nothing and is left out")
         return []
     rings: list[Points] = []
     for ring in sound:
@@ -31,7 +29,10 @@ def of_stroke(found: Traced, stroke: Stroke, row: int, drawn: Sequence[Points]) 
         for kind, at in mended.faults:
             found.remarks.append(Remark(f"mended {kind}", (np.array([at]),)))
     rings = _distinct_rings(rings)
-    separate = not stroke.fill and len(rings) > 2 and not stroke.whole and _holes_touch(rings)
+    lines = (not stroke.fill or not stroke.styled) and not stroke.whole
+    separate = (
+        lines and len(rings) > 1 and (_cross(rings) or (not stroke.fill and len(rings) > 2 and _holes_touch(rings)))
+    )
     try:
         if separate:
             regions = [Region(clean_ring(ring)) for ring in rings]
@@ -59,6 +60,27 @@ def _distinct_rings(rings: list[Points]) -> list[Points]:
     for ring in rings:
         seen.setdefault(clean_ring(ring)[np.lexsort(clean_ring(ring).T)].tobytes(), ring)
     return list(seen.values())
+
+
+def _cross(rings: Sequence[Points]) -> bool:
+    """Whether outlines of one path cross each other as cuts do: a slot over an edge, two slots inside."""
+    polygons = np.array([shapely.Polygon(ring) for ring in rings])
+    if not shapely.is_valid(polygons).all():
+        return False
+    first, second = shapely.STRtree(polygons).query(polygons, predicate="overlaps")
+    area = shapely.area(polygons)
+    share = shapely.area(shapely.intersection(polygons[first], polygons[second])) / area[first]
+    pairs = (share > 1e-9) & (area[first] <= area[second])
+    first, second, share = first[pairs], second[pairs], share[pairs]
+    clear = (area[first] <= SMALL * area[second]) & (share >= WITHIN)
+    inner, outer = shapely.STRtree(polygons).query(polygons, predicate="covered_by")
+    held: dict[int, set[int]] = {}
+    for i, j in zip(inner.tolist(), outer.tolist(), strict=True):
+        if i != j:
+            held.setdefault(i, set()).add(j)
+    pairs = zip(first.tolist(), second.tolist(), strict=True)
+    around = [bool(held.get(i, set()) & held.get(j, set())) for i, j in pairs]
+    return len(first) > 0 and bool((clear | np.array(around, dtype=bool)).all())
 
 
 def _holes_touch(rings: Sequence[Points]) -> bool:

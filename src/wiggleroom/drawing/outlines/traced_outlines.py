@@ -23,13 +23,19 @@ class Outline:
     row : int
         Place of the stroke in the file.
     face : bool
-        Whether it is a face of a net of lines.
+        Whether it is a piece of a closed outline that lines cut.
+    of_lines : bool
+        Whether it is a face that open lines bound elsewhere.
+    enclosed : bool
+        Whether it lay inside a closed outline that lines cut into faces around it, small beside them: a slot over the cut.
     """
 
     region: Region
     stroke: Stroke
     row: int
     face: bool = False
+    of_lines: bool = False
+    enclosed: bool = False
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -69,10 +75,14 @@ class Traced:
         Chord error without a gap; None where there are no curves, or their chord error was given.
     finest : float [mm]
         Least chord error that the size of the drawing allows.
+    further : bool
+        Whether ends with no other one near were joined over more.
     notes, findings : list of str
     remarks : list of Remark
     open_lines : int
         How many lines are not closed.
+    divided : int
+        How many closed outlines these cut.
     """
 
     file: str
@@ -85,6 +95,8 @@ class Traced:
     findings: list[str] = field(default_factory=list)
     remarks: list[Remark] = field(default_factory=list)
     open_lines: int = 0
+    further: bool = True
+    divided: int = 0
 
     def note(self, line: str) -> None:
         """Say something about the file."""

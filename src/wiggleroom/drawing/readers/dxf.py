@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
-from wiggleroom.drawing.readers.dxf_file import load_dxf, scale_of
+import numpy as np
+
+from wiggleroom.drawing.readers.dxf_file import DxfFile, load_dxf, scale_of
 from wiggleroom.drawing.readers.dxf_walk import DxfWalk
-from wiggleroom.drawing.strokes.elements import Artwork
+from wiggleroom.drawing.strokes.elements import Artwork, Stroke
+from wiggleroom.drawing.strokes.strokes import trace
 from wiggleroom.errors import InputError, Stop, StoppedError, go_on
 
 
@@ -17,7 +22,7 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
     ----------
     path : str or Path
     unit : str, optional
-        What one unit is (mm, cm, m, in, px), whatever the file says.
+        What one unit is (mm, cm, m, in, px, pt, or units an inch as "90dpi"), whatever the file says.
     stop : optional
         Asked before every element, once ezdxf has read the file.
 
@@ -29,21 +34,12 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
         If ezdxf is not installed.
     """
     file = load_dxf(Path(path))
-    scale, assumed = scale_of(file, unit)
+    scale, assumed = scale_of(file, unit, lambda: _sizes(_walked(file, 1.0, stop).strokes))
     go_on(stop)
-    walk = DxfWalk(file.name, file.document, scale, stop)
-    try:
-        walk.run()
-    except (InputError, StoppedError):
-        raise
-    except Exception:  # tables and layouts of a damaged file
-        message = f"{file.name}: is damaged; export it again"
-        raise InputError(message) from None
+    walk = _walked(file, scale, stop)
     notes = [*assumed, *file.notes]
     if walk.hidden:
         notes.append(f"{file.name}: layers that are off or frozen are left out: {', '.join(sorted(walk.hidden))}")
-    if walk.pointlike:
-        notes.append(f"{file.name}: {walk.pointlike} elements of no length are left out")
     return Artwork(
         file=file.name,
         strokes=tuple(walk.strokes),
@@ -52,3 +48,24 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
         findings=tuple(walk.findings),
         left_out=tuple(walk.left_out.items()),
     )
+
+
+def _walked(file: DxfFile, scale: float, stop: Stop | None) -> DxfWalk:
+    """Everything that a file draws, its unit `scale` [mm] long."""
+    walk = DxfWalk(file.name, file.document, scale, stop)
+    try:
+        walk.run()
+    except (InputError, StoppedError):
+        raise
+    except Exception:  # tables and layouts of a damaged file
+        message = f"{file.name}: is damaged; export it again"
+        raise InputError(message) from None
+    return walk
+
+
+def _sizes(strokes: Sequence[Stroke]) -> list[float]:
+    """Longer sides of all strokes together and of each."""
+    points = [np.array(trace(path, 4)) for stroke in strokes for path in stroke.paths]
+    if not points:
+        return [math.inf, math.inf]
+    return [max(np.ptp(found.real), np.ptp(found.imag)) for found in (np.concatenate(points), *points)]

@@ -44,11 +44,15 @@ def _line(entity: Any) -> Subpath:
     return Subpath(_flat(entity.dxf.start), [Line(_flat(entity.dxf.end))], False)
 
 
-def _circle(entity: Any) -> Subpath:
+def _circle(entity: Any) -> Subpath | None:
+    if entity.dxf.radius == 0:
+        return None
     return _turn(_flat(entity.dxf.center), complex(_radius(entity)), 1j * _radius(entity), 0.0, 2 * math.pi)
 
 
-def _arc(entity: Any) -> Subpath:
+def _arc(entity: Any) -> Subpath | None:
+    if entity.dxf.radius == 0:
+        return None
     first, last = entity.dxf.start_angle, entity.dxf.end_angle
     sweep = math.radians((last - first) % 360.0) or 2 * math.pi
     radius = _radius(entity)

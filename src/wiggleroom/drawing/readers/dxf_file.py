@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import statistics
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,9 @@ _DWG = b"AC10"
 """DWG files begin with this."""
 _UNITS = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 25.4e-3, 10: 914.4, 13: 1e-3, 14: 100.0}
 """Length of the units of $INSUNITS that parts are drawn in [mm]."""
+INCHES = (12.0, 96.0, 2.0)
+"""An imperial drawing no larger than the first is in inches; so is one no larger than the second, half of whose elements are
+smaller than the third."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +33,15 @@ class DxfFile:
     document : ezdxf document
     unit : int
         Code of its unit, 0 where it says none.
+    imperial : bool
+        Whether it says that it measures in inches, though not its unit.
     notes : tuple of str
     """
 
     name: str
     document: Any
     unit: int
+    imperial: bool
     notes: tuple[str, ...]
 
 
@@ -73,8 +81,11 @@ def load_dxf(path: Path) -> DxfFile:
 
 def _loaded(name: str, document: Any, raw: bytes, notes: tuple[str, ...]) -> DxfFile:
     """With the unit that the file says: where it says none, ezdxf has a unit of its own."""
-    says = b"$INSUNITS" in raw
-    return DxfFile(name, document, int(document.header.get("$INSUNITS", 0)) if says else 0, notes)
+    unit, imperial = (
+        int(document.header.get(key, otherwise)) if key.encode() in raw else otherwise
+        for key, otherwise in (("$INSUNITS", 0), ("$MEASUREMENT", 1))
+    )
+    return DxfFile(name, document, unit, imperial == 0, notes)
 
 
 def import_ezdxf(done: str) -> Any:
@@ -92,8 +103,16 @@ def import_ezdxf(done: str) -> Any:
     return ezdxf
 
 
-def scale_of(file: DxfFile, unit: str | None) -> tuple[float, tuple[str, ...]]:
+def scale_of(file: DxfFile, unit: str | None, sizes: Callable[[], Sequence[float]]) -> tuple[float, tuple[str, ...]]:
     """Millimetres per unit of the drawing, and notes.
+
+    Parameters
+    ----------
+    file : DxfFile
+    unit : str, optional
+        What one unit is, whatever the file says.
+    sizes : callable
+        Longer sides of the whole drawing and of all its elements, in units.
 
     Raises
     ------
@@ -109,7 +128,18 @@ def scale_of(file: DxfFile, unit: str | None) -> tuple[float, tuple[str, ...]]:
     if file.unit in _UNITS:
         return _UNITS[file.unit], ()
     which = f"says no unit that is known here ($INSUNITS {file.unit})" if file.unit else "says no unit"
-    return UNITS["mm"], (f"{file.name}: {which}; 1 unit is taken as 1 mm",)
+    if file.imperial and _are_inches(sizes()):
+        return UNITS["in"], (
+            f"{file.name}: {which}, but that it is imperial ($MEASUREMENT 0), and its numbers are small; "
+            "1 unit is taken as 1 inch (--unit says otherwise)",
+        )
+    return UNITS["mm"], (f"{file.name}: {which}; 1 unit is taken as 1 mm (--unit says otherwise)",)
+
+
+def _are_inches(sizes: Sequence[float]) -> bool:
+    """Whether numbers are more likely inches than millimetres, where the file says that it is imperial."""
+    whole, *elements = sizes
+    return whole <= INCHES[0] or (whole <= INCHES[1] and statistics.median(elements) < INCHES[2])
 
 
 def _check(raw: bytes, name: str) -> None:

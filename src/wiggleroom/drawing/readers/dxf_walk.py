@@ -9,7 +9,7 @@ from typing import Any
 
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.readers.dxf_curves import STROKES, stroke_of
-from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, Group, Lettering, Stroke
+from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, NO_SIZE, Group, Lettering, Stroke
 from wiggleroom.drawing.strokes.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.strokes.strokes import largest_coordinate, mapped
 from wiggleroom.drawing.strokes.transforms import Affine
@@ -21,7 +21,7 @@ HOLES = "holes"
 """Outlines that we write on this layer are holes of the part around them."""
 HIDDEN_LAYERS = ("defpoints", LABELS)
 TEXT_KINDS = ("TEXT", "MTEXT")
-IGNORED_KINDS = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
+IGNORED_KINDS = ("VIEWPORT", "ATTDEF", "ATTRIB", "SEQEND")
 _SPELLED = re.compile(r"\\U\+([0-9A-Fa-f]{4})")
 MAX_NESTING = 50
 """Blocks inside each other at most."""
@@ -53,7 +53,6 @@ class DxfWalk:
     texts: list[Lettering] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
-    pointlike: int = 0
     hidden: set[str] = field(default_factory=set)
 
     def run(self) -> None:
@@ -109,6 +108,9 @@ class DxfWalk:
         kind = entity.dxftype()
         if kind in IGNORED_KINDS:
             return
+        if kind == "POINT":
+            self.left_out[NO_SIZE] += 1
+            return
         if kind == "INSERT":
             self._insert(entity, state)
         elif kind in TEXT_KINDS:
@@ -127,7 +129,7 @@ class DxfWalk:
         named = f'{entity.dxftype()} {handle} on layer "{state.layer}"'
         path = stroke_of(entity)
         if path is None:
-            self.pointlike += 1
+            self.left_out[NO_SIZE] += 1
             return
         in_plane = entity.dxftype() in ("ARC", "CIRCLE", "LWPOLYLINE") or (
             entity.dxftype() == "POLYLINE" and entity.is_2d_polyline
@@ -164,7 +166,7 @@ class DxfWalk:
             return _hex(int2rgb(entity.dxf.true_color))
         code = int(entity.dxf.get("color", 256))
         if code == 0:
-            return state.colour
+            return state.colour or "#000000"  # of the block; outside any, black
         if code == 256 and state.layer in self.document.layers:
             layer = self.document.layers.get(state.layer)
             if layer.dxf.hasattr("true_color"):

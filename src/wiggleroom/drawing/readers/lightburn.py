@@ -11,7 +11,7 @@ from pathlib import Path
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.readers.source import load
 from wiggleroom.drawing.readers.xmltree import Element, parse_xml
-from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, Artwork, Group, Lettering, Stroke
+from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, NO_SIZE, Artwork, Group, Lettering, Stroke
 from wiggleroom.drawing.strokes.layers import is_hole_layer
 from wiggleroom.drawing.strokes.pathdata import MAX_COORDINATE, NUMBER, Arc, Cubic, Line, Segment, Subpath
 from wiggleroom.drawing.strokes.shapes import subpaths_of
@@ -156,6 +156,9 @@ class _LightburnWalk:
             self.left_out[f'{kind} (on {what} "{layer.name}")'] += 1
             return
         paths = tuple(mapped(path, matrix) for path in self._paths(element, kind))
+        if not paths:
+            self.left_out[NO_SIZE] += 1
+            return
         if any(not largest_coordinate(path) <= LARGEST for path in paths):
             message = f"has coordinates beyond {LARGEST:g} mm; move or scale it"
             raise ValueError(message)
@@ -183,8 +186,8 @@ class _LightburnWalk:
             return subpaths_of("rect", sizes | {"rx": round_, "ry": round_}, Box(0.0, 0.0, 1.0, 1.0))
         if kind == "Ellipse":
             rx, ry = _number(element, "Rx"), _number(element, "Ry")
-            if min(rx, ry) <= 0:
-                raise ValueError("a radius is 0; it must be larger than 0")
+            if min(rx, ry) == 0:
+                return []
             return [Subpath(complex(rx), [Arc(0j, complex(rx), 1j * ry, 0.0, 2 * math.pi, False, complex(rx))], True)]
         if kind == "Polygon":
             n, rx, ry = int(_number(element, "N")), _number(element, "Rx"), _number(element, "Ry")

@@ -27,7 +27,7 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
     source : str or Path
         Path of the file, or its text.
     unit : str, optional
-        What one user unit is (mm, cm, m, in, px), whatever the file says.
+        What one user unit is (mm, cm, m, in, px, pt, or units an inch as "90dpi"), whatever the file says.
     stop : optional
         Asked before every element.
 
@@ -41,7 +41,7 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
     if root.tag != "svg":
         message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
         raise InputError(message)
-    matrix, port, notes = page_map(root, unit, text.name)
+    matrix, port, notes = page_map(root, unit, text.name, text.text)
     walk = SvgWalk(text.name, root, stop)
     walk.run(matrix, port)
     if walk.repeated:
@@ -84,7 +84,7 @@ def read_svg(
     source : str or Path
         Path of the file, or its text.
     unit : str, optional
-        What one user unit is (mm, cm, m, in, px), whatever the file says.
+        What one user unit is (mm, cm, m, in, px, pt, or units an inch as "90dpi"), whatever the file says.
     flatten : float [mm], optional
         Chord error of curves at every gap; by default `chord_error` of the gap.
     gap : float [mm], optional

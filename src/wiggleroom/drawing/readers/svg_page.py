@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from wiggleroom.drawing.readers.svg_program import program_of
 from wiggleroom.drawing.readers.xmltree import Element
 from wiggleroom.drawing.strokes.transforms import SVG_UNITS, Affine, Box, parse_length, parse_view_box
 from wiggleroom.drawing.units import millimetres
 from wiggleroom.errors import InputError
 
 
-def page_map(root: Element, unit: str | None, file: str) -> tuple[Affine, Box, tuple[str, ...]]:
+def page_map(root: Element, unit: str | None, file: str, text: str = "") -> tuple[Affine, Box, tuple[str, ...]]:
     """Map of user units to the page, the viewport, and notes.
 
     Parameters
@@ -19,6 +20,8 @@ def page_map(root: Element, unit: str | None, file: str) -> tuple[Affine, Box, t
         What one user unit is, whatever the file says.
     file : str
         Its name, for messages.
+    text : str
+        The whole file: comments in it may say which program wrote it.
 
     Returns
     -------
@@ -46,15 +49,26 @@ def page_map(root: Element, unit: str | None, file: str) -> tuple[Affine, Box, t
     box = view or Box(0.0, 0.0, width or 0.0, height or 0.0)
     across = width if _is_physical(root.attributes.get("width", "")) else None
     up = height if _is_physical(root.attributes.get("height", "")) else None
+    program = program_of(root, text, box)
     notes: tuple[str, ...] = ()
     if fixed is not None:
         x = y = fixed
-    elif across or up:
+    elif (across or up) and (view or program is None):
         x, y = _scales(view, across, up, root.attributes.get("preserveAspectRatio", "").strip())
+    elif program is not None:
+        x = y = program.unit * (_pixels(view, width, height) if program.of_page else 1.0)
+        notes = (f"{file}: {program.said}; --unit and --dpi say otherwise",)
     else:
         x = y = 1.0
-        notes = (f"{file}: has no physical size; 1 user unit is taken as 1 mm",)
+        notes = (f"{file}: has no physical size; 1 user unit is taken as 1 mm (--unit and --dpi say otherwise)",)
     return Affine(x, 0.0, 0.0, -y, -x * box.x, y * (box.y + box.height)), box, notes
+
+
+def _pixels(view: Box | None, width: float | None, height: float | None) -> float:
+    """Pixels of the page per user unit."""
+    if view is None:
+        return 1.0
+    return min([size / whole for size, whole in ((width, view.width), (height, view.height)) if size] or [1.0])
 
 
 def _user_length(text: str) -> float | None:

@@ -7,10 +7,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
-from wiggleroom.drawing.readers.css import GEOMETRY, TRANSFORMS, Rules, parse_rules, properties, selectors_not_followed
+from wiggleroom.drawing.readers.css import (
+    GEOMETRY,
+    TRANSFORMS,
+    Rules,
+    declarations,
+    parse_rules,
+    properties,
+    selectors_not_followed,
+)
 from wiggleroom.drawing.readers.xmltree import Element
 from wiggleroom.drawing.strokes.colours import RED, colour_of
-from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, Group, Lettering, Stroke
+from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, NO_SIZE, Group, Lettering, Stroke
 from wiggleroom.drawing.strokes.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.strokes.pathdata import Subpath
 from wiggleroom.drawing.strokes.shapes import SHAPES, subpaths_of
@@ -125,6 +133,9 @@ class SvgWalk:
     def _visit(self, element: Element, outer: _SvgState) -> None:
         go_on(self.stop)
         tag = element.tag
+        if tag == "flowRoot":
+            self.left_out["text"] += 1
+            return
         if tag not in (*SHAPES, *GROUP_ELEMENTS, *UNSUPPORTED_ELEMENTS, "text", "use", "svg"):
             if tag and tag not in INVISIBLE_ELEMENTS:
                 self.left_out[f"unknown {tag}"] += 1
@@ -135,8 +146,8 @@ class SvgWalk:
             raise InputError(message)
         state = self._inherit(element, outer)
         if state.style.get("display") == "none":
-            if _is_layer(element):
-                self.left_out[f'hidden layer "{_label(element) or _id(element)}"'] += 1
+            named = _label(element) or _id(element)
+            self.left_out[f'hidden layer "{named}"' if _is_layer(element) else f"hidden {tag}"] += 1
             return
         if tag == "g" and not state.copies and LABELS in _marks(element):
             return
@@ -166,10 +177,14 @@ class SvgWalk:
 
     def _shape(self, element: Element, state: _SvgState) -> None:
         if state.style.get("visibility") in ("hidden", "collapse"):
+            self.left_out[f"hidden {element.tag}"] += 1
             return
         fill = self._colour("fill", state, "black")
         copied = bool(state.copies)
         paths, problem = self._paths(element, state)
+        if paths and any(clip is not None and not any(_meets(clip, path) for path in paths) for clip in state.clips):
+            self.left_out[f"clipped {element.tag}"] += 1
+            return
         self.clipped += any(clip is None or not all(_covers(clip, path) for path in paths) for clip in state.clips)
         stroke = Stroke(
             tag=element.tag,
@@ -191,6 +206,8 @@ class SvgWalk:
         )
         if problem:
             self.findings.append(f"{self.file}: {stroke}: {problem}")
+        elif not paths:
+            self.left_out[NO_SIZE] += 1
         else:
             self.strokes.append(stroke)
 
@@ -287,7 +304,13 @@ class SvgWalk:
         if "viewBox" in element.attributes:
             view = self._try(element, parse_view_box, element.attributes["viewBox"], Box(0.0, 0.0, 1.0, 1.0))
             inner = fit(view, port, element.attributes.get("preserveAspectRatio", ""))
-        return replace(state, matrix=state.matrix.after(inner), port=view)
+        own = declarations(element.attributes.get("style", ""))
+        clips = state.clips
+        if own.get("overflow", element.attributes.get("overflow", "hidden")) in ("hidden", "scroll"):
+            x, y, right, top = port.x, port.y, port.x + port.width, port.y + port.height
+            corners = [state.matrix.point(complex(*at)) for at in ((x, y), (right, y), (right, top), (x, top))]
+            clips = (*clips, _slack_polygon(corners))
+        return replace(state, matrix=state.matrix.after(inner), port=view, clips=clips)
 
     def _length(self, element: Element, key: str, state: _SvgState, default: str = "0") -> float:
         whole = state.port.width if key in ("x", "width") else state.port.height
@@ -306,10 +329,24 @@ def _plain(value: str) -> str:
     return value.removeprefix("path(").rstrip(")").strip("\"' ")
 
 
+def _slack_polygon(corners: list[complex]) -> Geometry:
+    """Area inside corners, a hair wider, so that lines on its edge are in it."""
+    import shapely
+
+    area = shapely.Polygon([(p.real, p.imag) for p in corners])
+    return area.buffer(1e-6 * area.length)
+
+
 def _covers(region: Geometry, path: Subpath) -> bool:
     import shapely
 
     return bool(region.covers(shapely.MultiPoint([(p.real, p.imag) for p in trace(path)])))
+
+
+def _meets(region: Geometry, path: Subpath) -> bool:
+    import shapely
+
+    return bool(region.intersects(shapely.LineString([(p.real, p.imag) for p in trace(path)])))
 
 
 def _is_taken(element: Element) -> bool:

@@ -62,6 +62,20 @@ def is_light(colour: str) -> bool:
     return bool(_HEX.fullmatch(colour)) and min(int(colour[k : k + 2], 16) for k in (1, 3, 5)) >= 0xE0
 
 
+def is_grey(colour: str) -> bool:
+    """Whether a colour is a grey, neither black nor white.
+
+    Examples
+    --------
+    >>> is_grey("#aaaaaa"), is_grey("#000000"), is_grey("#aa0000")
+    (True, False, False)
+    """
+    if not _HEX.fullmatch(colour):
+        return False
+    levels = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+    return max(levels) - min(levels) <= 0x18 and 0x40 <= max(levels) < 0xFF
+
+
 def _called(kind: str, numbers: list[tuple[str, str]]) -> str:
     """Colour of rgb() or hsl(), or nothing where the numbers make none."""
     try:

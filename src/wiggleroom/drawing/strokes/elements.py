@@ -10,6 +10,10 @@ MAX_ELEMENTS = 100_000
 """A drawing of more elements than this, copies counted, is refused."""
 
 
+NO_SIZE = "element without size"
+"""What artworks call elements that draw nothing because they have no size."""
+
+
 @dataclass(eq=False, slots=True)
 class Group:
     """A group or layer that may name or glue the parts in it; two are the same only if they are one element.

@@ -12,7 +12,7 @@ from difflib import get_close_matches
 import numpy as np
 import shapely
 
-from wiggleroom.drawing.strokes.colours import colour_of, is_light, name_of
+from wiggleroom.drawing.strokes.colours import colour_of, name_of
 from wiggleroom.drawing.strokes.elements import Artwork, Stroke
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.drawing.strokes.strokes import trace
@@ -57,6 +57,18 @@ HOLE_WORDS = (
     "孔",
     "穴",
 )
+CUT_NAMES = {
+    "hole", "slot", "notch", "cutout", "cutaway", "relief", "dogbone", "opening", "mortise", "mortice", "inside", "inner",
+    "interior", "schlitz", "ausschnitt", "aussparung", "kerbe", "langloch", "durchbruch", "innen", "innenkontur", "fente",
+    "encoche", "mortaise", "rainure", "interieur", "ranura", "muesca", "interno", "asola", "fessura", "fenda", "ranhura",
+    "entalhe", "sleuf", "gleuf", "inkeping", "uitsparing", "wyciecie", "szczelina", "паз", "вырез", "槽", "スリット",
+}  # fmt: skip
+"""Words, and their plurals, for what is cut out of a part; HOLE_WORDS besides."""
+PART_NAMES = {
+    "cover", "plug", "cap", "plate", "panel", "lid", "part", "piece", "board", "insert", "key", "pin", "peg", "filler", "ring",
+    "frame", "box", "wall", "side", "tray", "deckel", "platte", "teil", "stopfen", "couvercle", "tapa", "pieza",
+}  # fmt: skip
+"""Words that say that a name such as "slot cover" is that of a part all the same."""
 REFERENCE_LINE_TYPES = (
     "center", "centre", "hidden", "phantom", "dashdot", "divide", "axis", "axes", "mitte", "achse", "verdeckt", "strichpunkt",
 )  # fmt: skip
@@ -65,8 +77,53 @@ LABELS = "labels"
 """Names for people to read stand in a layer of this name; nothing is said about it."""
 CUT_WORDS = ("inner", "outer", "cut", "through")
 """Words that say that a line is cut whatever stands beside them, as in "text cut"."""
-PAGE_TOLERANCE = 0.01
-"""A rectangle that misses the sheet by less than this share of its size is the sheet."""
+NOT_CUT = re.compile(
+    r"\b(?:do ?(?:not|nt)|don t|dont|no|not|never|non|nie|nicht|kein\w*|ne pas|nao|niet|не) ?(?:laser ?)?"
+    r"(?:cut|schneid\w*|schnitt|decoup\w*|coup\w*|cort\w*|taglia\w*|snij\w*|tnij|ciac|ciecia|резать)\b"
+    r"|\bdonotcut\b|\bnocut\b|不切|不要切|切らない|カットしない|자르지"
+)
+"""What says that something is not cut, in words in small letters without accents."""
+SHEET_WORDS = {
+    "sheet", "sheets", "stock", "workpiece", "material", "workarea", "worksheet", "artboard", "canvas", "billet",
+    "bogen", "werkstuck", "rohmaterial", "rohteil", "rohling", "arbeitsbereich", "arbeitsflache", "zeichenflache", "plattenrand",
+    "blattrand", "blatt", "feuille", "matiere", "materiau", "brut", "hoja", "plancha", "lienzo", "foglio", "materiale", "grezzo",
+    "folha", "chapa", "vel", "materiaal", "werkstuk", "werkgebied", "arkusz", "obrabiany", "лист", "материал", "заготовка",
+    "板材", "材料", "纸张", "紙張", "工作区", "工件", "幅面", "素材", "用紙", "シート", "ワーク", "作業領域", "재료", "시트",
+    "ark", "materjal",
+}  # fmt: skip
+"""Words for the sheet that parts are cut from, and for the place where it lies."""
+FRAME_WORDS = {
+    "frame", "border", "borders", "boundary", "bounds", "bed", "page", "table", "paper", "machine", "laserbed", "rahmen", "rand",
+    "seite", "papier", "tisch", "begrenzung", "cadre", "bordure", "bord", "plateau", "marco", "borde", "pagina", "mesa",
+    "cornice", "bordo", "piano", "moldura", "borda", "quadro", "margem", "kader", "bladzijde", "ramka", "obramowanie",
+    "рамка", "граница", "стол", "страница", "边框", "邊框", "边界", "邊界", "页面", "頁面", "外框", "枠", "外枠", "台紙", "ページ",
+    "테두리",
+}  # fmt: skip
+"""Words for what may be the sheet's edge, or a frame that is a part."""
+SHEET_BESIDE = {"size", "outline", "edge", "area", "work", "working", "cutting", "cut", "laser", "limit", "limits", "rect", "mm",
+                "layer", "the", "of", "guide", "ebene", "calque", "capa", "livello", "laag", "zone", "travail", "trabajo", "di",
+                "de", "lavoro", "trabalho", "x", "a"} | FRAME_WORDS  # fmt: skip
+"""Words that stand beside those and change nothing."""
+SHEET_PHRASES = re.compile(
+    r"\b(?:work(?:ing)? area|cutting area|area de trabajo|area de trabalho|area di lavoro|zone de travail)\b"
+)
+OUTSIDE_WORDS = (
+    "outside",
+    "outer",
+    "exterior",
+    "external",
+    "aussen",
+    "exterieur",
+    "esterno",
+    "buiten",
+    "外",
+    "outline",
+)
+"""How words for lines begin that are cut on their outside."""
+POCKET_WORDS = {"pocket", "pockets", "pocketing", "tasche", "taschen", "poche", "poches", "vcarve", "halftone"}
+"""Words for what is milled, but not through."""
+PAGE = "page"
+"""What `--skip` calls the edge of the page."""
 _REFERENCE = re.compile(r"burn:\s*[\d.]+\s*mm")
 """What stands in the bar by which the scale of a boxes.py sheet is checked."""
 
@@ -90,7 +147,6 @@ def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[
         notes.append(f"{artwork.file}: everything stands in layers that are usually not cut; all of it is read")
     if not options.only:
         _reference_lines(artwork, reasons)
-        _sheet(artwork, reasons)
         _reference_bar(artwork, reasons)
         _filled(artwork, reasons, options)
     kept = tuple(s for s, reason in zip(artwork.strokes, reasons, strict=True) if not reason)
@@ -123,17 +179,23 @@ def is_auxiliary_layer(word: str) -> bool:
 
     Examples
     --------
-    >>> [is_auxiliary_layer(word) for word in ("Engraving", "Hilfslinien", "text-12", "文字", "textile", "cut", "Text cut")]
+    >>> [is_auxiliary_layer(word) for word in ("Engraving", "DO-NOT-CUT", "text-12", "文字", "textile", "cut", "Text cut")]
     [True, True, True, True, False, False, False]
     """
     tokens = _tokens(word)
+    phrase = " ".join(tokens)
+    if NOT_CUT.search(phrase):
+        return True
     if set(tokens) & set(CUT_WORDS):
         return False
-    phrase = " ".join(tokens)
-    return is_engraved(word) or any(
-        (token in (stem, f"{stem}s", f"{stem}n") if stem in _WHOLE else token.startswith(stem))
-        for stem in AUXILIARY_WORDS
-        for token in (*tokens, phrase)
+    return (
+        bool(set(tokens) & POCKET_WORDS)
+        or is_engraved(word)
+        or any(
+            (token in (stem, f"{stem}s", f"{stem}n") if stem in _WHOLE else token.startswith(stem))
+            for stem in AUXILIARY_WORDS
+            for token in (*tokens, phrase)
+        )
     )
 
 
@@ -146,6 +208,69 @@ def is_hole_layer(word: str) -> bool:
     [True, True, False]
     """
     return any(token.startswith(HOLE_WORDS) for token in _tokens(word)[:1])
+
+
+def names_sheet(word: str) -> bool:
+    """Whether a word says that something is the sheet, and nothing else.
+
+    Examples
+    --------
+    >>> [names_sheet(word) for word in ("Sheet 600x400", "Stock", "Werkstück", "cover sheet", "frame")]
+    [True, True, True, False, False]
+    """
+    tokens = set(_tokens(word))
+    return bool(SHEET_PHRASES.search(" ".join(_tokens(word)))) or bool(
+        tokens & SHEET_WORDS and tokens <= SHEET_WORDS | SHEET_BESIDE
+    )
+
+
+def may_be_sheet(word: str) -> bool:
+    """Whether a word may mean the sheet's edge, or a frame that is a part.
+
+    Examples
+    --------
+    >>> [may_be_sheet(word) for word in ("Frame", "laser bed", "bedroom")]
+    [True, True, False]
+    """
+    tokens = set(_tokens(word))
+    return bool(tokens & FRAME_WORDS and tokens <= SHEET_WORDS | SHEET_BESIDE)
+
+
+def is_outside_layer(word: str) -> bool:
+    """Whether lines on a layer of this name are cut on their outside.
+
+    Examples
+    --------
+    >>> is_outside_layer("Outside"), is_outside_layer("Layer 1")
+    (True, False)
+    """
+    return any(token.startswith(OUTSIDE_WORDS) for token in _tokens(word))
+
+
+def is_cut_name(word: str) -> bool:
+    """Whether a name is one of a hole, slot or notch.
+
+    Examples
+    --------
+    >>> [is_cut_name(word) for word in ("slot_hole1", "Finger notches", "Inner cuts", "slot cover", "slotted", "divider")]
+    [True, True, True, False, False, False]
+    """
+    tokens = _tokens(word)
+    if PART_NAMES & {form for token in tokens for form in (token, token.removesuffix("s"))}:
+        return False
+    forms = {
+        form
+        for t in tokens
+        for form in (t, t.removesuffix("s"), t.removesuffix("es"), t.removesuffix("e"), t.removesuffix("n"))
+    }
+    return bool(CUT_NAMES & forms) or any(form in HOLE_WORDS for form in forms)
+
+
+def is_cut(stroke: Stroke) -> bool:
+    """Whether the names of a stroke, or of what it stands in, say that it is cut out of a part."""
+    own = (stroke.label, stroke.name, *stroke.marks, stroke.layer)
+    around = (mark for group in stroke.groups for mark in (group.name, *group.marks))
+    return any(map(is_cut_name, (*own, *around)))
 
 
 def _tokens(word: str) -> list[str]:
@@ -175,7 +300,10 @@ def _chosen(artwork: Artwork, options: ReadOptions) -> Callable[[Stroke], str]:
         found = {name.casefold() for name in names} | {colour_of(name) for name in names}
         asked[option] = found
         for name in names:
-            if not {name.casefold(), colour_of(name)} & set(known):
+            elsewhere = option == "skip" and (
+                name.startswith("@") or name.casefold() == PAGE
+            )  # no stroke, but outlines
+            if not elsewhere and not {name.casefold(), colour_of(name)} & set(known):
                 shown = [w for w, _ in known.most_common() if not w.startswith("#") or name_of(w) == w]
                 near = get_close_matches(name.casefold(), shown, n=3) or shown[:8]
                 wrong.append(
@@ -207,7 +335,7 @@ def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
                 return f'in "{mark}", by its name not cut; --only "{mark}" reads it'
     told = stroke.whole or stroke.piece is not None  # the file says that it is a part: its name says nothing else
     for mark in stroke.marks if told else (stroke.label, stroke.name, *stroke.marks):
-        if mark and is_engraved(mark):
+        if mark and (is_engraved(mark) or NOT_CUT.search(" ".join(_tokens(mark)))):
             return f'called "{mark}", by its name not cut'
     return "" if visible else "without line or fill"
 
@@ -225,30 +353,6 @@ def _reference_lines(artwork: Artwork, reasons: list[str]) -> None:
         name = artwork.strokes[i].line_type
         if name and _tokens(name) and _tokens(name)[0].startswith(REFERENCE_LINE_TYPES):
             reasons[i] = f'drawn with line type "{name}", not cut; --only "{name}" reads it'
-
-
-def _sheet(artwork: Artwork, reasons: list[str]) -> None:
-    """Leave out a rectangle as large as the sheet that is no line to cut."""
-    if artwork.view is None:
-        return
-    x, y, width, height = artwork.view
-    others = [s for s, reason in zip(artwork.strokes, reasons, strict=True) if not reason]
-    for i, stroke in enumerate(artwork.strokes):
-        if reasons[i] or len(others) < 2 or stroke.fixed or stroke.label or len(stroke.paths) != 1:
-            continue
-        if stroke.colour and stroke.colour != stroke.fill and not is_light(stroke.colour):
-            continue
-        points = np.array(trace(stroke.paths[0], 2))
-        low, high = np.array([points.real.min(), points.imag.min()]), np.array([points.real.max(), points.imag.max()])
-        slack = PAGE_TOLERANCE * np.array([width, height])
-        covers = bool(
-            (low <= np.array([x, y]) + slack).all() and (high >= np.array([x + width, y + height]) - slack).all()
-        )
-        box = shapely.Polygon(np.column_stack([points.real, points.imag])) if len(points) > 3 else shapely.Polygon()
-        square = box.is_valid and box.area > (1 - 1e-6) * float(np.prod(high - low))
-        lined = any(other.colour for other in others if other is not stroke)
-        if covers and square and (not stroke.fill or is_light(stroke.fill) or lined):
-            reasons[i] = "rectangle as large as the page, a background"
 
 
 def _reference_bar(artwork: Artwork, reasons: list[str]) -> None:
@@ -290,7 +394,12 @@ def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
 def _called(stroke: Stroke, options: ReadOptions) -> bool:
     """Whether a person gave a stroke its name, or asked for it as a part."""
     own = {stroke.label, stroke.name}
-    return bool(stroke.label) or "all" in options.solid or bool(own & set(options.solid)) or has_own_name(stroke)
+    return (
+        bool(stroke.label)
+        or "all" in options.solid
+        or bool(own & {*options.solid, *options.hole})
+        or has_own_name(stroke)
+    )
 
 
 _AUTOMATIC = re.compile(

@@ -21,6 +21,9 @@ class ReadOptions:
         Names, or points as "@x,y", of outlines inside others that are parts, not holes; "all" for all of them.
     stop : optional
         Anything with `is_set()`, asked after every element and every outline.
+    hole : tuple of str
+        Names, or points as "@x,y", of outlines that are cut out of the parts around or under them; "all" for all inside or
+        across the edge of another one.
     """
 
     only: tuple[str, ...] = ()
@@ -28,3 +31,4 @@ class ReadOptions:
     join: float | None = None
     solid: tuple[str, ...] = ()
     stop: Stop | None = field(default=None, compare=False)
+    hole: tuple[str, ...] = ()

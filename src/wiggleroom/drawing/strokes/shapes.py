@@ -84,6 +84,8 @@ def _polygon(points: list[complex], closed: bool) -> list[Subpath]:
 def _rectangle(x: float, y: float, width: float, height: float, rx: float, ry: float) -> list[Subpath]:
     if min(width, height, rx, ry) < 0:
         raise ValueError("width, height, rx and ry must not be negative")
+    if width == 0 or height == 0:
+        return []  # as SVG says
     rx, ry = min(rx, width / 2), min(ry, height / 2)
     if rx == 0 or ry == 0:
         rx = ry = 0.0
@@ -108,6 +110,6 @@ def _ellipse(centre: complex, rx: float, ry: float) -> list[Subpath]:
     if min(rx, ry) < 0:
         raise ValueError("a radius must not be negative")
     if rx == 0 or ry == 0:
-        raise ValueError("a radius is 0 or missing; it must be larger than 0")
+        return []  # as SVG says
     start = centre + rx
     return [Subpath(start, [Arc(centre, complex(rx), 1j * ry, 0.0, 2 * math.pi, False, start)], True)]

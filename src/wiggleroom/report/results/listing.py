@@ -10,11 +10,17 @@ from wiggleroom.schema.listing_schema import PartListing, PartsResult
 
 
 def parts_result(
-    rows: Sequence[InventoryRow], notes: Sequence[str], findings: Sequence[str], command: str = ""
+    rows: Sequence[InventoryRow],
+    notes: Sequence[str],
+    findings: Sequence[str],
+    command: str = "",
+    *,
+    size: tuple[float, float],
 ) -> PartsResult:
     """Everything `parts --json` says; lengths in mm."""
     return PartsResult(
         parts=[PartListing(**asdict(row)) for row in rows],
+        size=size,
         notes=list(notes),
         findings=list(findings),
         command=command,
