@@ -21,6 +21,10 @@ FULL = 0.9
 """An outline that lies in a hole with more than this share is no further cut there, but a part pressed in."""
 LEAST = 1e-6
 """Outlines that share less than this of the smaller one only touch."""
+TILE_SIZES = 0.02
+"""Sizes of tiles differ by no more than this share, ..."""
+TILE_SIDE = 0.15
+"""... and each shares at least this share of its outline with another one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +64,7 @@ class Claims:
 
 
 @dataclass(frozen=True, eq=False)
-class Crossings:
+class EdgeCrossings:
     """Pairs of outlines of which one crosses the edge of the other.
 
     Parameters
@@ -103,7 +107,7 @@ class Cuts:
     kept: list[int]
 
 
-def crossings(outlines: NDArray[np.object_], parents: dict[int, int], lies: dict[int, float]) -> Crossings:
+def crossings(outlines: NDArray[np.object_], parents: dict[int, int], lies: dict[int, float]) -> EdgeCrossings:
     """Outlines that cross the edges of others.
 
     Parameters
@@ -144,14 +148,14 @@ def crossings(outlines: NDArray[np.object_], parents: dict[int, int], lies: dict
             alike |= {i, j}
         both.setdefault(i, set()).add(j)
         both.setdefault(j, set()).add(i)
-    return Crossings(of, both, alike)
+    return EdgeCrossings(of, both, alike)
 
 
 def cuts_of(
     outlines: NDArray[np.object_],
     parents: dict[int, int],
     in_material: dict[int, int],
-    crossing: Crossings,
+    crossing: EdgeCrossings,
     claims: Claims,
     touch: float,
 ) -> Cuts:
@@ -166,7 +170,7 @@ def cuts_of(
     outlines : (n,) polygons [mm]
     parents, in_material : dict of int
         For every outline inside another one, the smallest that holds it; without those that meet a hole of its path.
-    crossing : Crossings
+    crossing : EdgeCrossings
     claims : Claims
     touch : float [mm]
         Outlines nearer than this touch.
@@ -176,7 +180,7 @@ def cuts_of(
     >>> squares = np.array([shapely.box(-r, -r, r, r) for r in (9, 6, 3)])
     >>> plain = Claims([False] * 3, [False] * 3, [""] * 3, [False] * 3, [False] * 3, [False] * 3, [0] * 3)
     >>> nest = {1: 0, 2: 1}
-    >>> cuts_of(squares, nest, nest, Crossings({}, {}, set()), plain, 1e-6).rows
+    >>> cuts_of(squares, nest, nest, EdgeCrossings({}, {}, set()), plain, 1e-6).rows
     {1}
     """
     area = shapely.area(outlines)
@@ -226,11 +230,26 @@ def cuts_of(
     return Cuts(cut, across, joined & cut, loose, kept)
 
 
+def _are_tiles(outlines: NDArray[np.object_], touch: float) -> bool:
+    """Whether outlines are of one size and share whole sides, as pieces of a puzzle do and slots do not."""
+    if len(outlines) < 2:
+        return False
+    area, edges = shapely.area(outlines), shapely.boundary(outlines)
+    if np.ptp(area) > TILE_SIZES * area.max():
+        return False
+    first, second = shapely.STRtree(edges).query(edges, predicate="dwithin", distance=touch)
+    first, second = first[first != second], second[first != second]
+    shared = shapely.length(shapely.intersection(edges[first], shapely.buffer(edges[second], touch)))
+    longest = np.zeros(len(outlines))
+    np.maximum.at(longest, first, shared)
+    return bool((longest >= TILE_SIDE * shapely.length(edges)).all())
+
+
 def _touching(
     outlines: NDArray[np.object_],
     area: NDArray[np.float64],
     in_material: dict[int, int],
-    crossing: Crossings,
+    crossing: EdgeCrossings,
     claims: Claims,
     touch: float,
 ) -> tuple[set[int], set[int]]:
@@ -260,6 +279,7 @@ def _touching(
             open_ = [row for row in members if not claims.cut[row]]
             small = area[open_].sum() <= SMALL * area[parent]
             named = any(claims.named[row] or claims.is_part(row) for row in open_)
+            named = named or _are_tiles(outlines[[row for row in open_ if not claims.face[row]]], touch)
             for row in open_:
                 crosses = crossing.both.get(row, set()) & inside
                 if row in crossing.alike or (not crosses and (named or not small)):
