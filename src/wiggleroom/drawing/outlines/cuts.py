@@ -188,6 +188,12 @@ def cuts_of(
     cut: set[int] = set()
     loose: list[int] = []
     host: dict[int, int] = {}  # the part that a cut was taken from
+
+    def clear(i: int, j: int, share: float) -> bool:
+        """Whether an outline that nothing names is a cut across the edge of another one."""
+        alike = not claims.named[i] and claims.style[i] == claims.style[j]
+        return bool(alike and area[i] <= SMALL * area[j] and share >= WITHIN)
+
     for i in np.argsort(-area, kind="stable").tolist():
         parent, said = in_material.get(i), claims.cut[i]
         over = crossing.of.get(i, {})
@@ -214,9 +220,7 @@ def cuts_of(
             lies = {j: share for j, share in over.items() if j not in cut and share > BESIDE}
             gone = [host[j] for j, share in over.items() if j in cut and host[j] != j and share <= FULL]
             under = next(iter(lies), gone[0] if gone else None)
-            if under is None or len(lies) > 1 or claims.named[i] or claims.style[i] != claims.style[under]:
-                continue
-            if area[i] <= SMALL * area[under] and (not lies or lies[under] >= WITHIN):
+            if under is not None and len(lies) < 2 and clear(i, under, lies.get(under, 1.0)):
                 cut.add(i)
                 host[i] = under
     across: dict[int, list[int]] = {}
@@ -224,7 +228,9 @@ def cuts_of(
         over = crossing.of.get(i, {})
         by_name = claims.cut[i] in ("option", "layer")
         for j in [*over, *(sorted(crossing.both.get(i, set()) - over.keys()) if by_name else ())]:
-            if j not in cut:
+            # A hole of a tray under the edge of a piece in it does not cut the piece.
+            nested = not claims.cut[i] and i in in_material and host[i] != j and not clear(i, j, over.get(j, 0.0))
+            if j not in cut and not nested:
                 across.setdefault(j, []).append(i)
     kept = [i for i in sorted(pieces) if i not in cut and not claims.is_part(i) and in_material[i] not in cut]
     return Cuts(cut, across, joined & cut, loose, kept)
