@@ -115,7 +115,24 @@ def every(cases):
     return [pytest.param(c, style, id=f"{c.name} ({style})") for c in cases for style in c.formats.split()]
 
 
-@pytest.mark.parametrize(("case", "style"), every(CUTS))
+TILES = [rect(30 + 10 * k, 20, 10, 10) for k in range(3)]
+SOCKET = Line(((0, 0), (40, 0), (35, 15), (65, 15), (60, 0), (100, 0), (100, 60), (0, 60)))
+KEYSTONE = Line(((40, 0), (35, 15), (65, 15), (60, 0)))
+KEPT = [
+    CutCase("tiles in a tray", [PANEL, *TILES], [minus(PANEL, *TILES), *(tile.shape for tile in TILES)],
+            "3 outlines inside others are parts, as they touch each other or the edge"),
+    CutCase("large pieces in a tray", [PANEL, rect(20, 15, 40, 20), rect(60, 15, 20, 20)],
+            [minus(PANEL, rect(20, 15, 60, 20)), rect(20, 15, 40, 20).shape, rect(60, 15, 20, 20).shape], "are parts, as they touch"),
+    CutCase("a dovetail beside its socket", [SOCKET, KEYSTONE], [minus(rect(0, 0, 100, 60), KEYSTONE), KEYSTONE.shape]),
+    CutCase("a ring in a ring", [disc(60, 60, 40), disc(60, 60, 30), disc(60, 60, 29.9), disc(60, 60, 10)],
+            [minus(disc(60, 60, 40), disc(60, 60, 30)), minus(disc(60, 60, 29.9), disc(60, 60, 10))]),
+    CutCase("a disc pressed into a hole", [PANEL, disc(40, 30, 10), disc(40, 30, 10.03)],
+            [minus(PANEL, disc(40, 30, 10.03)), disc(40, 30, 10).shape]),
+]  # fmt: skip
+"""Drawings of parts that fit together, none of which is a cut."""
+
+
+@pytest.mark.parametrize(("case", "style"), every([*CUTS, *KEPT]))
 def test_what_the_laser_leaves(case, style, tmp_path):
     found = read(case, style, tmp_path)
     assert not found.findings

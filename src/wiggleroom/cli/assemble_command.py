@@ -93,8 +93,13 @@ def assemble(
     if join is not None and not 0 <= join < math.inf:
         message = f"--join {join:g}: it must be 0 or more"
         raise InputError(message)
-    words = (tuple(split_words(names)) for names in (only, skip, solid, hole))
-    options = ReadOptions(**dict(zip(("only", "skip", "solid", "hole"), words, strict=True)), join=join)
+    options = ReadOptions(
+        only=tuple(split_words(only)),
+        skip=tuple(split_words(skip)),
+        join=join,
+        solid=tuple(split_words(solid)),
+        hole=tuple(split_words(hole)),
+    )
     if sheet.given:
         done = _in_space(assembled_sheet(file, sheet, unit=unit_of(unit, dpi), options=options), command)
     else:

@@ -21,6 +21,10 @@ FULL = 0.9
 """An outline that lies in a hole with more than this share is no further cut there, but a part pressed in."""
 LEAST = 1e-6
 """Outlines that share less than this of the smaller one only touch."""
+TILE_SIZES = 0.02
+"""Sizes of tiles differ by no more than this share, ..."""
+TILE_SIDE = 0.15
+"""... and each shares at least this share of its outline with another one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +64,7 @@ class Claims:
 
 
 @dataclass(frozen=True, eq=False)
-class Crossings:
+class EdgeCrossings:
     """Pairs of outlines of which one crosses the edge of the other.
 
     Parameters
@@ -103,7 +107,7 @@ class Cuts:
     kept: list[int]
 
 
-def crossings(outlines: NDArray[np.object_], parents: dict[int, int], lies: dict[int, float]) -> Crossings:
+def crossings(outlines: NDArray[np.object_], parents: dict[int, int], lies: dict[int, float]) -> EdgeCrossings:
     """Outlines that cross the edges of others.
 
     Parameters
@@ -144,14 +148,14 @@ def crossings(outlines: NDArray[np.object_], parents: dict[int, int], lies: dict
             alike |= {i, j}
         both.setdefault(i, set()).add(j)
         both.setdefault(j, set()).add(i)
-    return Crossings(of, both, alike)
+    return EdgeCrossings(of, both, alike)
 
 
 def cuts_of(
     outlines: NDArray[np.object_],
     parents: dict[int, int],
     in_material: dict[int, int],
-    crossing: Crossings,
+    crossing: EdgeCrossings,
     claims: Claims,
     touch: float,
 ) -> Cuts:
@@ -166,7 +170,7 @@ def cuts_of(
     outlines : (n,) polygons [mm]
     parents, in_material : dict of int
         For every outline inside another one, the smallest that holds it; without those that meet a hole of its path.
-    crossing : Crossings
+    crossing : EdgeCrossings
     claims : Claims
     touch : float [mm]
         Outlines nearer than this touch.
@@ -176,7 +180,7 @@ def cuts_of(
     >>> squares = np.array([shapely.box(-r, -r, r, r) for r in (9, 6, 3)])
     >>> plain = Claims([False] * 3, [False] * 3, [""] * 3, [False] * 3, [False] * 3, [False] * 3, [0] * 3)
     >>> nest = {1: 0, 2: 1}
-    >>> cuts_of(squares, nest, nest, Crossings({}, {}, set()), plain, 1e-6).rows
+    >>> cuts_of(squares, nest, nest, EdgeCrossings({}, {}, set()), plain, 1e-6).rows
     {1}
     """
     area = shapely.area(outlines)
@@ -184,6 +188,12 @@ def cuts_of(
     cut: set[int] = set()
     loose: list[int] = []
     host: dict[int, int] = {}  # the part that a cut was taken from
+
+    def clear(i: int, j: int, share: float) -> bool:
+        """Whether an outline that nothing names is a cut across the edge of another one."""
+        alike = not claims.named[i] and claims.style[i] == claims.style[j]
+        return bool(alike and area[i] <= SMALL * area[j] and share >= WITHIN)
+
     for i in np.argsort(-area, kind="stable").tolist():
         parent, said = in_material.get(i), claims.cut[i]
         over = crossing.of.get(i, {})
@@ -210,9 +220,7 @@ def cuts_of(
             lies = {j: share for j, share in over.items() if j not in cut and share > BESIDE}
             gone = [host[j] for j, share in over.items() if j in cut and host[j] != j and share <= FULL]
             under = next(iter(lies), gone[0] if gone else None)
-            if under is None or len(lies) > 1 or claims.named[i] or claims.style[i] != claims.style[under]:
-                continue
-            if area[i] <= SMALL * area[under] and (not lies or lies[under] >= WITHIN):
+            if under is not None and len(lies) < 2 and clear(i, under, lies.get(under, 1.0)):
                 cut.add(i)
                 host[i] = under
     across: dict[int, list[int]] = {}
@@ -220,17 +228,34 @@ def cuts_of(
         over = crossing.of.get(i, {})
         by_name = claims.cut[i] in ("option", "layer")
         for j in [*over, *(sorted(crossing.both.get(i, set()) - over.keys()) if by_name else ())]:
-            if j not in cut:
+            # A hole of a tray under the edge of a piece in it does not cut the piece.
+            nested = not claims.cut[i] and i in in_material and host[i] != j and not clear(i, j, over.get(j, 0.0))
+            if j not in cut and not nested:
                 across.setdefault(j, []).append(i)
     kept = [i for i in sorted(pieces) if i not in cut and not claims.is_part(i) and in_material[i] not in cut]
     return Cuts(cut, across, joined & cut, loose, kept)
+
+
+def _are_tiles(outlines: NDArray[np.object_], touch: float) -> bool:
+    """Whether outlines are of one size and share whole sides, as pieces of a puzzle do and slots do not."""
+    if len(outlines) < 2:
+        return False
+    area, edges = shapely.area(outlines), shapely.boundary(outlines)
+    if np.ptp(area) > TILE_SIZES * area.max():
+        return False
+    first, second = shapely.STRtree(edges).query(edges, predicate="dwithin", distance=touch)
+    first, second = first[first != second], second[first != second]
+    shared = shapely.length(shapely.intersection(edges[first], shapely.buffer(edges[second], touch)))
+    longest = np.zeros(len(outlines))
+    np.maximum.at(longest, first, shared)
+    return bool((longest >= TILE_SIDE * shapely.length(edges)).all())
 
 
 def _touching(
     outlines: NDArray[np.object_],
     area: NDArray[np.float64],
     in_material: dict[int, int],
-    crossing: Crossings,
+    crossing: EdgeCrossings,
     claims: Claims,
     touch: float,
 ) -> tuple[set[int], set[int]]:
@@ -260,6 +285,7 @@ def _touching(
             open_ = [row for row in members if not claims.cut[row]]
             small = area[open_].sum() <= SMALL * area[parent]
             named = any(claims.named[row] or claims.is_part(row) for row in open_)
+            named = named or _are_tiles(outlines[[row for row in open_ if not claims.face[row]]], touch)
             for row in open_:
                 crosses = crossing.both.get(row, set()) & inside
                 if row in crossing.alike or (not crosses and (named or not small)):

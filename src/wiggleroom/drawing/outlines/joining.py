@@ -193,7 +193,7 @@ def open_chains(ends: Ends, wanted: Sequence[bool]) -> list[list[tuple[int, bool
     for line, (a, b) in enumerate(node.tolist()):
         if line in seen or not wanted[line] or min(degree[a], degree[b]) != 1:
             continue
-        back = degree[a] != 1
+        back = bool(degree[a] != 1)
         chain, tip = [(line, back)], a if back else b
         while degree[tip] == 2:
             here = chain[-1][0]

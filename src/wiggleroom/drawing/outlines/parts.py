@@ -109,11 +109,12 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     _say_loose(found, cuts, claims)
     divided = _divided(found, material, in_material, cuts)
     groups = _pieces(outlines, material)
-    bodies = [
-        (rows, [region]) if rows[0] in divided else (rows, [region for row in rows for region in material[row]])
-        for rows in groups
-        for region in (material[rows[0]] if rows[0] in divided else [None])
-    ]
+    bodies: list[tuple[list[int], list[Region]]] = []
+    for rows in groups:
+        if rows[0] in divided:
+            bodies += [(rows, [region]) for region in material[rows[0]]]
+        else:
+            bodies.append((rows, [region for row in rows for region in material[row]]))
     bodies = _without_hair(found, bodies, touch)
     first = [rows[0] for rows, _ in bodies]
     final = given_names(
@@ -242,9 +243,9 @@ def _claims(
         claims.enclosed.append(outline.enclosed)
         claims.style.append((stroke.colour, bool(stroke.fill), stroke.line_type))
     if unknown:
-        named = ", ".join(sorted(unknown))
+        listed = ", ".join(sorted(unknown))
         found.findings.append(
-            f"{found.file}: --hole {named}: no outline is called so; name one, or a point in it as @x,y"
+            f"{found.file}: --hole {listed}: no outline is called so; name one, or a point in it as @x,y"
         )
     return claims
 
@@ -370,7 +371,8 @@ def _say_nesting(
         shown = [f"{n} in {name}" for name, n in counts.most_common() if name]
         listed = ", ".join(shown[:4]) + (", ..." if len(shown) > 4 else "")
         joined = len(cuts.joined.intersection(rows))
-        united = f"; {joined} of them touch each other or the edge, and are one cut with it" if joined else ""
+        united = "; it touches the edge" if joined and len(rows) == 1 else ""
+        united = united or (f"; {joined} of them touch each other or the edge" if joined else "")
         said = one if len(rows) == 1 else f"{len(rows)} {many}"
         found.note(f"{said}{f' ({listed})' if listed else ''}{united}; --solid NAME, @x,y or all makes parts of them")
     if cuts.kept:
