@@ -321,6 +321,7 @@ export interface FlexReply {
   seconds: number;
   command: string; // the command that answers the same
   settled: boolean; // false where a fuller answer is to come
+  search: "done" | "from rest" | "to come"; // whether a search from other starts has ended; from rest: too many parts move for one
   rings?: [number, number][][][]; // where the page shows others
   solids?: Solids; // in space, as the outlines
   shown?: string; // name of these outlines
@@ -647,6 +648,7 @@ export interface Finding {
   parts: string[]; // names of parts
   point: [number, number] | null; // where in the picture [mm]
   mends: Mend[];
+  missing: boolean; // true where nothing is wrong, but something is not set yet
 }
 
 /** What is wrong, one plain line each; of a design with all that is, and what would help. */

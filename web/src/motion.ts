@@ -22,11 +22,12 @@ const SEEN = 1 / 400;
 export const shown = signal<Shown>(REST);
 export const place = signal(1);
 export const playing = signal(false);
-/** Chosen magnification; 0 leaves it to the page. */
-export const chosenFactor = signal(0);
-export const autoFactor = signal(1);
+/** Chosen magnification: parts that touch are drawn through each other by it, so that nobody but the user sets it. */
+export const chosenFactor = signal(1);
+/** The one that would show the motion well. */
+export const suggested = signal(1);
 
-export const factor = (): number => chosenFactor.value || autoFactor.value;
+export const factor = (): number => chosenFactor.value;
 export const calm = (): boolean => typeof matchMedia === "function" && matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 /** Numbers that a part has in every frame: 3 in the plane, 7 in space. */
@@ -60,6 +61,12 @@ export function along(frames: Frames, t: number, out?: Float32Array): Float32Arr
   const x = Math.min(Math.max(t, 0), 1) * (k - 1);
   const low = Math.min(Math.floor(x), Math.max(k - 2, 0));
   return mix(data, low * n * width, data, Math.min(low + 1, k - 1) * n * width, x - low, width, out ?? new Float32Array(n * width));
+}
+
+/** At most so many of the frames, first and last among them. */
+export function sampled(frames: Frames, most: number): Float32Array[] {
+  const count = Math.min(frames.k, most);
+  return Array.from({ length: count }, (_, i) => along(frames, count > 1 ? Math.round((i * (frames.k - 1)) / (count - 1)) / (frames.k - 1) : 1));
 }
 
 /** Last frame alone. */
@@ -126,7 +133,7 @@ export function show(next: Shown, soft = true): void {
 
 /** Shows the parts at rest. */
 export function showRest(soft = true): void {
-  autoFactor.value = 1; // nothing moves
+  suggested.value = 1; // nothing moves
   show(REST, soft);
 }
 

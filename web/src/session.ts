@@ -1,8 +1,8 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
 import { batch, effect, untracked } from "@preact/signals";
-import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf } from "./design.ts";
-import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
+import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf, toggleFixed } from "./design.ts";
+import { between, chosenFactor, end, play, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, isLink, keepDesign, keepFile, keepRecent, keptDesign, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
@@ -140,6 +140,7 @@ function askFlex(): void {
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
 export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
   if (!socket?.ready) return away();
+  state.notice.value = "";
   const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
   leads(wanted, state.shapedNow.peek());
   const before = state.dragging.peek();
@@ -153,6 +154,13 @@ export function askDrag(part: string, grip: Point | Triple, target: Point | Trip
 function leads({ part, grip, target }: Wanted, shaped: boolean): void {
   const free = origin() !== "rest" || shown.peek().what === "rest";
   if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
+}
+
+/** Fixes a part or lets it go; what is asked of it is left out then, and that is said. */
+export function fixOrNot(part: string): void {
+  const asked = goals.peek().some((goal) => goal.part === part);
+  toggleFixed(part);
+  if (asked && design.peek().fixed.includes(part)) state.notice.value = `${part} is fixed now, and no longer pulled; Ctrl-Z takes that back`;
 }
 
 /** Whether a part can move at all; says so where it cannot. */
@@ -323,7 +331,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>, beside: bo
     state.answer.value = about;
     if (beside && !more) return; // the same motion, and that nothing better was found
     if (beside) state.notice.value = `a larger motion was found: ${reply.headline}`;
-    else if (reply.settled && reply.objective && reply.at_most === null && !inSpace()) ask("bound", { design: about.design });
+    else if (reply.settled && reply.objective && (reply.at_most === null || reply.search === "to come") && !inSpace()) ask("bound", { design: about.design });
     if (state.trouble.value === "flex") state.findings.value = [];
     const elsewhere = beside && shown.peek().what !== "answer"; // a film is seen, or a dragged part
     if (paths[0] && !elsewhere && (shown.peek().what !== "drag" || !state.dragged.peek())) {
@@ -378,7 +386,7 @@ export function showMode(which: number): void {
   const known = state.modes.peek();
   const frames = known?.paths[which];
   if (!frames) return;
-  magnify(Math.max(known.reply.modes[which]!.size, 0), factor());
+  magnify(Math.max(known.reply.modes[which]!.size, 0));
   show({ what: "mode", frames, label: `freedom ${which + 1} of ${known.paths.length}`, back: false });
   play(true);
 }
@@ -388,7 +396,6 @@ export function showEscape(which: number, about: state.About<CheckReply | PlanRe
   const frames = about?.paths[which];
   if (!frames) return;
   const count = about.paths.length;
-  autoFactor.value = 1;
   const next = count > 1 ? () => showEscape((which + 1) % count, about) : undefined; // one after the other
   const earlier = state.standalone.peek() || state.current(about) ? "" : " of an earlier design";
   const name = (about.reply.kind === "plan" ? "plan" : "path out") + earlier;
@@ -425,7 +432,6 @@ function opened(reply: Opened): void {
   state.findings.value = [];
   state.unopened.value = [];
   state.pointed.value = null;
-  state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
   forgetSheet();
@@ -441,11 +447,12 @@ function opened(reply: Opened): void {
   state.shaped.value = null;
   outlines = "";
   state.drawing.value = reply;
+  chosenFactor.value = 1;
   showRest(false);
   kept.value = null;
   const mine = keptDesign(reply);
-  leftOut(reply.name);
   begin(mine?.design ?? read, mine?.history);
+  leftOut(reply.name);
 }
 
 /** Says that the design of the link in the address is not the one that is shown. */
@@ -476,7 +483,7 @@ function worker(now: "ready" | "lost" | "restarted"): void {
 }
 
 /** A line about nothing in particular. */
-const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [] });
+const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [], missing: false });
 
 function failed(of: string, lines: Finding[], about?: Design): void {
   if (about && about !== design.peek() && !["flex", "shape", "drag"].includes(of)) {
@@ -506,8 +513,10 @@ function failed(of: string, lines: Finding[], about?: Design): void {
     state.sheetOpen.value = true;
     return;
   }
+  const answers = ["flex", "shape", "drag"].includes(of);
+  if (!answers && reviewed === design.peek() && state.findings.peek().length) return; // what is wrong with the design stands there already, with what would help
   state.trouble.value = of;
-  reviewed = of === "flex" || of === "shape" || of === "drag" ? design.peek() : null;
+  reviewed = answers ? design.peek() : null;
   state.pointed.value = null;
   state.findings.value = lines;
   if (lines.length && state.drawing.peek() && state.tab.peek() !== "sheet") {

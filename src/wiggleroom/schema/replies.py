@@ -33,6 +33,8 @@ from wiggleroom.schema.study_replies import (
 )
 from wiggleroom.verdict import PathState, Verdict
 
+SearchState = Literal["done", "to come", "from rest"]
+
 
 class UploadLimits(Struct):
     """What the server takes."""
@@ -130,6 +132,10 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     seconds: float
     command: Command
     settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True
+    search: Annotated[
+        SearchState,
+        Meta(description="whether a search from other starts has ended; from rest: too many parts move for one"),
+    ] = "done"
     rings: Annotated[list[Outline] | UnsetType, Meta(description="where the page shows others")] = UNSET
     solids: Annotated[Solids | UnsetType, Meta(description="in space, as the outlines")] = UNSET
     shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
@@ -218,6 +224,7 @@ class Finding(Struct):
     parts: Names = []
     point: Annotated[Point | None, Meta(description="where in the picture [mm]")] = None
     mends: list[Mend] = []
+    missing: Annotated[bool, Meta(description="true where nothing is wrong, but something is not set yet")] = False
 
 
 class SheetEdge(Struct):

@@ -1,12 +1,12 @@
 /** The answer in one line over the canvas, and for screen readers as it changes. */
 
 import { asks, design, goals, inSpace } from "../design.ts";
-import { factor, shown } from "../motion.ts";
+import { factor, shown, suggested } from "../motion.ts";
 import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, notice, running, selected, tab, unsure } from "../state.ts";
 import { assembled } from "../sheetState.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
-import type { Kind } from "../protocol.ts";
+import type { FlexReply, Kind } from "../protocol.ts";
 import { size } from "../stage/camera.ts";
 import { mostMarks } from "../stage/marks.ts";
 import { ask, few, number, short } from "../words.ts";
@@ -25,7 +25,7 @@ export function Headline() {
         <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled} data-further={further} title={title}>
           {busy.value && <i class="busy" role="img" aria-label="working" />}{title}
         </p>
-        <p class="facts" hidden={notice.value !== ""}>{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
+        <p class="facts" hidden={notice.value !== ""}>{line}{settled && <Meaning of={wordOf(answer.value!.reply)} />}</p>
         <Notices />
       </div>
       <Work />
@@ -34,6 +34,9 @@ export function Headline() {
 }
 
 const whole: Record<string, string> = { closer: "parts closer together", weight: "everything sinks in -z" };
+
+/** How an answer is called: a verdict counts once the search from other starts has ended. */
+const wordOf = ({ search, verdict }: FlexReply): string => ({ "to come": "found so far", "from rest": "found from rest", done: verdict })[search];
 
 interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 
@@ -91,7 +94,10 @@ function draggedSaid(): Said {
   return { title: `${name} moved ${moved > tiny ? number(moved, 3) : "0"} mm`, line: [...held, away, ...enlarged()].join(" · "), tone: "" };
 }
 
-const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
+const enlarged = (): string[] => {
+  if (factor() > 1) return [`motion drawn ×${factor()}: in the picture parts pass through each other, in truth they do not`];
+  return suggested.value > 1 && !["rest", "between"].includes(shown.value.what) ? ["motion hardly seen at its true size"] : [];
+};
 
 /** That not all contacts have their arrow. */
 function thinned(count: number): string[] {
@@ -126,5 +132,5 @@ function Work() {
 export function Spoken() {
   const name = selected.value;
   const roles = name ? [design.value.fixed.includes(name) && "fixed", goals.value.some((goal) => goal.part === name) && "pulled"].filter(Boolean) : [];
-  return <p class="unseen" aria-live="polite">{name ? `${name} chosen ${roles.join(", ")}` : ""}{factor() > 1 ? `, motion shown ${factor()} times` : ""}</p>;
+  return <p class="unseen" aria-live="polite">{name ? `${name} chosen ${roles.join(", ")}` : ""}{factor() > 1 ? `, motion drawn ${factor()} times as far` : ""}</p>;
 }

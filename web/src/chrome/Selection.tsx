@@ -1,7 +1,7 @@
 /** What can be done with the chosen part. */
 
-import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pulledNames, setExtras, settle, toggleFixed, togglePull, toggleTwist, unglue } from "../design.ts";
-import { askModes, askReach } from "../session.ts";
+import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pulledNames, setExtras, settle, togglePull, toggleTwist, unglue } from "../design.ts";
+import { askModes, askReach, fixOrNot } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
 import { along, farOf, place, playing, shown, turnOf } from "../motion.ts";
 import { isTwist } from "../protocol.ts";
@@ -29,7 +29,7 @@ export function Selection() {
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <Who name={name} note={reached(name) ? reach.value!.reply.words : ""} />
-      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
+      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => fixOrNot(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
       <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => askModes(name)} disabled={fixedNames.value.has(name)}>Wiggle</Button>
@@ -68,7 +68,7 @@ function InSpace({ name }: { name: string }) {
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <Who name={name} note={playing.value ? "" : moved || "at rest"} />
-      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
+      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => fixOrNot(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name) && !twisted}>Pull</Button>
       <Button icon="twist" label="Twist this part" keyName="T" onClick={() => toggleTwist(name)} pressed={twisted}>Twist</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>

@@ -3,7 +3,7 @@
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, goals } from "../design.ts";
-import { end, factor, place, playing, pose, shown } from "../motion.ts";
+import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts";
 import { askDrag } from "../session.ts";
 import type { ContactEntry } from "../protocol.ts";
 import type { SolidView } from "../stage3d.ts";
@@ -56,6 +56,7 @@ function connected(box: HTMLElement, open: Open): () => void {
   const view: SolidView = open(box, "", {
     pose: (now) => pose(now, names.peek().length, 7),
     end: () => endMotion.peek(),
+    film: () => film.peek(),
     factor: () => factor(),
     exploded: () => state.exploded.peek(),
     marks,
@@ -131,6 +132,12 @@ export function SolidStage() {
 }
 
 /** Motion that is shown at its end: of a part, where something is shown. */
+/** So many places of a film at most are looked at to fit it. */
+const MOST_PLACES = 12;
+const film = computed(() => {
+  const { frames } = shown.value;
+  return frames && frames.n === state.names.value.length ? sampled(frames, MOST_PLACES) : [];
+});
 const endMotion = computed(() => {
   const { frames } = shown.value;
   return frames && frames.n === state.names.value.length ? end(frames) : null;

@@ -3,7 +3,7 @@
 import { computed, effect, untracked, useComputed } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
-import { end, factor, place, playing, pose, shown } from "../motion.ts";
+import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { askDrag, askReach } from "../session.ts";
 import * as state from "../state.ts";
@@ -33,6 +33,11 @@ const chosen = computed<ReadonlySet<number>>(() => {
   const some = state.many.value.size ? [...state.many.value] : state.selected.value ? [state.selected.value] : [];
   return new Set(some.flatMap((name) => state.indexOf.value.get(name) ?? []));
 });
+
+/** So many places of a film at most are looked at to fit it. */
+const MOST_SEEN = 24;
+/** Parts that leave are followed so many times the drawing's longer side. */
+const MOST_FAR = 2;
 
 function painter(canvas: HTMLCanvasElement): () => void {
   const g = canvas.getContext("2d", { alpha: false })!;
@@ -107,8 +112,8 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const { frames } = shown.value;
     void state.rings.value;
     if (!opened || ["drag", "between"].includes(shown.value.what)) return;
-    const motion = frames && frames.n === current.shapes.length ? end(frames) : null;
-    content.value = around(current.shapes, opened.size, motion, factor());
+    const film = frames && frames.n === current.shapes.length ? sampled(frames, MOST_SEEN) : [];
+    content.value = around(current.shapes, opened.size, film, factor(), MOST_FAR);
     keepFitted();
   });
   const stopFit = effect(() => {

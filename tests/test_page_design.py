@@ -1,0 +1,170 @@
+"""What a designer meets on the page in the first hour: what is proposed, what numbers say, what stays; in a real browser."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import wiggleroom as wr
+from tests.app_client import TOKEN, Served
+from tests.browser_page import PEG, answered, at_rest, pixels_per_mm, serving, still, visiting
+from tests.page_waits import settled, until
+from wiggleroom.drawing.writers.assembly_writer import write_assembly
+
+pytestmark = pytest.mark.slow
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+JIGSAW = EXAMPLES / "drawings" / "pyjigsaw_4x5.svg"
+
+
+def loose(**more: Any) -> str:
+    """The peg and its frame, of which nothing is fixed."""
+    parts = [{key: value for key, value in one.items() if key != "fixed"} for one in PEG["parts"]]  # type: ignore[attr-defined]
+    return json.dumps(PEG | {"parts": parts} | more)
+
+
+def dropped(page: Any, name: str, text: str) -> None:
+    page.set_input_files("#file", {"name": name, "mimeType": "application/json", "buffer": text.encode()})
+
+
+def gap_box(page: Any) -> Any:
+    return page.get_by_label("gap, mm", exact=True)
+
+
+def design(page: Any) -> dict[str, Any]:
+    """What is set now, as a link carries it."""
+    found: dict[str, Any] = json.loads(page.evaluate("sessionStorage.getItem('wiggleroom.design')"))["design"]
+    return found
+
+
+def test_the_part_that_is_pulled_is_not_the_one_to_fix(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "pulled.json"
+    path.write_text(loose(pull=[{"part": "frame", "direction": [1, 0]}]))
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator(".findings").get_by_role("button", name=re.compile("^Fix ")).click()
+        page.locator("#answer[data-settled=true]", has_text="frame").wait_for()
+        assert design(page)["fixed"] == ["peg"]
+
+
+def test_a_part_that_is_fixed_although_it_is_pulled_says_that_the_pull_is_gone(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.locator(".stage canvas").focus()
+        for _ in range(2):
+            page.keyboard.press(".")
+        page.keyboard.press("f")
+        page.locator(".notices", has_text="peg is fixed now, and no longer pulled").wait_for()
+        page.keyboard.press("Control+z")
+        answered(page, "peg moves 1 mm")
+        assert page.locator(".notices").inner_text() == ""  # it was about the design before
+
+
+def test_a_box_says_the_number_that_counts(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        gap_box(page).fill("0.2")  # typed, not taken
+        dropped(page, "other.json", json.dumps(PEG | {"gap": 2}))
+        answered(page, "peg moves 2 mm")
+        assert gap_box(page).input_value() == "2"
+        gap_box(page).blur()
+        page.wait_for_timeout(100)
+        assert gap_box(page).input_value() == "2"
+        assert design(page)["gap"] == 2
+
+
+def test_undo_in_a_box_takes_back_what_is_typed_and_then_the_design(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        gap_box(page).fill("2")
+        gap_box(page).press("Enter")
+        answered(page, "peg moves 2 mm")
+        gap_box(page).press_sequentially("5")
+        gap_box(page).press("Control+z")
+        assert gap_box(page).input_value() == "2"
+        gap_box(page).press("Control+z")
+        answered(page, "peg moves 1 mm")
+        assert gap_box(page).input_value() == "1"
+        gap_box(page).press("Control+y")
+        answered(page, "peg moves 2 mm")
+
+
+def test_a_gap_of_nothing_grows_by_a_step_that_is_seen(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.locator("#file").set_input_files(JIGSAW)
+        page.locator(".findings li").nth(1).wait_for()
+        page.locator(".stage canvas").focus()
+        page.keyboard.press("]")
+        until(page, lambda: design(page)["gap"] > 0.01, "no step")
+        gap = design(page)["gap"]
+        assert gap < 0.02 * 100  # a hundredth of the drawing's pieces, about
+        assert float(gap_box(page).input_value()) == pytest.approx(gap)
+
+
+def test_a_part_that_is_pressed_leaves_what_is_to_be_set_and_each_thing_has_one_button(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.locator("#file").set_input_files(JIGSAW)
+        page.locator(".findings li").nth(1).wait_for()
+        before = page.locator(".findings").inner_text()
+        assert "things to set first" in before
+        named = page.locator(".button.main.worded").all_inner_texts()
+        assert sorted(words.split()[0] for words in named) == ["Fix", "Use"]
+        box = page.locator(".stage canvas").bounding_box()
+        page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2 + 20)
+        page.locator(".selection .name").wait_for()
+        page.keyboard.press("r")
+        page.wait_for_timeout(600)
+        settled(page, lambda: page.locator(".findings").inner_text())
+        assert page.locator(".findings").inner_text() == before
+
+
+def without(page: Any, kind: str) -> None:
+    """Requests of a kind never reach the server."""
+
+    def between(line: Any) -> None:
+        server = line.connect_to_server()
+        line.on_message(lambda said: None if json.loads(said)["kind"] == kind else server.send(said))
+
+    page.route_web_socket(re.compile("/socket"), between)
+
+
+def test_an_answer_is_called_optimal_only_when_the_search_has_ended(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        without(page, "bound")
+        page.goto(f"http://127.0.0.1:{peg.port}/?token={TOKEN}")
+        answered(page, "peg moves 1 mm")
+        assert page.locator(".headline .facts").inner_text().startswith("found so far")
+        page.get_by_role("tab", name="How sure").click()
+        assert "a search from other starts has not ended" in page.locator(".sure, .tabpanel").first.inner_text()
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.locator(".headline .facts", has_text="optimal").wait_for()
+
+
+def test_where_too_many_parts_move_for_a_search_the_answer_says_that_it_is_from_rest(
+    browser: Any, tmp_path: Path
+) -> None:
+    write_assembly(tmp_path / "long.json", wr.patterns.chain(60, joint="tee", gap=0.02).drawing)
+    with serving(tmp_path / "long.json") as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for()
+        assert page.locator(".headline .facts").inner_text().startswith("found from rest")
+        page.get_by_role("tab", name="How sure").click()
+        assert "too many parts move for a search" in page.locator(".tabpanel").inner_text()
+
+
+def test_a_small_motion_is_drawn_as_it_is_until_somebody_enlarges_it(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        gap_box(page).fill("0.05")
+        gap_box(page).press("Enter")
+        answered(page, "peg moves 0.05 mm")
+        rest, moved = at_rest(page), still(page)
+        assert moved[0] - rest[0] == pytest.approx(0.05 * scale, abs=0.05)
+        assert "hardly seen at its true size" in page.locator(".headline .facts").inner_text()
+        page.get_by_role("button", name=re.compile("^Draw the motion")).click()
+        assert "in the picture parts pass through each other" in page.locator(".headline .facts").inner_text()
+        assert still(page)[0] - rest[0] > 5 * (moved[0] - rest[0])
