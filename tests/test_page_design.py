@@ -147,7 +147,8 @@ def test_an_answer_is_called_optimal_only_when_the_search_has_ended(browser: Any
 def test_where_too_many_parts_move_for_a_search_the_answer_says_that_it_is_from_rest(
     browser: Any, tmp_path: Path
 ) -> None:
-    write_assembly(tmp_path / "long.json", wr.patterns.chain(60, joint="tee", gap=0.02).drawing)
+    drawing = wr.patterns.chain(60, joint="tee", gap=0.02).drawing
+    (tmp_path / "long.json").write_text(write_assembly(drawing))
     with serving(tmp_path / "long.json") as served, visiting(browser, served) as page:
         page.locator("#answer[data-settled=true]").wait_for()
         assert page.locator(".headline .facts").inner_text().startswith("found from rest")
@@ -165,6 +166,86 @@ def test_a_small_motion_is_drawn_as_it_is_until_somebody_enlarges_it(browser: An
         rest, moved = at_rest(page), still(page)
         assert moved[0] - rest[0] == pytest.approx(0.05 * scale, abs=0.05)
         assert "hardly seen at its true size" in page.locator(".headline .facts").inner_text()
-        page.get_by_role("button", name=re.compile("^Draw the motion")).click()
+        page.get_by_role("button", name=re.compile("^Enlarge")).click()
         assert "in the picture parts pass through each other" in page.locator(".headline .facts").inner_text()
         assert still(page)[0] - rest[0] > 5 * (moved[0] - rest[0])
+
+
+NO_UNIT = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 80 40">
+<g fill="none" stroke="black"><path id="frame" d="M0 0h40v40h-40z M10 10v20h20v-20z"/><path id="peg" d="M12 12h16v16h-16z"/>
+<rect id="tag" stroke="red" x="50" y="10" width="20" height="20"/></g></svg>"""
+
+
+def test_what_was_assumed_on_reading_stays_and_can_be_set(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.set_input_files("#file", {"name": "plain.svg", "mimeType": "image/svg+xml", "buffer": NO_UNIT.encode()})
+        notes = page.get_by_label("notes on how the file was read").locator("li")
+        notes.first.wait_for()
+        said = " ".join(notes.all_inner_texts())
+        assert "1 user unit is taken as 1 mm" in said
+        assert "“leave out” takes one away" in said
+        assert "--" not in said
+        page.wait_for_timeout(9000)  # longer than a line over the picture stays
+        assert " ".join(notes.all_inner_texts()) == said
+        page.locator(".notices").wait_for(state="attached")
+        assert page.locator(".notices").inner_text() == ""
+        page.get_by_text("Read it in another way").click()
+        page.get_by_label("unit of its numbers").select_option("in")
+        page.get_by_role("button", name="Read again").click()
+        until(page, lambda: "1 user unit" not in page.locator(".tabpanel").inner_text(), "it was not read again")
+        page.get_by_label("leave out").fill("red")
+        page.get_by_label("leave out").press("Tab")
+        page.get_by_role("button", name="Read again").click()
+        until(page, lambda: page.locator("#answer").inner_text().startswith("2 parts"), "the red part is still there")
+        page.reload()
+        until(page, lambda: page.locator("#answer").inner_text().startswith("2 parts"), "a reload reads it otherwise")
+        assert page.get_by_label("unit of its numbers").input_value() == "in"
+
+
+def test_a_drawing_of_the_command_line_can_be_read_in_another_way_too(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "plain.svg"
+    path.write_text(NO_UNIT)
+    with serving(path) as served, visiting(browser, served) as page:
+        page.get_by_text("Read it in another way").click()
+        page.get_by_label("leave out").fill("red")
+        page.get_by_label("leave out").press("Tab")
+        page.get_by_role("button", name="Read again").click()
+        until(page, lambda: page.get_by_label("leave out").input_value() == "red", "it was not read again")
+        page.reload()
+        until(page, lambda: page.get_by_label("leave out").input_value() == "red", "a reload reads it otherwise")
+
+
+def test_every_file_keeps_its_design_with_undo(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        dropped(page, "one.json", json.dumps(PEG))
+        page.locator(".filename", has_text="one.json").wait_for()
+        for gap in ("2", "3"):
+            gap_box(page).fill(gap)
+            gap_box(page).press("Enter")
+            answered(page, f"peg moves {gap} mm")
+        dropped(page, "two.json", json.dumps(PEG | {"gap": 4}))
+        answered(page, "peg moves 4 mm")
+        dropped(page, "one.json", json.dumps(PEG))
+        answered(page, "peg moves 3 mm")
+        page.locator(".notices", has_text="is here again").wait_for()
+        page.keyboard.press("Control+z")
+        answered(page, "peg moves 2 mm")
+        page.get_by_role("button", name="As the file says").click()
+        answered(page, "peg moves 1 mm")
+        page.keyboard.press("Control+z")
+        answered(page, "peg moves 2 mm")
+        page.get_by_role("button", name="wiggleroom: samples and files opened before").click()
+        page.locator(".recent", has_text="two.json").click()
+        answered(page, "peg moves 4 mm")
+
+
+def test_a_design_whose_parts_are_gone_from_the_file_is_left_out(browser: Any, peg: Served) -> None:
+    other = json.dumps(PEG).replace('"peg"', '"pin"')
+    with visiting(browser, peg) as page:
+        dropped(page, "one.json", json.dumps(PEG))
+        page.locator(".filename", has_text="one.json").wait_for()
+        gap_box(page).fill("2")
+        gap_box(page).press("Enter")
+        answered(page, "peg moves 2 mm")
+        dropped(page, "one.json", other)
+        answered(page, "pin moves 1 mm")

@@ -29,6 +29,7 @@ export interface OpenRequest {
   beside?: Record<string, string>;
   sample?: boolean;
   unit?: "cm" | "in" | "m" | "mm" | "px" | null;
+  again?: boolean;
   flatten?: number | null;
   gap?: number | null;
   only?: string[];
@@ -268,6 +269,15 @@ export interface Solids {
   aside: [number, number, number][]; // by how much in an exploded view that doubles distances [mm]
 }
 
+/** How a drawing is read, in place of what it says itself. */
+export interface Reading {
+  unit: "cm" | "in" | "m" | "mm" | "px" | null;
+  only: string[];
+  skip: string[];
+  join: number | null;
+  solid: string[];
+}
+
 /** A drawing, and what it asks as a design. */
 export interface Opened {
   kind: "opened";
@@ -283,6 +293,7 @@ export interface Opened {
   dimension: 2 | 3;
   solids?: Solids; // in space, where parts have no rings
   pulled?: GoalEntry; // a goal suggested where there is none
+  reading?: Reading; // of a drawing that can be read in other ways
   apart: boolean; // true where no part is near another one, as on a cutting sheet
 }
 

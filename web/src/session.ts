@@ -3,8 +3,8 @@
 import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf, toggleFixed } from "./design.ts";
 import { between, chosenFactor, end, play, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, isLink, keepDesign, keepFile, keepRecent, keptDesign, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
+import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reading, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keptDesign, keptReading, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
@@ -216,12 +216,34 @@ function openFile(name: string, bytes: Uint8Array): void {
   openAs({ name, data: toBase64(bytes) });
 }
 
+function requestFor(what: Opening): Requests["open"] {
+  if (!("data" in what)) return what;
+  const { reading, ...rest } = what;
+  return { ...rest, ...reading };
+}
+
+/** Reads the file that is open in another way. */
+export function readAgain(reading: Reading): void {
+  rereading = reading;
+  if (file && "data" in file) return openAs({ name: file.name, data: file.data, reading });
+  keepReading(state.drawing.peek()!.name, reading);
+  state.opening.value = state.drawing.peek()!.name;
+  if (!ask("open", { name: state.drawing.peek()!.name, again: true, ...reading })) state.opening.value = "";
+}
+let rereading: Reading | null = null;
+
+/** Sets everything as the file says it. */
+export function asRead(): void {
+  if (asInFile) change(asInFile);
+}
+let asInFile: Design | null = null;
+
 /** Opens a file that was read before, or a sample. */
 export function openAs(what: Opening): void {
   state.opening.value = what.name;
   state.unopened.value = [];
   pendingFile = what;
-  if (!ask("open", what)) state.opening.value = "";
+  if (!ask("open", requestFor(what))) state.opening.value = "";
 }
 let pendingFile: Opening | null = null;
 /** The file that was opened here, and whether the next drawing is the one that is open already. */
@@ -409,12 +431,14 @@ const looks = ({ parts, solids }: Opened): string => JSON.stringify([parts, soli
 function opened(reply: Opened): void {
   state.opening.value = "";
   if (reply.id === 0 && file) return; // a reload: the file that was dropped here comes after
+  const otherwise = reply.id === 0 ? keptReading(reply.name) : null;
   if (reply.id !== 0 && pendingFile) {
     file = pendingFile;
     keepFile(file);
-    if ("data" in file) keepRecent(file.name, file.data);
+    if ("data" in file) keepRecent(file);
     pendingFile = null;
   }
+  flush();
   const before = state.drawing.peek();
   if (before && again && mark(before) === mark(reply) && looks(before) === looks(reply)) {
     again = false;
@@ -450,9 +474,16 @@ function opened(reply: Opened): void {
   chosenFactor.value = 1;
   showRest(false);
   kept.value = null;
-  const mine = keptDesign(reply);
-  begin(mine?.design ?? read, mine?.history);
+  asInFile = read;
+  const set = rereading && fitsParts(design.peek(), reply) ? design.peek() : null; // read in another way, and asked the same
+  rereading = null;
+  const mine = set ? null : keptDesign(reply, !file);
+  begin(set ?? mine?.design ?? read, mine?.history);
+  const count = reply.notes.length;
+  if (count) state.notice.value = `${count === 1 ? "One note" : `${count} notes`} on how the file was read, in the tab Answer`;
+  if (mine?.from === "browser") state.notice.value = "What you set for this file before is here again; “As the file says”, in the tab Answer, begins anew";
   leftOut(reply.name);
+  if (otherwise) readAgain(otherwise);
 }
 
 /** Says that the design of the link in the address is not the one that is shown. */
@@ -471,9 +502,9 @@ function reopen(): void {
   const link = file ? null : linked();
   if (link?.sample) return openAs({ name: link.sample, sample: true });
   const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
-  if (link && before) return openAs("data" in before ? { name: before.name, data: before.data } : before);
+  if (link && before) return openAs("data" in before ? { name: before.name, data: before.data, ...(before.reading && { reading: before.reading }) } : before);
   if (link) otherFile(link.name);
-  else if (before) ask("open", (file = before as Opening));
+  else if (before) ask("open", requestFor((file = before as Opening)));
 }
 
 function worker(now: "ready" | "lost" | "restarted"): void {
@@ -504,7 +535,7 @@ function failed(of: string, lines: Finding[], about?: Design): void {
   }
   if (of === "open") {
     state.opening.value = "";
-    pendingFile = null;
+    pendingFile = rereading = null;
     if (!state.drawing.peek()) {
       file = null;
       forgetFile();

@@ -107,4 +107,11 @@ _WORDS = (
     (r", and a hint \(\[\[plate\]\]\) can say where", ": lay it on another"),
     (r" \(\[\[plate\]\]\)", ""),
     (r"--gap (\S+)", r"\1 mm"),
+    (r"; --solid NAME, @x,y or all makes parts of them", "; “parts, not holes” takes them as parts"),
+    (r"; --solid NAME\|all reads it as a part", "; “parts, not holes” takes it as a part"),
+    (r" \(--join sets how far\)", "; “join ends” sets how far"),
+    (r"--join (\S+) closes it", r"“join ends” of \1 mm closes it"),
+    (r"; --skip COLOUR leaves one out", "; “leave out” takes one away"),
+    (r" \(--(?:skip|only)\)", ""),
+    (r"; --only (\"[^\"]*\"|\S+) reads it", r"; “read only” with \1 reads it"),
 )

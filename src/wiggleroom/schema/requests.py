@@ -65,11 +65,34 @@ class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True
     id: Number
 
 
+class Reading(Struct, forbid_unknown_fields=True):
+    """How a drawing is read, in place of what it says itself.
+
+    Parameters
+    ----------
+    unit
+        Of its numbers.
+    only, skip
+        Layers, colours or names that alone are read, or that are left out.
+    join
+        Open ends nearer than this are joined [mm].
+    solid
+        Names, or points as "@x,y", of outlines inside others that are parts, not holes; "all" for all of them.
+    """
+
+    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    only: Annotated[list[str], Meta(max_length=1000)] = []
+    skip: Annotated[list[str], Meta(max_length=1000)] = []
+    join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+    solid: Annotated[list[str], Meta(max_length=10_000)] = []
+
+
 class OpenRequest(Request, tag="open", kw_only=True):
     """Read a drawing, or one of the samples.
 
     With a design, that one stands in place of what the drawing asks. `path` is what commands call it. `beside` holds files that the
-    drawing names; only the command line gives them. `gaps` of joints and pairs to `ignore` stand in place of the drawing's.
+    drawing names; only the command line gives them. `gaps` of joints and pairs to `ignore` stand in place of the drawing's. `again` reads
+    the drawing that is open once more, in another way.
     """
 
     name: Annotated[str, Meta(max_length=255)]
@@ -78,6 +101,7 @@ class OpenRequest(Request, tag="open", kw_only=True):
     beside: dict[str, bytes] = {}
     sample: bool = False
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    again: bool = False
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     only: tuple[str, ...] = ()

@@ -10,6 +10,7 @@ import { ask, degrees, few, number, short, towards } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Explain, FORCE } from "../chrome/Meaning.tsx";
+import { ReadAs } from "./ReadAs.tsx";
 import { AsOf } from "./AsOf.tsx";
 import { Command } from "./Command.tsx";
 import { Section } from "./Section.tsx";
@@ -23,6 +24,7 @@ export function Answer() {
       <Standing />
       <Asked />
       <Gap />
+      <ReadAs />
       {about && (
         <>
           <AsOf about={about} />
