@@ -57,7 +57,7 @@ export interface FlexRequest {
   shown?: string;
 }
 
-/** A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer. */
+/** A part drawn towards a place, from rest, from a pose, from where the last drag ended or from the end of the answer. */
 export interface DragRequest {
   kind: "drag";
   id: number;
@@ -65,8 +65,18 @@ export interface DragRequest {
   part: string;
   grip: number[];
   target: number[];
-  from?: "answer" | "here" | "rest";
+  from?: "answer" | "here" | "pose" | "rest";
+  pose?: Record<string, number[]>; // parts that do not rest: (dx mm, dy mm, turn rad), in space (dx, dy, dz mm, quaternion x, y, z, w)
+  pinned?: string[];
   shown?: string;
+}
+
+/** Whether parts overlap where they were left, and that the next drag may begin there. */
+export interface PoseRequest {
+  kind: "pose";
+  id: number;
+  design: Design;
+  pose?: Record<string, number[]>; // parts that do not rest: (dx mm, dy mm, turn rad), in space (dx, dy, dz mm, quaternion x, y, z, w)
 }
 
 /** Where a point of a part, given in world coordinates at rest [mm], can be brought from rest. */
@@ -352,6 +362,14 @@ export interface DragReply {
   rings?: [number, number][][][];
   solids?: Solids;
   shown?: string; // name of these outlines
+}
+
+/** Whether parts may be left where they are. */
+export interface PoseReply {
+  kind: "pose";
+  id: number;
+  free: boolean; // true where no two parts overlap there
+  words: string;
 }
 
 /** Where a point can be brought. */
@@ -735,10 +753,10 @@ export interface StandalonePage {
 }
 
 export type Reply =
-  | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
-  | Modes | RankReply | CheckReply | LimitReply | PlanReply | StepReply
-  | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved
-  | ProgressReply | WorkerState | Assembled | LayReply | Failed;
+  | Hello | Opened | ShapeReply | FlexReply | DragReply | PoseReply
+  | ReachReply | Modes | RankReply | CheckReply | LimitReply | PlanReply
+  | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply
+  | Saved | ProgressReply | WorkerState | Assembled | LayReply | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -746,6 +764,7 @@ export interface Requests {
   shape: Omit<ShapeRequest, "kind" | "id">;
   flex: Omit<FlexRequest, "kind" | "id">;
   drag: Omit<DragRequest, "kind" | "id">;
+  pose: Omit<PoseRequest, "kind" | "id">;
   reach: Omit<ReachRequest, "kind" | "id">;
   wiggle: Omit<WiggleRequest, "kind" | "id">;
   rank: Omit<RankRequest, "kind" | "id">;

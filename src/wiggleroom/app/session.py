@@ -27,7 +27,7 @@ Send = Callable[[list[bytes], bytes], Awaitable[None]]
 
 PRIORITY = {"open": 0, "drag": 1, "flex": 2, "shape": 3}
 """Kinds that are served first, in this order; all others are interrupted for them."""
-SHORT = frozenset({"settle", "reach", "wiggle", "rank", "save", "lay"})
+SHORT = frozenset({"settle", "pose", "reach", "wiggle", "rank", "save", "lay"})
 """Kinds that studies, which may take much longer, are interrupted for."""
 LAST = "bound"
 """The kind that is served last and interrupted for all others."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.cells.cells import Cells, select
+from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -91,6 +91,18 @@ def state_at_rest(ready: Prepared) -> State:
     """Return the state at rest."""
     still = np.zeros((len(ready.bodies.fixed), 3))
     return State(ready.cells, still, still)
+
+
+def state_at(ready: Prepared, motion: Floats) -> State | None:
+    """Return the state at a motion (n, 3) of the bodies, its cells grown there; None where they overlap or no free space is found."""
+    if not free_of_overlap(ready, motion):
+        return None
+    bodies, a, b = ready.bodies, ready.cells.a, ready.cells.b
+    cells, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, motion), np.full(len(a), ready.clearance))
+    if not good.all():
+        return None
+    state = State(cells, motion, motion, linked=False)
+    return pushed(ready, state)
 
 
 @dataclass(eq=False)

@@ -157,6 +157,13 @@ class DragReply(Reply, tag="drag", kw_only=True):
     shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
+class PoseReply(Reply, tag="pose", kw_only=True):
+    """Whether parts may be left where they are."""
+
+    free: Annotated[bool, Meta(description="true where no two parts overlap there")]
+    words: str
+
+
 class ReachReply(Reply, tag="reach", kw_only=True):
     """Where a point can be brought."""
 
@@ -284,7 +291,7 @@ class Failed(Reply, kw_only=True):
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Modes | RankReply | CheckReply | LimitReply
+    Hello | Opened | ShapeReply | FlexReply | DragReply | PoseReply | ReachReply | Modes | RankReply | CheckReply | LimitReply
     | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState
     | Assembled | LayReply | Failed
 )  # fmt: skip

@@ -133,16 +133,34 @@ class FlexRequest(DesignRequest, tag="flex", kw_only=True):
     shown: str = ""
 
 
-class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
-    """A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer.
+Motion = Annotated[tuple[float, ...], Meta(min_length=3, max_length=7)]
+PartMotions = Annotated[
+    dict[str, Motion],
+    Meta(
+        description="parts that do not rest: (dx mm, dy mm, turn rad), in space (dx, dy, dz mm, quaternion x, y, z, w)"
+    ),
+]
 
-    `grip` is where it was taken, in world coordinates at rest [mm]; `shown` names the outlines that the page shows.
+
+class PoseRequest(DesignRequest, tag="pose", kw_only=True):
+    """Whether parts overlap where they were left, and that the next drag may begin there."""
+
+    pose: PartMotions = {}
+
+
+class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
+    """A part drawn towards a place, from rest, from a pose, from where the last drag ended or from the end of the answer.
+
+    `grip` is where it was taken, in world coordinates at rest [mm]; `shown` names the outlines that the page shows. `pose` is where parts
+    were left, at which the drag began; `pinned` are parts that stand while this one is dragged, although they are not fixed.
     """
 
     part: str
     grip: Vector
     target: Vector
-    from_: Literal["rest", "here", "answer"] = "here"
+    from_: Literal["rest", "here", "answer", "pose"] = "here"
+    pose: PartMotions = {}
+    pinned: list[str] = []
     shown: str = ""
 
 
@@ -280,7 +298,7 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | WiggleRequest | RankRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | PoseRequest | ReachRequest | WiggleRequest | RankRequest
     | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest
     | SaveRequest | AssembleRequest | LayRequest | CancelRequest
 )  # fmt: skip
