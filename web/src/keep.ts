@@ -1,6 +1,6 @@
 /** What outlives a reload in this tab: the file that was dropped, the design; and in this browser: the token, recent files. */
 
-import type { History } from "./design.ts";
+import type { History, Pose, Step } from "./design.ts";
 import { type Design, fromBase64, type Opened, type Reading, toBase64 } from "./protocol.ts";
 
 /** A file that was dropped and how it is to be read, or a sample by its name. */
@@ -108,6 +108,12 @@ export function isDesign(one: unknown): one is Design {
     && all(glue, (group) => all(group, isText)) && (isText(goals) || all(goals, isGoal));
 }
 
+const isPose = (one: unknown): one is Pose | null | undefined => one == null || (one instanceof Object && Object.values(one).every(numbers));
+function isStep(one: unknown): one is Step {
+  const { design, pose } = Object(one) as Record<string, unknown>;
+  return isDesign(design) && isPose(pose);
+}
+
 function isGoal(one: unknown): boolean {
   const { part, direction, point, turn, w } = Object(one) as Record<string, unknown>;
   return isText(part) && [direction, point, turn, w].every((said) => said == null || numbers(said) || (said === turn && isText(said)));
@@ -138,7 +144,7 @@ export function linked(): Linked | null {
 export const leaveLink = (): void => history.replaceState(null, "", location.pathname);
 
 const MAX_STEPS = 40;
-interface KeptDesign { mark: string; design: Design; history?: History; when: number; server: string }
+interface KeptDesign { mark: string; design: Design; pose?: Pose | null; history?: History; when: number; server: string }
 
 /** Designs of the files that were open last, each with its undo; they stay in this browser. */
 const DESIGN = "wiggleroom.design|";
@@ -147,15 +153,20 @@ const LATER = 300; // ms
 let waiting: { key: string; text: string; timer: number } | null = null;
 
 /** Keeps the design with the last steps of undo and redo: for this tab, and for whenever the file is opened again. */
-export function keepDesign(of: Opened, design: Design, { past, future }: History): void {
-  const history = { past: past.slice(-MAX_STEPS), future: future.slice(-MAX_STEPS) };
-  const text = JSON.stringify({ mark: mark(of), design, history, when: Date.now(), server: read("token") ?? "" } satisfies KeptDesign);
+export function keepDesign(of: Opened, design: Design, pose: Pose | null, { past, future }: History): void {
+  const slim = (steps: readonly Step[]): Step[] => steps.map((step) => ({ design: step.design, pose: small(step.pose) }));
+  const history = { past: slim(past.slice(-MAX_STEPS)), future: slim(future.slice(-MAX_STEPS)) };
+  const text = JSON.stringify({ mark: mark(of), design, pose: small(pose), history, when: Date.now(), server: read("token") ?? "" } satisfies KeptDesign);
   write("design", text);
   const key = DESIGN + mark(of);
   if (waiting && waiting.key !== key) flush();
   clearTimeout(waiting?.timer);
   waiting = { key, text, timer: window.setTimeout(flush, LATER) }; // a slider that moves keeps a hundred
 }
+
+/** A pose of more parts than these is not kept: it would leave no room for designs. */
+const MAX_LEFT = 300;
+const small = (pose: Pose | null): Pose | null => (pose && Object.keys(pose).length > MAX_LEFT ? null : pose);
 
 /** Writes what waits to be kept. */
 export function flush(): void {
@@ -188,7 +199,7 @@ export function forgetDesigns(): void {
   }
 }
 
-export interface Before { design: Design; history?: History; from: "link" | "tab" | "browser" }
+export interface Before { design: Design; pose?: Pose | null; history?: History; from: "link" | "tab" | "browser" }
 
 /** What was set for a drawing before; what options of this server said counts only while it runs: `served`. */
 export function keptDesign(of: Opened, served: boolean): Before | null {
@@ -214,7 +225,7 @@ function stored(key: string): string | null {
 /** A kept design that is one, and whose parts are all there: the file may be another one of its name. */
 function sound(text: string | null, of: Opened): KeptDesign | null {
   const kept = JSON.parse(text ?? "null") as KeptDesign | null;
-  if (!kept || kept.mark !== mark(of) || !isDesign(kept.design) || ![kept.history?.past, kept.history?.future].every((list) => all(list, isDesign))) return null;
+  if (!kept || kept.mark !== mark(of) || !isDesign(kept.design) || !isPose(kept.pose) || ![kept.history?.past, kept.history?.future].every((list) => all(list, isStep))) return null;
   return fitsParts(kept.design, of) ? kept : null;
 }
 

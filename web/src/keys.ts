@@ -1,9 +1,9 @@
 /** What the keyboard does, wherever no box is being typed in. */
 
-import { design, goals, inSpace, setGoal, settle, togglePull, toggleTwist } from "./design.ts";
+import { design, goals, inSpace, setGoal, settle, togglePinned, togglePull, toggleTwist } from "./design.ts";
 import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point, type Triple } from "./protocol.ts";
-import { askDrag, askModes, askReach, back, cancel, fixOrNot, setGap } from "./session.ts";
+import { askDrag, askModes, askReach, back, backToRest, cancel, fixOrNot, setGap } from "./session.ts";
 import { fitAll, solidView, view, zoomBy } from "./stage/camera.ts";
 import { keep, kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
@@ -68,6 +68,7 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "m") measuring.peek() ? stopMeasuring() : (measuring.value = true);
   else if (key === "." || key === ",") step(key === "." ? 1 : -1);
   else if (key === "Escape") escape();
+  else if (key === "Home" && !state.standalone.peek()) backToRest();
   else if (tabAt >= 0 && tabAt < pages.peek().length) {
     state.tab.value = pages.peek()[tabAt]!.name;
     state.sheetOpen.value = true;
@@ -85,6 +86,7 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "h" && inSpace()) seePast(name);
   else if (key === "f") fixOrNot(name);
   else if (key === "p") togglePull(name);
+  else if (key === "n") togglePinned(name);
   else if (key === "g") glueOrNot(name);
   else return false;
   return true;
@@ -114,7 +116,7 @@ function spatialArrow([dx, dy]: Point, drags: boolean): boolean {
   const from = stepFrom(name, grip, Math.hypot(...seen.across(i, STEP, 0)) / factor());
   const by = seen.across(i, dx * STEP, dy * STEP).map((v) => v / factor());
   target = { part: name, grip, at: from.map((v, k) => v + by[k]!) as Triple };
-  askDrag(name, grip, target.at);
+  askDrag(name, grip, target.at, false);
   return true;
 }
 
@@ -146,7 +148,7 @@ function arrow([dx, dy]: Point, fine: boolean): boolean {
   const by = STEP / view.peek().scale / factor();
   const from = stepFrom(name, grip, by);
   target = { part: name, grip, at: [from[0] + dx * by, from[1] + dy * by] };
-  askDrag(name, grip, target.at);
+  askDrag(name, grip, target.at, false);
   return true;
 }
 

@@ -63,6 +63,26 @@ export function along(frames: Frames, t: number, out?: Float32Array): Float32Arr
   return mix(data, low * n * width, data, Math.min(low + 1, k - 1) * n * width, x - low, width, out ?? new Float32Array(n * width));
 }
 
+/** Motions of the parts that do not rest, by name. */
+export function poseOf(motion: Float32Array, names: readonly string[], width: number): Record<string, number[]> {
+  const rests = (one: Float32Array): boolean => one.every((v, k) => v === (k === 6 ? 1 : 0));
+  return Object.fromEntries(names.flatMap((name, i) => {
+    const one = motion.subarray(width * i, width * (i + 1));
+    return rests(one) ? [] : [[name, [...one]] as const];
+  }));
+}
+
+/** The same as motions of all parts. */
+export function motionOf(pose: Readonly<Record<string, readonly number[]>>, names: readonly string[], width: number): Float32Array {
+  const out = new Float32Array(names.length * width);
+  names.forEach((name, i) => {
+    const one = Object.hasOwn(pose, name) ? pose[name]! : [];
+    if (one.length === width) out.set(one, width * i);
+    else if (width === 7) out[7 * i + 6] = 1;
+  });
+  return out;
+}
+
 /** At most so many of the frames, first and last among them. */
 export function sampled(frames: Frames, most: number): Float32Array[] {
   const count = Math.min(frames.k, most);

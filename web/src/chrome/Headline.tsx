@@ -1,6 +1,6 @@
 /** The answer in one line over the canvas, and for screen readers as it changes. */
 
-import { asks, design, goals, inSpace } from "../design.ts";
+import { asks, design, goals, inSpace, pinned, pose } from "../design.ts";
 import { factor, shown, suggested } from "../motion.ts";
 import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, notice, running, selected, tab, unsure } from "../state.ts";
 import { assembled } from "../sheetState.ts";
@@ -9,7 +9,7 @@ import { cancel } from "../session.ts";
 import type { FlexReply, Kind } from "../protocol.ts";
 import { size } from "../stage/camera.ts";
 import { mostMarks } from "../stage/marks.ts";
-import { ask, few, number, short } from "../words.ts";
+import { ask, few, inLine, number, short } from "../words.ts";
 import { unitOf } from "./GapStrip.tsx";
 import { Meaning } from "./Meaning.tsx";
 import { Notices } from "./Notices.tsx";
@@ -62,6 +62,10 @@ function said(): Said {
   if (step) {
     return told ? { title: told.title, line: `${label}: ${step.words}`, tone: "" } : { title: step.words, line: label, tone: "" };
   }
+  if (what === "drag" && pose.value) {
+    const moved = Object.keys(pose.value);
+    return { title: `${moved.length === 1 ? inLine(moved[0]!) : `${moved.length} parts`} as left`, line: ["a drag begins here; the Home key brings all back to rest", ...enlarged()].join(" · "), tone: "" };
+  }
   if (told) return { title: told.title, line: [...told.facts, ...enlarged()].join(" · "), tone: "" };
   if (!asks(design.value)) {
     const count = drawing.value!.parts.length;
@@ -91,7 +95,8 @@ function draggedSaid(): Said {
   const moved = Math.hypot(...reached.map((v, k) => v - grip[k]!));
   const away = distance > tiny ? `${number(distance, 3)} mm short of the pointer` : "at the pointer";
   const held = distance > tiny && blocking.length ? [`held by ${few(blocking)}`] : [];
-  return { title: `${name} moved ${moved > tiny ? number(moved, 3) : "0"} mm`, line: [...held, away, ...enlarged()].join(" · "), tone: "" };
+  const pins = [...pinned.value].filter((one) => one !== part);
+  return { title: `${name} moved ${moved > tiny ? number(moved, 3) : "0"} mm`, line: [...held, away, ...(pins.length ? [`pinned: ${few(pins, 3)}`] : []), ...enlarged()].join(" · "), tone: "" };
 }
 
 const enlarged = (): string[] => {

@@ -1,7 +1,7 @@
 /** Under the canvas: play, the place on the path, magnification, and the zoom. */
 
 import { chosenFactor, FACTORS, place, play, playing, shown, suggested } from "../motion.ts";
-import { back, showMode } from "../session.ts";
+import { back, backToRest, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
 import { answer, standalone, drawing, exploded, modes } from "../state.ts";
@@ -38,6 +38,7 @@ export function Player() {
           </span>
         )}
         {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}
+        {what === "drag" && answer.value && <Button label="Bring all parts back to rest" keyName="Home" onClick={backToRest}>Rest</Button>}
       </div>
       <span class="spring" />
       {chosenFactor.value === 1 && suggested.value > 1 && what !== "rest" && (

@@ -2,7 +2,7 @@
 
 import { computed } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
-import { asks, change, design, goals, inSpace, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
+import { asks, change, design, goals, inSpace, pinned, removeGoal, setGoal, toggleFixed, togglePinned, unglue } from "../design.ts";
 import { type Cell, type ContactEntry, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
 import { answer, standalone, dragged, drawing, extent, findings, highlit, names, selected, tab } from "../state.ts";
 import { columns, end, farOf, shown, turnOf } from "../motion.ts";
@@ -148,6 +148,7 @@ function Standing() {
       {fixed.length === 0 && <p class="quiet">Nothing yet. Press a part in the picture, then Fix.</p>}
       <ul class="chips">
         {fixed.slice(0, 40).map((name) => <Chip key={name} class="fixed" name={name} onRemove={() => toggleFixed(name)} words={`let ${name} go`} />)}
+        {[...pinned.value].map((name) => <Chip key={`pin ${name}`} class="fixed" name={`${name}, pinned`} onRemove={() => togglePinned(name)} words={`unpin ${name}`} />)}
         {fixed.length > 40 && <li class="quiet">and {fixed.length - 40} more</li>}
       </ul>
       {glue.length > 0 && (

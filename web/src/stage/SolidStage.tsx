@@ -4,7 +4,7 @@ import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, goals } from "../design.ts";
 import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts";
-import { askDrag } from "../session.ts";
+import { askDrag, release } from "../session.ts";
 import type { ContactEntry } from "../protocol.ts";
 import type { SolidView } from "../stage3d.ts";
 import * as state from "../state.ts";
@@ -71,6 +71,7 @@ function connected(box: HTMLElement, open: Open): () => void {
     },
     release() {
       grabbing.value = false;
+      release();
     },
   });
   solidView.value = view;

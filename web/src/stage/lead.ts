@@ -8,7 +8,7 @@
 import { signal } from "@preact/signals";
 import { type Body, slideTowards } from "../collision/sweep.ts";
 import { type Outline, outlineOf } from "../collision/outline.ts";
-import { fixedNames, groupOf } from "../design.ts";
+import { fixedNames, groupOf, pose } from "../design.ts";
 import { place, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { drawing, extent, indexOf } from "../state.ts";
@@ -40,10 +40,10 @@ function outlined(shape: Shape): Outline {
 }
 
 /** Where a drag begins or goes on, the last motion known to be free: what is shown at its end, or rest. */
-export function origin(): "here" | "answer" | "rest" {
+export function origin(): "pose" | "answer" | "rest" {
   const { what, frames } = shown.peek();
   const n = drawing.peek()?.parts.length ?? 0;
-  if (frames?.n === n && what === "drag") return "here";
+  if (frames?.n === n && what === "drag") return pose.peek() ? "pose" : "rest";
   return frames?.n === n && what === "answer" && place.peek() >= 1 ? "answer" : "rest";
 }
 
