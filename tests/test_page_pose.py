@@ -80,12 +80,15 @@ def test_a_mechanism_is_worked_by_hand(browser: Any, latch: Served) -> None:
         lifted = moved(page)
         assert lifted["latch"][1] == pytest.approx(12, abs=0.5)
         drag(page, (20, 15), (30, 0))
+        assert moved(page)["slider"][0] == pytest.approx(30, abs=0.5)
+        until(page, lambda: abs(moved(page)["latch"][1] - lifted["latch"][1]) < 0.01, "nobody asked the latch to move")
         left = moved(page)
-        assert left["slider"][0] == pytest.approx(30, abs=0.5)
-        assert left["latch"][1] == pytest.approx(lifted["latch"][1], abs=0.1)  # nobody asked it to go elsewhere
+        page.mouse.click(*place(page, 60, 15))
+        page.get_by_role("button", name="Pin", exact=True).click()
         drag(page, (45, 62), (0, -30))
-        held = moved(page)["latch"][1]
-        assert held == pytest.approx(5, abs=0.4)  # it comes down to the slider, which is below it now
+        assert moved(page)["latch"][1] == pytest.approx(5, abs=0.4)  # it comes down to the slider, which is below it now
+        assert moved(page)["slider"] == left["slider"]
+        page.get_by_role("button", name="unpin slider").click()
         for expected in (left, lifted, {}):
             page.keyboard.press("Control+z")
             until(page, lambda: set(moved(page)) == set(expected), "undo leads elsewhere")  # noqa: B023
@@ -112,6 +115,7 @@ def test_a_pinned_part_stands_and_a_pose_outlives_a_reload(browser: Any, latch: 
         lifted = moved(page)
         page.reload()
         page.locator("#answer", has_text="as left").wait_for()
+        settled(page, lambda: place(page, 80, 30))
         assert moved(page) == lifted
         drag(page, (20, 15), (30, 0))
         assert moved(page)["slider"][0] == pytest.approx(30, abs=0.5)
