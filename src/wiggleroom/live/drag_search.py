@@ -26,6 +26,10 @@ STAY_WEIGHT = 1e4
 """Weight of the dragged body's place against those of the others that go back."""
 BACK_TOLERANCE = 0.02
 """Bodies that are this share of the clearance from where they were stay there; the dragged one goes no further by their return."""
+BACK_ROUNDS = 3
+"""Others go straight back and are pulled back this many times in turn, at most."""
+WAYS: tuple[tuple[int, ...], ...] = ((), (2,), (0, 2), (1, 2), (0,), (1,))
+"""Coordinates in which a body goes back first: none for all at once."""
 LEAST_GAIN = 0.05
 """Others stay where they are if going back makes their way shorter by less than this share."""
 ARRIVAL_TOLERANCE = 1e-3
@@ -81,20 +85,21 @@ def dragged_among_few(
 
 
 def others_back(
-    ready: Prepared, before: State, began: Floats, body: int, pinned: frozenset[int], until: TimeBudget
+    ready: Prepared, before: State, origin: State, body: int, pinned: frozenset[int], until: TimeBudget
 ) -> State | None:
-    """The state after all free bodies but one went back towards a motion (n, 3); None where that makes their way hardly shorter."""
-    bodies, state = ready.bodies, before
+    """The state after all free bodies but one went back towards another state; None where that makes their way hardly shorter."""
+    bodies, state, began = ready.bodies, before, origin.motion
     others = np.array([k for k in np.flatnonzero(~bodies.fixed) if k != body and k not in pinned], dtype=np.int64)
     tiny = BACK_TOLERANCE * ready.clearance
     gone = _corner_distance(bodies.radius, state.motion - began)
     if not len(others) or gone[others].max() <= tiny:
         return None
-    state = _straight_back(ready, state, began, others[gone[others] > tiny], until)
-    if until.interrupt.is_set():
-        return None
-    near = _corner_distance(bodies.radius, state.motion - began)
-    if near[others].max() > tiny and not pinned:  # the search moves what is not fixed
+    for _ in range(BACK_ROUNDS):
+        near = _corner_distance(bodies.radius, state.motion - began)
+        state = _straight_back(ready, state, origin, others[near[others] > tiny], until)
+        near = _corner_distance(bodies.radius, state.motion - began)
+        if near[others].max() <= tiny or pinned or until.is_set():  # the search would move what is not fixed
+            break
         state = _pulled_back(ready, state, began, body, others, until)
     moved = _corner_distance(bodies.radius, state.motion - before.motion)[body]
     now = _corner_distance(bodies.radius, state.motion - began)
@@ -102,12 +107,20 @@ def others_back(
     return state if better and moved <= tiny and not until.interrupt.is_set() else None
 
 
-def _straight_back(ready: Prepared, state: State, began: Floats, gone: Ints, until: TimeBudget) -> State:
-    """The state after bodies went straight back to a motion (n, 3), all at once or one by one, where the judge of paths finds that free."""
+def _straight_back(ready: Prepared, state: State, origin: State, gone: Ints, until: TimeBudget) -> State:
+    """The state after bodies went straight back to where another state has them, all at once or one by one, where that way is free."""
 
     def free(there: Floats, here: Floats) -> bool:
-        return audit_path(ready.outlines, of_parts(ready.assembly, ready.bodies, np.array([here, there]))).free
+        """Whether the way there is free, straight, or first in some coordinates and then in the others."""
+        for first in WAYS:
+            between = here.copy()
+            between[:, first] = there[:, first]
+            way = np.array([here, between, there] if first else [here, there])
+            if audit_path(ready.outlines, of_parts(ready.assembly, ready.bodies, way)).free:
+                return True
+        return False
 
+    began = origin.motion
     motion = state.motion.copy()
     motion[gone] = began[gone]
     if not free(motion, state.motion):
@@ -120,7 +133,9 @@ def _straight_back(ready: Prepared, state: State, began: Floats, gone: Ints, unt
             ahead[one] = began[one]
             if free(ahead, motion):
                 motion = ahead
-    after = state_at(ready, motion) if (motion != state.motion).any() else None
+    back = (motion != state.motion).any(axis=1)
+    inner = np.where(back[:, None], origin.inner, state.inner)
+    after = state_at(ready, motion, inner) if back.any() else None
     return state if after is None else replace(after, linked=state.linked)
 
 

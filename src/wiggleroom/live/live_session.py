@@ -62,7 +62,7 @@ class _Dragged:
     ready: Prepared
     state: State
     few: _AmongFew | None = None
-    began: Floats | None = None
+    began: State | None = None
 
     @property
     def here(self) -> State:
@@ -263,11 +263,7 @@ class Live:
         began = time.perf_counter()
         ready, state, few = self._begun(start, goals)
         held = self._held(ready, pinned)
-        since = (
-            state.motion
-            if not isinstance(start, str) or start != "here" or self._dragged is None
-            else self._dragged.began
-        )
+        since = state if not isinstance(start, str) or start != "here" or self._dragged is None else self._dragged.began
         aim = target_in_sight(grip, target, ready.size)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
