@@ -249,3 +249,55 @@ def test_a_design_whose_parts_are_gone_from_the_file_is_left_out(browser: Any, p
         answered(page, "peg moves 2 mm")
         dropped(page, "one.json", other)
         answered(page, "pin moves 1 mm")
+
+
+def test_parts_that_should_be_tighter_are_made_so_by_one_press(browser: Any) -> None:
+    with serving(EXAMPLES / "02_chain_of_tees" / "chain.json") as served, visiting(browser, served) as page:
+        answered(page, "b10 moves")
+        page.locator(".headline .facts", has_text="optimal").wait_for()
+        page.get_by_role("tab", name="Vary").click()
+        page.get_by_role("button", name="Find them").click()
+        said = page.locator(".result .strong").first
+        said.wait_for()
+        then = said.inner_text().removeprefix("Then ")
+        page.get_by_role("button", name="Make them tighter").click()
+        answered(page, then)
+        assert len(design(page)["extra"]) == 3
+        assert page.get_by_role("button", name="Make them tighter").count() == 0  # it is of the design before
+
+
+def test_a_film_stays_in_the_picture(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "open.json"
+    frame = {"name": "frame", "outline": [[0, 0], [30, 0], [30, 4], [0, 4]], "fixed": True}
+    block = {"name": "block", "outline": [[0, 0], [10, 0], [10, 10], [0, 10]], "at": [10, 4.5, 0]}
+    path.write_text(
+        json.dumps(
+            {"format": "wiggleroom/1", "parts": [frame, block], "pull": [{"part": "block", "direction": [0, 1]}]}
+        )
+    )
+    with serving(path) as served, visiting(browser, served) as page:
+        answered(page, "nothing stops block")
+        page.get_by_role("button", name="Pause").click()
+        page.get_by_label("place on the path from rest").fill("1000")
+        box = page.locator(".stage canvas").bounding_box()
+        x, y = still(page)
+        assert 0 < x < box["width"]
+        assert 0 < y < box["height"]
+        for part in page.locator(".pull polygon.head").all():
+            head = part.bounding_box()
+            assert head["y"] >= box["y"]
+
+
+def test_on_a_phone_the_picture_is_a_third_of_the_screen_and_the_page_alone_scrolls(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        page.set_viewport_size({"width": 390, "height": 844})
+        answered(page, "peg moves 1 mm")
+        for tab in page.get_by_role("tab").all():
+            box = tab.bounding_box()
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= 390
+            tab.click()
+            assert page.locator(".stage canvas").bounding_box()["height"] > 844 / 3
+            assert page.locator(".panel, .tabpanel").evaluate_all(
+                "all => all.every((e) => e.scrollHeight <= e.clientHeight + 1)"
+            )

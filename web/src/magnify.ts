@@ -7,6 +7,9 @@ import { extent, radii } from "./state.ts";
 /** What is larger than this share of a drawing's radius is seen as it is: about three pixels. */
 const SEEN_WELL = 1 / 130;
 
+/** How far parts that leave are followed [mm]: once round the drawing they are clear of it. */
+export const followed = (): number => 3 * extent.peek().radius;
+
 export const reachOf = (frames: Frames): number => reach(frames, radii.peek());
 
 /** Takes note of a motion of this size [mm]; one that is seen at its true size is not to be enlarged. */

@@ -552,6 +552,7 @@ export interface StudyReply {
   study: StudyTab;
   tints: Tints;
   command: string; // the command that answers the same
+  extra: Record<string, number>; // extra gaps of parts [mm] with which it moves so; empty where nothing is to be set
 }
 
 /** A value that no motion exceeds. */

@@ -6,6 +6,8 @@ import type { Frames } from "./protocol.ts";
 export type What = "rest" | "answer" | "between" | "drag" | "mode" | "escape";
 export interface Shown {
   what: What; frames: Frames | null; label: string; back: boolean;
+  /** Share of the frames that is shown: parts that leave are followed until they are clear, not for ever. */
+  until?: number;
   /** What comes when it has played to its end; else it plays again. */
   next?: () => void;
 }
@@ -84,9 +86,23 @@ export function motionOf(pose: Readonly<Record<string, readonly number[]>>, name
 }
 
 /** At most so many of the frames, first and last among them. */
-export function sampled(frames: Frames, most: number): Float32Array[] {
+export function sampled(frames: Frames, most: number, until = 1): Float32Array[] {
   const count = Math.min(frames.k, most);
-  return Array.from({ length: count }, (_, i) => along(frames, count > 1 ? Math.round((i * (frames.k - 1)) / (count - 1)) / (frames.k - 1) : 1));
+  return Array.from({ length: count }, (_, i) => along(frames, until * (count > 1 ? i / (count - 1) : 1)));
+}
+
+/** Share of the frames after which a part has gone so far [mm]; 1 where none does. */
+export function shareWithin(frames: Frames, far: number): number {
+  const { k, n, data } = frames;
+  const width = columns(frames);
+  let before = 0;
+  for (let f = 0; f < k; f++) {
+    let gone = 0;
+    for (let i = 0; i < n; i++) gone = Math.max(gone, farOf(data, f * n + i, width));
+    if (gone > far) return f ? (f - 1 + (far - before) / (gone - before)) / (k - 1) : 1;
+    before = gone;
+  }
+  return 1;
 }
 
 /** Last frame alone. */
@@ -158,8 +174,8 @@ export function showRest(soft = true): void {
 }
 
 /** Shows the path of an answer at its end; where parts leave it plays, for at the end they are gone. */
-export function showAnswer(frames: Frames, leaves: boolean, soft = true): void {
-  show({ what: "answer", frames, label: "", back: !leaves }, soft);
+export function showAnswer(frames: Frames, leaves: boolean, far: number, soft = true): void {
+  show({ what: "answer", frames, label: "", back: !leaves, ...(leaves && { until: shareWithin(frames, far) }) }, soft);
   if (leaves && !calm()) play(true);
 }
 
@@ -190,7 +206,7 @@ export function pose(now: number, n: number, width = 3): { motion: Float32Array;
   }
   if (playing.peek()) advance(now, back);
   const { frames } = shown.peek();
-  if (frames && frames.data.length === frames.k * n * width) along(frames, place.peek(), displayed);
+  if (frames && frames.data.length === frames.k * n * width) along(frames, place.peek() * (shown.peek().until ?? 1), displayed);
   else {
     displayed.fill(0);
     if (width === 7) for (let q = 6; q < displayed.length; q += 7) displayed[q] = 1;

@@ -2,14 +2,14 @@
 
 import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, correctPose, design, dimension, goals, history, inSpace, leave, pinned, type Pose, pose, question, questionOf, toggleFixed } from "./design.ts";
-import { between, chosenFactor, end, motionOf, play, poseOf, show, showAnswer, shown, showRest } from "./motion.ts";
+import { between, chosenFactor, end, motionOf, play, poseOf, shareWithin, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reading, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keptDesign, keptReading, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
 import { leavingAbout } from "./leaving.ts";
-import { magnify, reachOf } from "./magnify.ts";
+import { followed, magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import { assembled, forgetSheet, laid, ofSheet } from "./sheetState.ts";
 import * as state from "./state.ts";
@@ -272,7 +272,7 @@ export function back(): void {
   endDrag();
   if (pose.peek()) return leave(null); // which leads here once more
   const known = state.answer.peek();
-  if (known?.paths[0]) showAnswer(known.paths[0], known.reply.leaves.length > 0);
+  if (known?.paths[0]) showAnswer(known.paths[0], known.reply.leaves.length > 0, followed());
   else showRest();
 }
 
@@ -438,7 +438,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>, beside: bo
     if (paths[0] && !elsewhere && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       magnify(reachOf(paths[0]));
       const still = shown.peek().what === "answer" && !reply.leaves.length;
-      showAnswer(paths[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
+      showAnswer(paths[0], reply.leaves.length > 0, followed(), still || shown.peek().what !== "answer");
     }
   }
   if (again) askFlex();
@@ -503,7 +503,7 @@ export function showEscape(which: number, about: state.About<CheckReply | PlanRe
   const next = count > 1 ? () => showEscape((which + 1) % count, about) : undefined; // one after the other
   const earlier = state.standalone.peek() || state.current(about) ? "" : " of an earlier design";
   const name = (about.reply.kind === "plan" ? "plan" : "path out") + earlier;
-  show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next }, false);
+  show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next, until: shareWithin(frames, followed()) }, false);
   play(true);
 }
 

@@ -59,7 +59,7 @@ export function seePast(name: string): void {
 
 function InSpace({ name }: { name: string }) {
   const { frames } = shown.value;
-  const motion = frames && frames.n === names.value.length ? along(frames, place.value) : null;
+  const motion = frames && frames.n === names.value.length ? along(frames, place.value * (shown.value.until ?? 1)) : null;
   const i = indexOf.value.get(name)!;
   const far = motion ? farOf(motion, i, 7) : 0;
   const turned = motion ? (turnOf(motion, i, 7) * 180) / Math.PI : 0;

@@ -136,8 +136,8 @@ export function SolidStage() {
 /** So many places of a film at most are looked at to fit it. */
 const MOST_PLACES = 12;
 const film = computed(() => {
-  const { frames } = shown.value;
-  return frames && frames.n === state.names.value.length ? sampled(frames, MOST_PLACES) : [];
+  const { frames, until } = shown.value;
+  return frames && frames.n === state.names.value.length ? sampled(frames, MOST_PLACES, until) : [];
 });
 const endMotion = computed(() => {
   const { frames } = shown.value;

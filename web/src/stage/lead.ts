@@ -41,10 +41,10 @@ function outlined(shape: Shape): Outline {
 
 /** Where a drag begins or goes on, the last motion known to be free: what is shown at its end, or rest. */
 export function origin(): "pose" | "answer" | "rest" {
-  const { what, frames } = shown.peek();
+  const { what, frames, until } = shown.peek();
   const n = drawing.peek()?.parts.length ?? 0;
   if (frames?.n === n && what === "drag") return pose.peek() ? "pose" : "rest";
-  return frames?.n === n && what === "answer" && place.peek() >= 1 ? "answer" : "rest";
+  return frames?.n === n && what === "answer" && place.peek() >= 1 && (until ?? 1) === 1 ? "answer" : "rest";
 }
 
 /** Parts that move as one with a part. */
