@@ -112,7 +112,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const opened = state.drawing.value;
     const { frames } = shown.value;
     void state.rings.value;
-    if (!opened || shown.value.what === "between" || (shown.value.what === "drag" && state.dragging.peek())) return; // the hand needs a view that stays
+    if (!opened || shown.value.what === "between" || (shown.value.what === "drag" && pointerTarget.value)) return; // the hand needs a view that stays
     const film = frames && frames.n === current.shapes.length ? sampled(frames, MOST_SEEN, shown.value.until) : [];
     content.value = around(current.shapes, opened.size, film, factor(), MOST_FAR);
     keepFitted();
