@@ -1,10 +1,10 @@
 /** What outlives a reload in this tab: the file that was dropped, the design; and in this browser: the token, recent files. */
 
 import type { History, Pose, Step } from "./design.ts";
-import { type Design, fromBase64, type Opened, type Reading, toBase64 } from "./protocol.ts";
+import { type Design, fromBase64, type Opened, type HowRead, toBase64 } from "./protocol.ts";
 
 /** A file that was dropped and how it is to be read, or a sample by its name. */
-export type Opening = { name: string; data: string; reading?: Reading } | { name: string; sample: true };
+export type Opening = { name: string; data: string; reading?: HowRead } | { name: string; sample: true };
 
 const read = (key: string): string | null => {
   try {
@@ -47,7 +47,7 @@ function remember(given: string): void {
 
 export const keepFile = (file: Opening): void => write("file", JSON.stringify(file));
 /** Files opened here before, the last one first; they stay in this browser. */
-export interface Recent { name: string; data: string; reading?: Reading; when: number }
+export interface Recent { name: string; data: string; reading?: HowRead; when: number }
 const RECENT = "wiggleroom.recent";
 const MAX_RECENT = 6;
 const MAX_KEPT = 3_000_000;
@@ -80,9 +80,9 @@ export function forgetRecent(): void {
 }
 
 /** How the drawing of the command line was read again. */
-export const keepReading = (name: string, reading: Reading): void => write("reading", JSON.stringify({ name, reading }));
-export function keptReading(name: string): Reading | null {
-  const kept = JSON.parse(read("reading") ?? "null") as { name: string; reading: Reading } | null;
+export const keepReading = (name: string, reading: HowRead): void => write("reading", JSON.stringify({ name, reading }));
+export function keptReading(name: string): HowRead | null {
+  const kept = JSON.parse(read("reading") ?? "null") as { name: string; reading: HowRead } | null;
   return kept?.name === name ? kept.reading : null;
 }
 

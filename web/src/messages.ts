@@ -280,7 +280,7 @@ export interface Solids {
 }
 
 /** How a drawing is read, in place of what it says itself. */
-export interface Reading {
+export interface HowRead {
   unit: "cm" | "in" | "m" | "mm" | "px" | null;
   only: string[];
   skip: string[];
@@ -303,7 +303,7 @@ export interface Opened {
   dimension: 2 | 3;
   solids?: Solids; // in space, where parts have no rings
   pulled?: GoalEntry; // a goal suggested where there is none
-  reading?: Reading; // of a drawing that can be read in other ways
+  reading?: HowRead; // of a drawing that can be read in other ways
   apart: boolean; // true where no part is near another one, as on a cutting sheet
 }
 

@@ -3,7 +3,7 @@
 import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, correctPose, design, dimension, goals, history, inSpace, leave, pinned, type Pose, pose, question, questionOf, toggleFixed } from "./design.ts";
 import { between, chosenFactor, end, motionOf, play, poseOf, shareWithin, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reading, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type HowRead, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keptDesign, keptReading, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
@@ -301,14 +301,14 @@ function requestFor(what: Opening): Requests["open"] {
 }
 
 /** Reads the file that is open in another way. */
-export function readAgain(reading: Reading): void {
+export function readAgain(reading: HowRead): void {
   rereading = reading;
   if (file && "data" in file) return openAs({ name: file.name, data: file.data, reading });
   keepReading(state.drawing.peek()!.name, reading);
   state.opening.value = state.drawing.peek()!.name;
   if (!ask("open", { name: state.drawing.peek()!.name, again: true, ...reading })) state.opening.value = "";
 }
-let rereading: Reading | null = null;
+let rereading: HowRead | null = null;
 
 /** Sets everything as the file says it. */
 export function asRead(): void {

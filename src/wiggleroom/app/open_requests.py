@@ -27,7 +27,7 @@ from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 from wiggleroom.report.page.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
-from wiggleroom.schema.requests import GoalEntry, OpenRequest, Reading
+from wiggleroom.schema.requests import GoalEntry, HowRead, OpenRequest
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
@@ -265,7 +265,7 @@ def opened_reply(file: File, drawing: Drawing) -> Opened:
     reply.notes = [on_the_page(note.removeprefix(f"{file.name}: ")) for note in reply.notes]
     if PurePosixPath(file.name).suffix.lower() != ".json":
         how = file.options
-        reply.reading = Reading(file.unit, list(how.only), list(how.skip), how.join, list(how.solid))  # type: ignore[arg-type]
+        reply.reading = HowRead(file.unit, list(how.only), list(how.skip), how.join, list(how.solid))  # type: ignore[arg-type]
     return reply
 
 

@@ -18,7 +18,7 @@ from wiggleroom.schema.fields import (
 )
 from wiggleroom.schema.listing_schema import SheetJointEntry, UnmatchedEntry
 from wiggleroom.schema.reply_base import Outline, Pose, Reply, Terms
-from wiggleroom.schema.requests import Design, GoalEntry, PlateHint, Reading
+from wiggleroom.schema.requests import Design, GoalEntry, HowRead, PlateHint
 from wiggleroom.schema.study_replies import (
     BoundReply,
     CheckReply,
@@ -104,7 +104,7 @@ class Opened(Reply, kw_only=True):
     dimension: Literal[2, 3] = 2
     solids: Annotated[Solids | UnsetType, Meta(description="in space, where parts have no rings")] = UNSET
     pulled: Annotated[GoalEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
-    reading: Annotated[Reading | UnsetType, Meta(description="of a drawing that can be read in other ways")] = UNSET
+    reading: Annotated[HowRead | UnsetType, Meta(description="of a drawing that can be read in other ways")] = UNSET
     apart: Annotated[bool, Meta(description="true where no part is near another one, as on a cutting sheet")] = False
 
 

@@ -65,7 +65,7 @@ class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True
     id: Number
 
 
-class Reading(Struct, forbid_unknown_fields=True):
+class HowRead(Struct, forbid_unknown_fields=True):
     """How a drawing is read, in place of what it says itself.
 
     Parameters

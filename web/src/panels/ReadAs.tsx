@@ -3,7 +3,7 @@
 import { signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { asRead, readAgain } from "../session.ts";
-import type { Reading } from "../protocol.ts";
+import type { HowRead } from "../protocol.ts";
 import { drawing, standalone } from "../state.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
@@ -16,7 +16,7 @@ const LISTS = [
   ["solid", "parts, not holes", "names of outlines inside others, @x,y for a point in one, or all", "none"],
 ] as const;
 
-const AS_SAID: Reading = { unit: null, only: [], skip: [], join: null, solid: [] };
+const AS_SAID: HowRead = { unit: null, only: [], skip: [], join: null, solid: [] };
 
 const unfolded = signal(false);
 
@@ -31,7 +31,7 @@ export function ReadAs() {
   useEffect(() => void (draft.value = before ?? AS_SAID), [opened]);
   if (standalone.value) return null;
   const { notes } = opened;
-  const put = (next: Partial<Reading>): void => void (draft.value = { ...draft.value, ...next });
+  const put = (next: Partial<HowRead>): void => void (draft.value = { ...draft.value, ...next });
   const other = JSON.stringify(draft.value) !== JSON.stringify(before ?? AS_SAID);
   return (
     <Section title="How the file was read" side={<Button label="Set everything as the file says; undo leads back" onClick={asRead} class="small">As the file says</Button>}>
@@ -41,7 +41,7 @@ export function ReadAs() {
           <summary>Read it in another way</summary>
           <div class="reading">
             <label>unit of its numbers
-              <select value={draft.value.unit ?? ""} onChange={(event) => put({ unit: (event.currentTarget.value || null) as Reading["unit"] })}>
+              <select value={draft.value.unit ?? ""} onChange={(event) => put({ unit: (event.currentTarget.value || null) as HowRead["unit"] })}>
                 {Object.entries(UNITS).map(([unit, words]) => <option key={unit} value={unit}>{words}</option>)}
               </select>
             </label>
