@@ -94,7 +94,10 @@ def nothing_stands(names: Sequence[str], size: NDArray[np.float64], design: Desi
 def _areas(drawing: Drawing) -> NDArray[np.float64]:
     """Material of every part (parts,) [mm2]."""
     shapes, owner = placed_regions(drawing.parts)
-    return np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts))
+    area: NDArray[np.float64] = np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts)).astype(
+        np.float64
+    )
+    return area
 
 
 def usual_size(drawing: Drawing) -> float:
