@@ -75,6 +75,10 @@ def dragged_among_few(
     if near.left(search):
         return None
     after = near.whole(state, there)
+    if pinned:  # they stand where they are seen, not at the point inside all cells
+        motion = after.motion.copy()
+        motion[list(pinned)] = state.motion[list(pinned)]
+        after = replace(after, motion=motion)
     if not free_of_overlap(ready, after.motion, state.motion):
         return None
     short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))

@@ -30,6 +30,7 @@ from wiggleroom.live.warm_start import (
     TimeBudget,
     WarmSearch,
     free_of_overlap,
+    seated,
     state_at,
     state_at_rest,
 )
@@ -187,7 +188,7 @@ class Live:
             return False
         last = self._dragged
         if last is not None and _key(design, self._of_parts(last.ready, last.here)) == _key(design, motion):
-            self._left[_key(design, motion)] = design, last.ready, last.here
+            self._left[_key(design, motion)] = design, last.ready, seated(last.ready, last.here)
             while len(self._left) > MAX_LEFT:
                 self._left.popitem(last=False)
         return True
@@ -278,7 +279,7 @@ class Live:
                 if few is not None and within is not None and few.body == body and within <= few.count
                 else state
             )
-            near = dragged_among_few(ready, term, aim, begin, within, until, held)
+            near = dragged_among_few(ready, term, aim, seated(ready, begin) if held else begin, within, until, held)
         if near is None and held:  # what would have to give way is pinned
             near = state, None, False
         after, search, settled = near or dragged(ready, term, state, float(np.sum(np.subtract(aim, grip) ** 2)), until)

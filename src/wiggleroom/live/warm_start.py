@@ -121,6 +121,16 @@ def state_at(ready: Prepared, motion: Floats, inner: Floats | None = None) -> St
     return pushed(ready, State(cells, motion if inner is None else inner, motion, linked=False))
 
 
+def seated(ready: Prepared, state: State) -> State:
+    """The same state, its inner point near the motion that is shown: a search that stopped may have left it far behind."""
+    behind = state.inner - state.motion
+    far = np.hypot(behind[:, 0], behind[:, 1]) + ready.bodies.radius * np.abs(behind[:, 2])
+    if far.max(initial=0.0) <= ready.clearance:
+        return state
+    there = state_at(ready, state.motion)
+    return state if there is None else replace(there, linked=state.linked)
+
+
 @dataclass(eq=False)
 class TimeBudget:
     """Stops at a time, or on another request to stop, `interrupt`, that is never made where nobody can; asked every iteration."""

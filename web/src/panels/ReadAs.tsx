@@ -51,7 +51,7 @@ export function ReadAs() {
               </label>
             ))}
             <label title="open ends nearer than this are joined">join ends <NumberBox value={draft.value.join ?? 0} min={0} step={0.05} unit="mm" none="auto" label="open ends nearer than this are joined" onChange={(value) => put({ join: value || null })} /></label>
-            <Button label="Read the file again" onClick={() => readAgain(draft.value)} disabled={!other} class="small main">Read again</Button>
+            <Button label="Read the file again" onClick={() => readAgain(draft.value)} disabled={!other} class="small">Read again</Button>
           </div>
         </details>
       )}
