@@ -99,7 +99,9 @@ def test_a_mechanism_is_worked_by_hand(browser: Any, latch: Served) -> None:
             page.keyboard.press("Control+y")
             until(page, lambda: moved(page) == expected, "redo leads elsewhere")  # noqa: B023
         drag(page, (50, 15), (20, 0))  # the slider lies 30 mm further: taken where it is seen
-        assert moved(page)["slider"][0] == pytest.approx(50, abs=0.6)
+        until(
+            page, lambda: moved(page)["slider"][0] > 40, "it does not go on from there"
+        )  # from rest it would end at 20
 
 
 def test_a_pinned_part_stands_and_a_pose_outlives_a_reload(browser: Any, latch: Served) -> None:
