@@ -1,6 +1,6 @@
 /** The design: what the user set, with undo and redo. Every change is a new object. */
 
-import { computed, signal } from "@preact/signals";
+import { batch, computed, signal } from "@preact/signals";
 import { type Design, type Goal, type Goals, isTwist } from "./protocol.ts";
 import { own } from "./words.ts";
 
@@ -11,32 +11,68 @@ export const inSpace = (): boolean => dimension.value === 3;
 const NOTHING: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
 
 export const design = signal<Design>(NOTHING);
-const past = signal<Design[]>([]);
-const future = signal<Design[]>([]);
+/** Where parts were left: motions of those that do not rest, by name; null where the answer, or rest, is shown. */
+export type Pose = Readonly<Record<string, readonly number[]>>;
+export const pose = signal<Pose | null>(null);
+/** Parts that stand while another one is dragged, although they are not fixed. */
+export const pinned = signal<ReadonlySet<string>>(new Set());
+
+/** What undo and redo lead to. */
+export interface Step { design: Design; pose: Pose | null }
+const past = signal<Step[]>([]);
+const future = signal<Step[]>([]);
 export const canUndo = computed(() => past.value.length > 0);
 export const canRedo = computed(() => future.value.length > 0);
 
 const DEEPEST = 200;
 let merging = "";
 
-/** Designs that undo and redo lead to. */
-export interface History { past: Design[]; future: Design[] }
+/** Steps before and after the present one. */
+export interface History { past: Step[]; future: Step[] }
 export const history = (): History => ({ past: past.peek(), future: future.peek() });
 
-/** Begins anew with a design that was read, and with what came before and after it if that is known. */
-export function begin(read: Design, before: History = { past: [], future: [] }): void {
-  past.value = before.past;
-  future.value = before.future;
-  design.value = read;
+const now = (): Step => ({ design: design.peek(), pose: pose.peek() });
+function become(step: Step): void {
+  batch(() => {
+    design.value = step.design;
+    pose.value = step.pose;
+  });
   merging = "";
 }
 
-/** Changes the design. Changes with the same `merge` word that follow each other are undone in one step. */
-export function change(next: Partial<Design>, merge = ""): void {
-  if (!merge || merge !== merging) past.value = [...past.value.slice(-DEEPEST), design.value];
+/** Begins anew with a design that was read, and with what came before and after it if that is known. */
+export function begin(read: Design, before: History = { past: [], future: [] }, left: Pose | null = null): void {
+  past.value = before.past;
+  future.value = before.future;
+  pinned.value = new Set();
+  become({ design: read, pose: left });
+}
+
+function keepStep(merge: string): void {
+  if (!merge || merge !== merging) past.value = [...past.value.slice(-DEEPEST), now()];
   merging = merge;
   future.value = [];
-  design.value = { ...design.value, ...next };
+}
+
+/** Changes the design, whose answer is seen then. Changes with the same `merge` word that follow each other are undone in one step. */
+export function change(next: Partial<Design>, merge = ""): void {
+  keepStep(merge);
+  batch(() => {
+    design.value = { ...design.value, ...next };
+    pose.value = null;
+  });
+}
+
+/** Leaves parts where they are; null takes all back. */
+export function leave(next: Pose | null, merge = ""): void {
+  if (next === pose.peek()) return;
+  keepStep(merge);
+  pose.value = next;
+}
+
+/** The pose is another one than was thought: no step of its own. */
+export function correctPose(next: Pose | null): void {
+  pose.value = next;
 }
 
 /** The next change is a step of its own even if its word is the same. */
@@ -48,18 +84,22 @@ export function undo(): void {
   const last = past.value.at(-1);
   if (!last) return;
   past.value = past.value.slice(0, -1);
-  future.value = [...future.value, design.value];
-  design.value = last;
-  merging = "";
+  future.value = [...future.value, now()];
+  become(last);
 }
 
 export function redo(): void {
   const next = future.value.at(-1);
   if (!next) return;
   future.value = future.value.slice(0, -1);
-  past.value = [...past.value, design.value];
-  design.value = next;
-  merging = "";
+  past.value = [...past.value, now()];
+  become(next);
+}
+
+export function togglePinned(name: string): void {
+  const next = new Set(pinned.peek());
+  if (!next.delete(name)) next.add(name);
+  pinned.value = next;
 }
 
 export const list = (goals: Goals): Goal[] => (typeof goals === "string" ? [] : goals);

@@ -11,7 +11,7 @@ export function boxCorners({ min, max }: Box3, turn: Quaternion, shift: Vector3)
 }
 
 /** Points at rest and moved, the latter no farther out than `most` times the longest side of the box at rest: what leaves is seen on its way. */
-export function around(rest: readonly Vector3[], moved: readonly Vector3[], most = 0.8): Vector3[] {
+export function around(rest: readonly Vector3[], moved: readonly Vector3[], most = 2): Vector3[] {
   const box = new Box3().setFromPoints([...rest]);
   const { x, y, z } = box.getSize(new Vector3());
   box.expandByScalar(most * Math.max(x, y, z));

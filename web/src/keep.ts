@@ -1,10 +1,10 @@
 /** What outlives a reload in this tab: the file that was dropped, the design; and in this browser: the token, recent files. */
 
-import type { History } from "./design.ts";
-import { type Design, fromBase64, type Opened, toBase64 } from "./protocol.ts";
+import type { History, Pose, Step } from "./design.ts";
+import { type Design, fromBase64, type Opened, type HowRead, toBase64 } from "./protocol.ts";
 
-/** A file that was dropped, or a sample by its name. */
-export type Opening = { name: string; data: string } | { name: string; sample: true };
+/** A file that was dropped and how it is to be read, or a sample by its name. */
+export type Opening = { name: string; data: string; reading?: HowRead } | { name: string; sample: true };
 
 const read = (key: string): string | null => {
   try {
@@ -27,7 +27,7 @@ export function token(): string {
   const address = new URL(location.href);
   const given = address.searchParams.get("token");
   if (given) {
-    if (given !== read("token")) for (const key of ["file", "design"]) write(key, null); // another server: what was kept is not its own
+    if (given !== read("token")) for (const key of ["file", "design", "reading"]) write(key, null); // another server: what was kept is not its own
     write("token", given);
     address.searchParams.delete("token");
     history.replaceState(null, "", address.href);
@@ -47,7 +47,7 @@ function remember(given: string): void {
 
 export const keepFile = (file: Opening): void => write("file", JSON.stringify(file));
 /** Files opened here before, the last one first; they stay in this browser. */
-export interface Recent { name: string; data: string; when: number }
+export interface Recent { name: string; data: string; reading?: HowRead; when: number }
 const RECENT = "wiggleroom.recent";
 const MAX_RECENT = 6;
 const MAX_KEPT = 3_000_000;
@@ -60,9 +60,9 @@ export function recent(): Recent[] {
   }
 }
 
-export function keepRecent(name: string, data: string): void {
+export function keepRecent({ name, data, reading }: Omit<Recent, "when">): void {
   let left = MAX_KEPT;
-  const all = [{ name, data, when: Date.now() }, ...recent().filter((one) => one.name !== name)].slice(0, MAX_RECENT);
+  const all = [{ name, data, ...(reading && { reading }), when: Date.now() }, ...recent().filter((one) => one.name !== name)].slice(0, MAX_RECENT);
   const kept = all.filter((one) => (left -= one.data.length) > 0);
   try {
     localStorage.setItem(RECENT, JSON.stringify(kept));
@@ -77,6 +77,13 @@ export function forgetRecent(): void {
   } catch {
     // Forbidden: then there is none.
   }
+}
+
+/** How the drawing of the command line was read again. */
+export const keepReading = (name: string, reading: HowRead): void => write("reading", JSON.stringify({ name, reading }));
+export function keptReading(name: string): HowRead | null {
+  const kept = JSON.parse(read("reading") ?? "null") as { name: string; reading: HowRead } | null;
+  return kept?.name === name ? kept.reading : null;
 }
 
 export const forgetFile = (): void => write("file", null);
@@ -99,6 +106,12 @@ export function isDesign(one: unknown): one is Design {
   const { gap, extra, fixed, glue, goals } = Object(one) as Record<string, unknown>;
   return Number.isFinite(gap) && (gap as number) >= 0 && extra instanceof Object && numbers(Object.values(extra)) && all(fixed, isText)
     && all(glue, (group) => all(group, isText)) && (isText(goals) || all(goals, isGoal));
+}
+
+const isPose = (one: unknown): one is Pose | null | undefined => one == null || (one instanceof Object && Object.values(one).every(numbers));
+function isStep(one: unknown): one is Step {
+  const { design, pose } = Object(one) as Record<string, unknown>;
+  return isDesign(design) && isPose(pose);
 }
 
 function isGoal(one: unknown): boolean {
@@ -131,20 +144,94 @@ export function linked(): Linked | null {
 export const leaveLink = (): void => history.replaceState(null, "", location.pathname);
 
 const MAX_STEPS = 40;
-interface KeptDesign { mark: string; design: Design; history?: History }
+interface KeptDesign { mark: string; design: Design; pose?: Pose | null; history?: History; when: number; server: string }
 
-/** Keeps the design with the last steps of undo and redo. */
-export function keepDesign(of: Opened, design: Design, { past, future }: History): void {
-  const history = { past: past.slice(-MAX_STEPS), future: future.slice(-MAX_STEPS) };
-  write("design", JSON.stringify({ mark: mark(of), design, history } satisfies KeptDesign));
+/** Designs of the files that were open last, each with its undo; they stay in this browser. */
+const DESIGN = "wiggleroom.design|";
+const MAX_DESIGNS = 24;
+const LATER = 300; // ms
+let waiting: { key: string; text: string; timer: number } | null = null;
+
+/** Keeps the design with the last steps of undo and redo: for this tab, and for whenever the file is opened again. */
+export function keepDesign(of: Opened, design: Design, pose: Pose | null, { past, future }: History): void {
+  const slim = (steps: readonly Step[]): Step[] => steps.map((step) => ({ design: step.design, pose: small(step.pose) }));
+  const history = { past: slim(past.slice(-MAX_STEPS)), future: slim(future.slice(-MAX_STEPS)) };
+  const text = JSON.stringify({ mark: mark(of), design, pose: small(pose), history, when: Date.now(), server: read("token") ?? "" } satisfies KeptDesign);
+  write("design", text);
+  const key = DESIGN + mark(of);
+  if (waiting && waiting.key !== key) flush();
+  clearTimeout(waiting?.timer);
+  waiting = { key, text, timer: window.setTimeout(flush, LATER) }; // a slider that moves keeps a hundred
 }
 
-export function keptDesign(of: Opened): { design: Design; history?: History } | null {
+/** A pose of more parts than these is not kept: it would leave no room for designs. */
+const MAX_LEFT = 300;
+const small = (pose: Pose | null): Pose | null => (pose && Object.keys(pose).length > MAX_LEFT ? null : pose);
+
+/** Writes what waits to be kept. */
+export function flush(): void {
+  if (!waiting) return;
+  clearTimeout(waiting.timer);
+  const { key, text } = waiting;
+  waiting = null;
+  try {
+    const others = designs().filter((one) => one !== key);
+    for (const old of others.slice(MAX_DESIGNS - 1)) localStorage.removeItem(old);
+    localStorage.setItem(key, text);
+  } catch {
+    // Full or forbidden: the design then is kept in this tab alone, while its file is open.
+  }
+}
+if (typeof addEventListener === "function") addEventListener("pagehide", flush);
+
+/** Keys of the designs that are kept, the newest first. */
+function designs(): string[] {
+  const keys = Array.from({ length: localStorage.length }, (_, i) => localStorage.key(i)!).filter((key) => key.startsWith(DESIGN));
+  const when = new Map(keys.map((key) => [key, (JSON.parse(localStorage.getItem(key)!) as KeptDesign).when]));
+  return keys.sort((a, b) => when.get(b)! - when.get(a)!);
+}
+
+export function forgetDesigns(): void {
+  try {
+    for (const key of designs()) localStorage.removeItem(key);
+  } catch {
+    // Forbidden: then there are none.
+  }
+}
+
+export interface Before { design: Design; pose?: Pose | null; history?: History; from: "link" | "tab" | "browser" }
+
+/** What was set for a drawing before; what options of this server said counts only while it runs: `served`. */
+export function keptDesign(of: Opened, served: boolean): Before | null {
   const told = linked();
   if (told?.mark === mark(of)) {
     leaveLink();
-    return { design: told.design };
+    return { design: told.design, from: "link" };
   }
-  const kept = JSON.parse(read("design") ?? "null") as KeptDesign | null;
-  return kept && kept.mark === mark(of) && isDesign(kept.design) && [kept.history?.past, kept.history?.future].every((list) => all(list, isDesign)) ? kept : null;
+  const mine = sound(read("design"), of);
+  if (mine) return { ...mine, from: "tab" };
+  const old = sound(stored(DESIGN + mark(of)), of);
+  return old && (!served || old.server === read("token")) ? { ...old, from: "browser" } : null;
+}
+
+function stored(key: string): string | null {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}
+
+/** A kept design that is one, and whose parts are all there: the file may be another one of its name. */
+function sound(text: string | null, of: Opened): KeptDesign | null {
+  const kept = JSON.parse(text ?? "null") as KeptDesign | null;
+  if (!kept || kept.mark !== mark(of) || !isDesign(kept.design) || !isPose(kept.pose) || ![kept.history?.past, kept.history?.future].every((list) => all(list, isStep))) return null;
+  return fitsParts(kept.design, of) ? kept : null;
+}
+
+/** Whether all parts that a design names are there. */
+export function fitsParts({ extra, fixed, glue, goals }: Design, of: Opened): boolean {
+  const there = new Set(of.parts.map((part) => part.name));
+  const named = [...Object.keys(extra), ...fixed, ...glue.flat(), ...(typeof goals === "string" ? [] : goals.map((goal) => goal.part))];
+  return named.every((name) => there.has(name));
 }

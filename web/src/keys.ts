@@ -1,15 +1,17 @@
 /** What the keyboard does, wherever no box is being typed in. */
 
-import { design, goals, inSpace, redo, setGoal, settle, toggleFixed, togglePull, toggleTwist, undo } from "./design.ts";
+import { design, goals, inSpace, setGoal, settle, togglePinned, togglePull, toggleTwist } from "./design.ts";
 import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point, type Triple } from "./protocol.ts";
-import { askDrag, askModes, askReach, back, cancel, setGap } from "./session.ts";
+import { askDrag, askModes, askReach, back, backToRest, cancel, fixOrNot, setGap } from "./session.ts";
 import { fitAll, solidView, view, zoomBy } from "./stage/camera.ts";
 import { keep, kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
 import { degrees } from "./words.ts";
-import { glueOrNot, seePast, stepOf } from "./chrome/Selection.tsx";
+import { gapStep } from "./chrome/GapStrip.tsx";
+import { stepOfHistory } from "./chrome/NumberBox.tsx";
+import { glueOrNot, seePast } from "./chrome/Selection.tsx";
 import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
@@ -27,9 +29,10 @@ export function listen(): void {
   addEventListener("keydown", (event) => {
     const on = event.target as HTMLElement;
     if (event.altKey || state.helpOpen.peek() || on.closest("[role=menu]")) return;
-    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !state.standalone.peek()) {
+    const command = event.ctrlKey || event.metaKey ? commandOf(event) : null;
+    if (command && !state.standalone.peek()) {
       event.preventDefault();
-      return event.shiftKey ? redo() : undo();
+      return command();
     }
     if (event.ctrlKey || event.metaKey || on.matches("input:not([type=range]), select, textarea")) return;
     if (on.matches("input[type=range], [role=tab]") && (event.key in ARROWS || event.key === "Home" || event.key === "End")) return;
@@ -37,6 +40,16 @@ export function listen(): void {
     if (act(event)) event.preventDefault();
   });
 }
+
+/** What a key means with Control. */
+function commandOf(event: KeyboardEvent): (() => void) | null {
+  if (event.key.toLowerCase() === "o") return openOne;
+  if (event.key.toLowerCase() === "s" && state.drawing.peek()) return openSaves;
+  return stepOfHistory(event);
+}
+
+const openOne = (): void => document.getElementById("file")?.click();
+const openSaves = (): void => document.querySelector<HTMLElement>(".savebutton")?.click();
 
 /** True when the key meant something. */
 function act(event: KeyboardEvent): boolean {
@@ -55,6 +68,7 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "m") measuring.peek() ? stopMeasuring() : (measuring.value = true);
   else if (key === "." || key === ",") step(key === "." ? 1 : -1);
   else if (key === "Escape") escape();
+  else if (key === "Home" && !state.standalone.peek()) backToRest();
   else if (tabAt >= 0 && tabAt < pages.peek().length) {
     state.tab.value = pages.peek()[tabAt]!.name;
     state.sheetOpen.value = true;
@@ -62,16 +76,17 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "b") kept.peek() ? (kept.value = null) : keep();
   else if (key === "l") lassoing.value = !lassoing.peek();
   else if (key === "a") chooseMany(state.names.peek());
-  else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * stepOf(design.peek().gap));
-  else if (key === "o") document.getElementById("file")?.click();
-  else if (key === "s") document.querySelector<HTMLElement>(".savebutton")?.click();
+  else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * gapStep());
+  else if (key === "o") openOne();
+  else if (key === "s") openSaves();
   else if (key === "w") askModes(name ?? undefined);
   else if (!name) return false;
   else if (key === "r") askReach(name);
   else if (key === "t" && inSpace()) toggleTwist(name);
   else if (key === "h" && inSpace()) seePast(name);
-  else if (key === "f") toggleFixed(name);
+  else if (key === "f") fixOrNot(name);
   else if (key === "p") togglePull(name);
+  else if (key === "n") togglePinned(name);
   else if (key === "g") glueOrNot(name);
   else return false;
   return true;
@@ -101,7 +116,7 @@ function spatialArrow([dx, dy]: Point, drags: boolean): boolean {
   const from = stepFrom(name, grip, Math.hypot(...seen.across(i, STEP, 0)) / factor());
   const by = seen.across(i, dx * STEP, dy * STEP).map((v) => v / factor());
   target = { part: name, grip, at: from.map((v, k) => v + by[k]!) as Triple };
-  askDrag(name, grip, target.at);
+  askDrag(name, grip, target.at, false);
   return true;
 }
 
@@ -133,7 +148,7 @@ function arrow([dx, dy]: Point, fine: boolean): boolean {
   const by = STEP / view.peek().scale / factor();
   const from = stepFrom(name, grip, by);
   target = { part: name, grip, at: [from[0] + dx * by, from[1] + dy * by] };
-  askDrag(name, grip, target.at);
+  askDrag(name, grip, target.at, false);
   return true;
 }
 

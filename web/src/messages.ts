@@ -29,6 +29,7 @@ export interface OpenRequest {
   beside?: Record<string, string>;
   sample?: boolean;
   unit?: "cm" | "in" | "m" | "mm" | "pt" | "px" | null;
+  again?: boolean;
   flatten?: number | null;
   gap?: number | null;
   only?: string[];
@@ -57,7 +58,7 @@ export interface FlexRequest {
   shown?: string;
 }
 
-/** A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer. */
+/** A part drawn towards a place, from rest, from a pose, from where the last drag ended or from the end of the answer. */
 export interface DragRequest {
   kind: "drag";
   id: number;
@@ -65,8 +66,18 @@ export interface DragRequest {
   part: string;
   grip: number[];
   target: number[];
-  from?: "answer" | "here" | "rest";
+  from?: "answer" | "here" | "pose" | "rest";
+  pose?: Record<string, number[]>; // parts that do not rest: (dx mm, dy mm, turn rad), in space (dx, dy, dz mm, quaternion x, y, z, w)
+  pinned?: string[];
   shown?: string;
+}
+
+/** Whether parts overlap where they were left, and that the next drag may begin there. */
+export interface PoseRequest {
+  kind: "pose";
+  id: number;
+  design: Design;
+  pose?: Record<string, number[]>; // parts that do not rest: (dx mm, dy mm, turn rad), in space (dx, dy, dz mm, quaternion x, y, z, w)
 }
 
 /** Where a point of a part, given in world coordinates at rest [mm], can be brought from rest. */
@@ -269,6 +280,15 @@ export interface Solids {
   aside: [number, number, number][]; // by how much in an exploded view that doubles distances [mm]
 }
 
+/** How a drawing is read, in place of what it says itself. */
+export interface HowRead {
+  unit: "cm" | "in" | "m" | "mm" | "px" | null;
+  only: string[];
+  skip: string[];
+  join: number | null;
+  solid: string[];
+}
+
 /** A drawing, and what it asks as a design. */
 export interface Opened {
   kind: "opened";
@@ -284,6 +304,7 @@ export interface Opened {
   dimension: 2 | 3;
   solids?: Solids; // in space, where parts have no rings
   pulled?: GoalEntry; // a goal suggested where there is none
+  reading?: HowRead; // of a drawing that can be read in other ways
   apart: boolean; // true where no part is near another one, as on a cutting sheet
 }
 
@@ -322,6 +343,7 @@ export interface FlexReply {
   seconds: number;
   command: string; // the command that answers the same
   settled: boolean; // false where a fuller answer is to come
+  search: "done" | "from rest" | "to come"; // whether a search from other starts has ended; from rest: too many parts move for one
   rings?: [number, number][][][]; // where the page shows others
   solids?: Solids; // in space, as the outlines
   shown?: string; // name of these outlines
@@ -341,6 +363,14 @@ export interface DragReply {
   rings?: [number, number][][][];
   solids?: Solids;
   shown?: string; // name of these outlines
+}
+
+/** Whether parts may be left where they are. */
+export interface PoseReply {
+  kind: "pose";
+  id: number;
+  free: boolean; // true where no two parts overlap there
+  words: string;
 }
 
 /** Where a point can be brought. */
@@ -523,6 +553,7 @@ export interface StudyReply {
   study: StudyTab;
   tints: Tints;
   command: string; // the command that answers the same
+  extra: Record<string, number>; // extra gaps of parts [mm] with which it moves so; empty where nothing is to be set
 }
 
 /** A value that no motion exceeds. */
@@ -648,6 +679,7 @@ export interface Finding {
   parts: string[]; // names of parts
   point: [number, number] | null; // where in the picture [mm]
   mends: Mend[];
+  missing: boolean; // true where nothing is wrong, but something is not set yet
 }
 
 /** What is wrong, one plain line each; of a design with all that is, and what would help. */
@@ -723,10 +755,10 @@ export interface StandalonePage {
 }
 
 export type Reply =
-  | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
-  | Modes | RankReply | CheckReply | LimitReply | PlanReply | StepReply
-  | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved
-  | ProgressReply | WorkerState | Assembled | LayReply | Failed;
+  | Hello | Opened | ShapeReply | FlexReply | DragReply | PoseReply
+  | ReachReply | Modes | RankReply | CheckReply | LimitReply | PlanReply
+  | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply
+  | Saved | ProgressReply | WorkerState | Assembled | LayReply | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -734,6 +766,7 @@ export interface Requests {
   shape: Omit<ShapeRequest, "kind" | "id">;
   flex: Omit<FlexRequest, "kind" | "id">;
   drag: Omit<DragRequest, "kind" | "id">;
+  pose: Omit<PoseRequest, "kind" | "id">;
   reach: Omit<ReachRequest, "kind" | "id">;
   wiggle: Omit<WiggleRequest, "kind" | "id">;
   rank: Omit<RankRequest, "kind" | "id">;

@@ -6,6 +6,8 @@ import type { Frames } from "./protocol.ts";
 export type What = "rest" | "answer" | "between" | "drag" | "mode" | "escape";
 export interface Shown {
   what: What; frames: Frames | null; label: string; back: boolean;
+  /** Share of the frames that is shown: parts that leave are followed until they are clear, not for ever. */
+  until?: number;
   /** What comes when it has played to its end; else it plays again. */
   next?: () => void;
 }
@@ -22,11 +24,12 @@ const SEEN = 1 / 400;
 export const shown = signal<Shown>(REST);
 export const place = signal(1);
 export const playing = signal(false);
-/** Chosen magnification; 0 leaves it to the page. */
-export const chosenFactor = signal(0);
-export const autoFactor = signal(1);
+/** Chosen magnification: parts that touch are drawn through each other by it, so that nobody but the user sets it. */
+export const chosenFactor = signal(1);
+/** The one that would show the motion well. */
+export const suggested = signal(1);
 
-export const factor = (): number => chosenFactor.value || autoFactor.value;
+export const factor = (): number => chosenFactor.value;
 export const calm = (): boolean => typeof matchMedia === "function" && matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 /** Numbers that a part has in every frame: 3 in the plane, 7 in space. */
@@ -60,6 +63,46 @@ export function along(frames: Frames, t: number, out?: Float32Array): Float32Arr
   const x = Math.min(Math.max(t, 0), 1) * (k - 1);
   const low = Math.min(Math.floor(x), Math.max(k - 2, 0));
   return mix(data, low * n * width, data, Math.min(low + 1, k - 1) * n * width, x - low, width, out ?? new Float32Array(n * width));
+}
+
+/** Motions of the parts that do not rest, by name. */
+export function poseOf(motion: Float32Array, names: readonly string[], width: number): Record<string, number[]> {
+  const rests = (one: Float32Array): boolean => one.every((v, k) => v === (k === 6 ? 1 : 0));
+  return Object.fromEntries(names.flatMap((name, i) => {
+    const one = motion.subarray(width * i, width * (i + 1));
+    return rests(one) ? [] : [[name, [...one]] as const];
+  }));
+}
+
+/** The same as motions of all parts. */
+export function motionOf(pose: Readonly<Record<string, readonly number[]>>, names: readonly string[], width: number): Float32Array {
+  const out = new Float32Array(names.length * width);
+  names.forEach((name, i) => {
+    const one = Object.hasOwn(pose, name) ? pose[name]! : [];
+    if (one.length === width) out.set(one, width * i);
+    else if (width === 7) out[7 * i + 6] = 1;
+  });
+  return out;
+}
+
+/** At most so many of the frames, first and last among them. */
+export function sampled(frames: Frames, most: number, until = 1): Float32Array[] {
+  const count = Math.min(frames.k, most);
+  return Array.from({ length: count }, (_, i) => along(frames, until * (count > 1 ? i / (count - 1) : 1)));
+}
+
+/** Share of the frames after which a part has gone so far [mm]; 1 where none does. */
+export function shareWithin(frames: Frames, far: number): number {
+  const { k, n, data } = frames;
+  const width = columns(frames);
+  let before = 0;
+  for (let f = 0; f < k; f++) {
+    let gone = 0;
+    for (let i = 0; i < n; i++) gone = Math.max(gone, farOf(data, f * n + i, width));
+    if (gone > far) return f ? (f - 1 + (far - before) / (gone - before)) / (k - 1) : 1;
+    before = gone;
+  }
+  return 1;
 }
 
 /** Last frame alone. */
@@ -126,13 +169,13 @@ export function show(next: Shown, soft = true): void {
 
 /** Shows the parts at rest. */
 export function showRest(soft = true): void {
-  autoFactor.value = 1; // nothing moves
+  suggested.value = 1; // nothing moves
   show(REST, soft);
 }
 
 /** Shows the path of an answer at its end; where parts leave it plays, for at the end they are gone. */
-export function showAnswer(frames: Frames, leaves: boolean, soft = true): void {
-  show({ what: "answer", frames, label: "", back: !leaves }, soft);
+export function showAnswer(frames: Frames, leaves: boolean, far: number, soft = true): void {
+  show({ what: "answer", frames, label: "", back: !leaves, ...(leaves && { until: shareWithin(frames, far) }) }, soft);
   if (leaves && !calm()) play(true);
 }
 
@@ -163,7 +206,7 @@ export function pose(now: number, n: number, width = 3): { motion: Float32Array;
   }
   if (playing.peek()) advance(now, back);
   const { frames } = shown.peek();
-  if (frames && frames.data.length === frames.k * n * width) along(frames, place.peek(), displayed);
+  if (frames && frames.data.length === frames.k * n * width) along(frames, place.peek() * (shown.peek().until ?? 1), displayed);
   else {
     displayed.fill(0);
     if (width === 7) for (let q = 6; q < displayed.length; q += 7) displayed[q] = 1;

@@ -1,15 +1,15 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
 import { batch, effect, untracked } from "@preact/signals";
-import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf } from "./design.ts";
-import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, isLink, keepDesign, keepFile, keepRecent, keptDesign, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
+import { asks, begin, change, correctPose, design, dimension, goals, history, inSpace, leave, pinned, type Pose, pose, question, questionOf, toggleFixed } from "./design.ts";
+import { between, chosenFactor, end, motionOf, play, poseOf, shareWithin, show, showAnswer, shown, showRest } from "./motion.ts";
+import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type HowRead, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keptDesign, keptReading, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
 import { leavingAbout } from "./leaving.ts";
-import { magnify, reachOf } from "./magnify.ts";
+import { followed, magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import { assembled, forgetSheet, laid, ofSheet } from "./sheetState.ts";
 import * as state from "./state.ts";
@@ -52,7 +52,6 @@ export function follow(): void {
         state.lost.value = null;
       });
     }
-    keepDesign(opened, now, history());
     untracked(() => {
       if (reviewed) state.findings.value = state.findings.peek().filter((one) => !changed(one.about, reviewed!, now));
       else if (state.trouble.peek() !== "line" && !ofSheet(state.trouble.peek())) state.findings.value = []; // of a question about the design before
@@ -61,6 +60,70 @@ export function follow(): void {
       askFlex();
     });
   });
+  effect(() => {
+    const opened = state.drawing.value;
+    const [now, left] = [design.value, pose.value];
+    if (opened) untracked(() => keepDesign(opened, now, left, history()));
+  });
+  let last: { left: Pose | null; of: Design | null } = { left: null, of: null };
+  effect(() => {
+    const left = pose.value;
+    if (left === last.left) return;
+    const other = last.of !== design.peek();
+    last = { left, of: design.peek() };
+    if (!state.drawing.peek() || (left && left === leaving)) return;
+    if (left) untracked(() => showPose(left));
+    else if (!other) untracked(back); // of another design the answer comes
+  });
+}
+
+/** The pose that is shown already, as the drag that led there. */
+let leaving: Pose | null = null;
+
+/** Shows where parts were left, and asks whether they may be there: another gap may have been set, or the file changed. */
+function showPose(left: Pose): void {
+  endDrag();
+  const n = state.names.peek().length;
+  show({ what: "drag", frames: { k: 1, n, data: motionOf(left, state.names.peek(), inSpace() ? 7 : 3) }, label: "as left", back: false }, true);
+  ask("pose", { design: design.peek(), pose: left as Requests["pose"]["pose"] });
+}
+
+/** What was told of a pose: where parts overlap there, they are brought back. */
+function posed(about: state.About<Extract<Reply, { kind: "pose" }>>): void {
+  if (about.design !== design.peek() || about.reply.free || !pose.peek()) return;
+  endDrag();
+  correctPose(null);
+  state.notice.value = about.reply.words;
+}
+
+/** What is known of the drag under way: the number of its first request, where it has led, whether it has its step of undo, whether
+ * the hand holds the part still, and the pose with which it began. */
+const drags = { since: 0, at: null as Frames | null, kept: false, held: false, begun: null as Pose | null, timer: 0 };
+/** So long after the last motion [ms] the judge is asked whether parts may be left there. */
+const LEFT = 120;
+
+/** The parts stay where a drag has brought them: one step of undo for each time that the hand took a part. */
+function leaveThere(): void {
+  if (!drags.at) return;
+  leaving = poseOf(end(drags.at), state.names.peek(), inSpace() ? 7 : 3);
+  if (drags.kept) correctPose(leaving);
+  else leave(leaving);
+  drags.kept = true;
+  clearTimeout(drags.timer);
+  drags.timer = window.setTimeout(() => leaving && pose.peek() === leaving && ask("pose", { design: design.peek(), pose: leaving as Requests["pose"]["pose"] }), LEFT);
+}
+
+/** The hand lets the part go: it stays there. */
+export function release(): void {
+  drags.held = false;
+  leaveThere();
+}
+
+/** Brings all parts back to where they are drawn. */
+export function backToRest(): void {
+  endDrag();
+  leave(null);
+  showRest();
 }
 
 /** The design that the findings are about; null where they are about something else. */
@@ -72,6 +135,7 @@ const changed = (about: Finding["about"], before: Design, now: Design): boolean 
 
 function preview(gap: number): void {
   const opened = state.drawing.peek()!;
+  if (pose.peek()) return;
   const guess = asks(design.peek()) ? between(state.solved.peek(), gap, inSpace() ? 7 : 3) : null;
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
   else if (["between", "mode", "escape"].includes(shown.peek().what)) showRest(false); // of another design
@@ -124,7 +188,7 @@ function askFlex(): void {
   if (state.running.peek().has(other)) cancel(other); // what it would tell is of a design before
   if (!asking) {
     state.answer.value = null;
-    showRest();
+    if (!pose.peek()) showRest();
     ask("shape", { design: wanted });
     return;
   }
@@ -138,21 +202,40 @@ function askFlex(): void {
 }
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
-export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
+export function askDrag(part: string, grip: Point | Triple, target: Point | Triple, pointing = true): void {
   if (!socket?.ready) return away();
-  const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
+  state.notice.value = "";
+  const goesOn = drag !== null && drag.wanted.part === part && drag.wanted.design === design.peek() && same(drag.wanted.grip, grip);
+  if (!goesOn) Object.assign(drags, { since: Infinity, at: null, kept: false, begun: origin() === "pose" ? pose.peek() : null });
+  drags.held = pointing;
+  const held = [...pinned.peek()].filter((name) => state.indexOf.peek().has(name) && name !== part);
+  const answered = goesOn && drags.at !== null && shown.peek().what === "drag";
+  const { begun } = drags;
+  const said = begun && (!answered || Object.keys(begun).length <= MAX_SAID) ? { pose: begun as Wanted["pose"] } : {};
+  const wanted: Wanted = { design: design.peek(), part, grip, target, from: answered ? "here" : origin(), pinned: held, shown: outlines, ...said };
   leads(wanted, state.shapedNow.peek());
   const before = state.dragging.peek();
   if (before?.part !== part || before.grip !== grip) state.dragging.value = { part, grip };
-  const goesOn = drag !== null && drag.wanted.part === part && drag.wanted.design === wanted.design;
   const id = ask("drag", wanted, goesOn); // at once: the server begins with it as soon as the one before is answered
   drag = id ? { id, wanted } : null;
+  if (id && drags.since === Infinity) drags.since = id;
 }
+
+/** A pose of more parts than these is said once, at the beginning of a drag. */
+const MAX_SAID = 200;
+const same = (a: readonly number[], b: readonly number[]): boolean => a.length === b.length && a.every((v, k) => v === b[k]);
 
 /** In the plane the part follows the hand at once; in space its ghost does, until the answer comes. */
 function leads({ part, grip, target }: Wanted, shaped: boolean): void {
   const free = origin() !== "rest" || shown.peek().what === "rest";
   if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
+}
+
+/** Fixes a part or lets it go; what is asked of it is left out then, and that is said. */
+export function fixOrNot(part: string): void {
+  const asked = goals.peek().some((goal) => goal.part === part);
+  toggleFixed(part);
+  if (asked && design.peek().fixed.includes(part)) state.notice.value = `${part} is fixed now, and no longer pulled; Ctrl-Z takes that back`;
 }
 
 /** Whether a part can move at all; says so where it cannot. */
@@ -178,6 +261,8 @@ export function askReach(part: string): void {
 function endDrag(): void {
   if (drag && state.running.peek().has("drag")) cancel("drag");
   drag = null;
+  drags.at = null;
+  clearTimeout(drags.timer);
   lead.value = null;
   state.dragged.value = state.dragging.value = null;
 }
@@ -185,8 +270,9 @@ function endDrag(): void {
 /** Back to the answer, or to rest where nothing is asked. */
 export function back(): void {
   endDrag();
+  if (pose.peek()) return leave(null); // which leads here once more
   const known = state.answer.peek();
-  if (known?.paths[0]) showAnswer(known.paths[0], known.reply.leaves.length > 0);
+  if (known?.paths[0]) showAnswer(known.paths[0], known.reply.leaves.length > 0, followed());
   else showRest();
 }
 
@@ -208,12 +294,34 @@ function openFile(name: string, bytes: Uint8Array): void {
   openAs({ name, data: toBase64(bytes) });
 }
 
+function requestFor(what: Opening): Requests["open"] {
+  if (!("data" in what)) return what;
+  const { reading, ...rest } = what;
+  return { ...rest, ...reading };
+}
+
+/** Reads the file that is open in another way. */
+export function readAgain(reading: HowRead): void {
+  rereading = reading;
+  if (file && "data" in file) return openAs({ name: file.name, data: file.data, reading });
+  keepReading(state.drawing.peek()!.name, reading);
+  state.opening.value = state.drawing.peek()!.name;
+  if (!ask("open", { name: state.drawing.peek()!.name, again: true, ...reading })) state.opening.value = "";
+}
+let rereading: HowRead | null = null;
+
+/** Sets everything as the file says it. */
+export function asRead(): void {
+  if (asInFile) change(asInFile);
+}
+let asInFile: Design | null = null;
+
 /** Opens a file that was read before, or a sample. */
 export function openAs(what: Opening): void {
   state.opening.value = what.name;
   state.unopened.value = [];
   pendingFile = what;
-  if (!ask("open", what)) state.opening.value = "";
+  if (!ask("open", requestFor(what))) state.opening.value = "";
 }
 let pendingFile: Opening | null = null;
 /** The file that was opened here, and whether the next drawing is the one that is open already. */
@@ -271,6 +379,7 @@ function take(reply: Reply, paths: Frames[]): void {
     case "flex": return flexed(about(reply), beside);
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return still(reply) ? showMode(0) : undefined;
+    case "pose": return posed(about(reply));
     case "reach": state.reach.value = about(reply); return;
     case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
     case "check": state.checked.value = about(reply); return still(reply) ? showEscape(0) : undefined;
@@ -323,13 +432,13 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>, beside: bo
     state.answer.value = about;
     if (beside && !more) return; // the same motion, and that nothing better was found
     if (beside) state.notice.value = `a larger motion was found: ${reply.headline}`;
-    else if (reply.settled && reply.objective && reply.at_most === null && !inSpace()) ask("bound", { design: about.design });
+    else if (reply.settled && reply.objective && (reply.at_most === null || reply.search === "to come") && !inSpace()) ask("bound", { design: about.design });
     if (state.trouble.value === "flex") state.findings.value = [];
-    const elsewhere = beside && shown.peek().what !== "answer"; // a film is seen, or a dragged part
+    const elsewhere = pose.peek() || (beside && shown.peek().what !== "answer"); // a film is seen, or a dragged part
     if (paths[0] && !elsewhere && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       magnify(reachOf(paths[0]));
       const still = shown.peek().what === "answer" && !reply.leaves.length;
-      showAnswer(paths[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
+      showAnswer(paths[0], reply.leaves.length > 0, followed(), still || shown.peek().what !== "answer");
     }
   }
   if (again) askFlex();
@@ -362,14 +471,17 @@ function bounded(about: state.About<Extract<Reply, { kind: "bound" }>>): void {
 }
 
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
-  if (!drag) return;
+  if (!drag || about.reply.id < drags.since) return; // of a part that was let go since
   reshaped(about.reply);
   state.shaped.value = about.design;
   if (about.design !== design.peek() || !about.paths[0]) return;
   const before = state.dragged.peek()?.reply;
   if (!about.reply.settled && before?.part === about.reply.part) about.reply.blocking = before.blocking; // until it is known anew
   state.dragged.value = about;
-  show({ what: "drag", frames: about.paths[0], label: "dragged", back: false }, false);
+  const others = state.dragged.peek() !== null && shown.peek().what === "drag" && before?.id === about.reply.id && before.settled;
+  show({ what: "drag", frames: about.paths[0], label: "dragged", back: false }, others); // the others go back softly
+  drags.at = about.paths[0];
+  if (!drags.held) leaveThere();
   if (about.reply.settled && about.reply.id === drag.id) lead.value = null; // the truth is there
   else leads(drag.wanted, state.shapedNow.peek());
 }
@@ -378,7 +490,7 @@ export function showMode(which: number): void {
   const known = state.modes.peek();
   const frames = known?.paths[which];
   if (!frames) return;
-  magnify(Math.max(known.reply.modes[which]!.size, 0), factor());
+  magnify(Math.max(known.reply.modes[which]!.size, 0));
   show({ what: "mode", frames, label: `freedom ${which + 1} of ${known.paths.length}`, back: false });
   play(true);
 }
@@ -388,11 +500,10 @@ export function showEscape(which: number, about: state.About<CheckReply | PlanRe
   const frames = about?.paths[which];
   if (!frames) return;
   const count = about.paths.length;
-  autoFactor.value = 1;
   const next = count > 1 ? () => showEscape((which + 1) % count, about) : undefined; // one after the other
   const earlier = state.standalone.peek() || state.current(about) ? "" : " of an earlier design";
   const name = (about.reply.kind === "plan" ? "plan" : "path out") + earlier;
-  show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next }, false);
+  show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next, until: shareWithin(frames, followed()) }, false);
   play(true);
 }
 
@@ -402,12 +513,14 @@ const looks = ({ parts, solids }: Opened): string => JSON.stringify([parts, soli
 function opened(reply: Opened): void {
   state.opening.value = "";
   if (reply.id === 0 && file) return; // a reload: the file that was dropped here comes after
+  const otherwise = reply.id === 0 ? keptReading(reply.name) : null;
   if (reply.id !== 0 && pendingFile) {
     file = pendingFile;
     keepFile(file);
-    if ("data" in file) keepRecent(file.name, file.data);
+    if ("data" in file) keepRecent(file);
     pendingFile = null;
   }
+  flush();
   const before = state.drawing.peek();
   if (before && again && mark(before) === mark(reply) && looks(before) === looks(reply)) {
     again = false;
@@ -425,7 +538,6 @@ function opened(reply: Opened): void {
   state.findings.value = [];
   state.unopened.value = [];
   state.pointed.value = null;
-  state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
   forgetSheet();
@@ -441,11 +553,20 @@ function opened(reply: Opened): void {
   state.shaped.value = null;
   outlines = "";
   state.drawing.value = reply;
+  chosenFactor.value = 1;
   showRest(false);
   kept.value = null;
-  const mine = keptDesign(reply);
+  asInFile = read;
+  const set = rereading && fitsParts(design.peek(), reply) ? design.peek() : null; // read in another way, and asked the same
+  rereading = null;
+  const mine = set ? null : keptDesign(reply, !file);
+  leaving = null;
+  begin(set ?? mine?.design ?? read, mine?.history, mine?.pose ?? null);
+  const count = reply.notes.length;
+  if (count) state.notice.value = `${count === 1 ? "One note" : `${count} notes`} on how the file was read, in the tab Answer`;
+  if (mine?.from === "browser") state.notice.value = "What you set for this file before is here again; “As the file says”, in the tab Answer, begins anew";
   leftOut(reply.name);
-  begin(mine?.design ?? read, mine?.history);
+  if (otherwise) readAgain(otherwise);
 }
 
 /** Says that the design of the link in the address is not the one that is shown. */
@@ -464,9 +585,9 @@ function reopen(): void {
   const link = file ? null : linked();
   if (link?.sample) return openAs({ name: link.sample, sample: true });
   const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
-  if (link && before) return openAs("data" in before ? { name: before.name, data: before.data } : before);
+  if (link && before) return openAs("data" in before ? { name: before.name, data: before.data, ...(before.reading && { reading: before.reading }) } : before);
   if (link) otherFile(link.name);
-  else if (before) ask("open", (file = before as Opening));
+  else if (before) ask("open", requestFor((file = before as Opening)));
 }
 
 function worker(now: "ready" | "lost" | "restarted"): void {
@@ -476,7 +597,7 @@ function worker(now: "ready" | "lost" | "restarted"): void {
 }
 
 /** A line about nothing in particular. */
-const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [] });
+const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [], missing: false });
 
 function failed(of: string, lines: Finding[], about?: Design): void {
   if (about && about !== design.peek() && !["flex", "shape", "drag"].includes(of)) {
@@ -489,7 +610,7 @@ function failed(of: string, lines: Finding[], about?: Design): void {
     if (again) return askFlex(); // it failed for a design that has been changed since
     state.waiting.value = false;
     state.answer.value = null;
-    if (shown.peek().what !== "drag" || !state.dragged.peek()) showRest();
+    if (!pose.peek() && (shown.peek().what !== "drag" || !state.dragged.peek())) showRest();
   }
   if (of === "drag") {
     drag = null;
@@ -497,7 +618,7 @@ function failed(of: string, lines: Finding[], about?: Design): void {
   }
   if (of === "open") {
     state.opening.value = "";
-    pendingFile = null;
+    pendingFile = rereading = null;
     if (!state.drawing.peek()) {
       file = null;
       forgetFile();
@@ -506,8 +627,10 @@ function failed(of: string, lines: Finding[], about?: Design): void {
     state.sheetOpen.value = true;
     return;
   }
+  const answers = ["flex", "shape", "drag"].includes(of);
+  if (!answers && reviewed === design.peek() && state.findings.peek().length) return; // what is wrong with the design stands there already, with what would help
   state.trouble.value = of;
-  reviewed = of === "flex" || of === "shape" || of === "drag" ? design.peek() : null;
+  reviewed = answers ? design.peek() : null;
   state.pointed.value = null;
   state.findings.value = lines;
   if (lines.length && state.drawing.peek() && state.tab.peek() !== "sheet") {

@@ -17,6 +17,8 @@ export interface Hand {
   pose(now: number): { motion: Float32Array; moving: boolean };
   /** Where what is shown ends; null where all is at rest. */
   end(): Float32Array | null;
+  /** Motions on the way there. */
+  film(): readonly Float32Array[];
   /** How many times motions are enlarged. */
   factor(): number;
   exploded(): number;
@@ -83,7 +85,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
       part.position.copy(shift).add(home(p)).add(aside(p, apart));
     });
     if (fresh) view.look();
-    else if (apart !== exploded) view.relook();
+    else if (apart !== exploded) view.look();
     [fresh, exploded] = [false, apart];
     const told = hand.marks();
     const of = [told?.contacts, told?.goals, told?.highlit, factor, apart, colours, given, names];
@@ -116,10 +118,10 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     const factor = hand.factor();
     const rest = parts.flatMap((part, p) => part.boxCorners(new Quaternion(), home(p).add(aside(p, apart))));
     if (!motion) return rest;
-    const end = parts.flatMap((part, p) => {
-      const [shift, turn] = moved(motion, p, factor);
+    const end = hand.film().flatMap((one) => parts.flatMap((part, p) => {
+      const [shift, turn] = moved(one, p, factor);
       return part.boxCorners(turn, shift.add(home(p)).add(aside(p, apart)));
-    });
+    }));
     const heads = apart > APART ? [] : asked(hand.marks()?.goals ?? [], motion, factor).map(({ at, along }) => at.addScaledVector(along, size * ARROW));
     return around(rest, [...end, ...heads]);
   }

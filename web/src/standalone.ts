@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals";
 import { begin, design } from "./design.ts";
-import { magnify, reachOf } from "./magnify.ts";
+import { followed, magnify, reachOf } from "./magnify.ts";
 import { calm, end, showAnswer, showRest } from "./motion.ts";
 import { type StandalonePage, type Frames, fromBase64, type PackedFrames, type Ring, type SharedOutlines } from "./protocol.ts";
 import { showEscape } from "./session.ts";
@@ -54,7 +54,7 @@ export function unpack(): boolean {
     state.shaped.value = design.value;
     state.answer.value = about(flex, [path]);
     magnify(reachOf(path));
-    showAnswer(path, flex.leaves.length > 0);
+    showAnswer(path, flex.leaves.length > 0, followed());
   });
   return true;
 }

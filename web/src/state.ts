@@ -24,7 +24,16 @@ export const unopened = signal<string[]>([]);
 export const pointed = signal<Finding | null>(null);
 /** What failed last: its findings go when it succeeds. */
 export const trouble = signal("");
-export const notice = signal("");
+const noticed = signal<{ words: string; design: Design } | null>(null);
+/** A line about the design as it is; it goes with the next change of it. */
+export const notice = {
+  get value(): string {
+    return noticed.value?.design === design.value ? noticed.value.words : "";
+  },
+  set value(words: string) {
+    noticed.value = words ? { words, design: design.peek() } : null;
+  },
+};
 export const opening = signal("");
 /** Whether the start page lies over what is open. */
 export const atStart = signal(false);

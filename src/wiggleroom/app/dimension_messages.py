@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.statements import unknown
+from wiggleroom.errors import InputError
 from wiggleroom.report.page.page_messages import answer_message, contacts_message, rings_message
 from wiggleroom.report.page.path_frames import path_frames
 from wiggleroom.schema.fields import ContactEntry
@@ -76,6 +78,35 @@ def still_frame(motion: Floats) -> Floats:
     from wiggleroom.report.solids.spatial_path import with_quaternions
 
     return with_quaternions(motion[None])
+
+
+def motion_of(pose: Mapping[str, tuple[float, ...]], names: Sequence[str], in_space: bool) -> Floats:
+    """Motions (n, 3) [mm, rad] of all parts, in space (n, 6), from those that a request says of the parts that do not rest.
+
+    Raises
+    ------
+    InputError
+        If it names a part that is not there, or has another count of numbers.
+    """
+    columns, index = 7 if in_space else 3, {name: k for k, name in enumerate(names)}
+    wrong = [f"pose: {unknown(name, dict.fromkeys(names))}" for name in pose if name not in index]
+    wrong += [
+        f'pose: "{name}" has {len(m)} numbers; {columns} are wanted' for name, m in pose.items() if len(m) != columns
+    ]
+    if wrong:
+        raise InputError(wrong)
+    motion = np.zeros((len(names), 6 if in_space else 3))
+    for name, told in pose.items():
+        motion[index[name]] = rotation_vectors(np.array(told)) if in_space else told
+    return motion
+
+
+def rotation_vectors(frame: Floats) -> Floats:
+    """Motion (6,) [mm, rad] of a frame (7,) with a quaternion x, y, z, w."""
+    axis, w = (frame[3:6], frame[6]) if frame[6] >= 0 else (-frame[3:6], -frame[6])
+    sine = float(np.linalg.norm(axis))
+    angle = 2 * np.arctan2(sine, w)
+    return np.concatenate([frame[:3], axis * (angle / sine if sine > 0 else 2.0)])
 
 
 def shapes_of(assembly: Assembly | SpatialAssembly) -> list[Outline] | Solids:

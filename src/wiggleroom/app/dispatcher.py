@@ -18,6 +18,7 @@ from wiggleroom.schema.requests import AnyRequest, DragRequest, FlexRequest, Ope
 ANSWERS = {
     "shape": "motion_requests",
     "drag": "motion_requests",
+    "pose": "motion_requests",
     "reach": "motion_requests",
     "wiggle": "motion_requests",
     "rank": "study_requests",

@@ -15,8 +15,9 @@ from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
-from wiggleroom.schema.replies import Finding, Opened
+from wiggleroom.schema.replies import Finding, Opened, SearchState
 from wiggleroom.schema.requests import Design
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.app.display import Display
@@ -45,7 +46,7 @@ class Document:
         self.file = file
         self.designs = _cache_of(file)
         self._answers: LruCache[Answer | SpatialAnswer] = LruCache(4)
-        self._searched: LruCache[bool] = LruCache(4)
+        self._searched: LruCache[SearchState] = LruCache(4)
         self._checks: LruCache[Interlock | SpatialDisassembly] = LruCache(2)
         self._plans: LruCache[Plan] = LruCache(2)
 
@@ -152,13 +153,23 @@ class Document:
             return answer
         from wiggleroom.sensitivity.perturbation import exceeds, is_searched, searched_answer
 
-        if is_searched(answer.assembly):
+        few = is_searched(answer.assembly)
+        if few:
             found = searched_answer(answer.assembly, answer.goals, out.stop)
             out.check()
             answer = found if exceeds(found, answer) else replace(answer, search=found.search)
             self.know(design, answer)
-        self._searched.keep(key, True)
+        self._searched.keep(key, "done" if few else "from rest")
         return answer
+
+    def search_of(self, design: Design, answer: Any) -> SearchState:
+        """Whether the search from other starts has ended that a direct question makes; a bound that was met or no end need none."""
+        sure = answer.objective is None or answer.verdict is Verdict.PROVEN
+        if self.in_space or sure or self._searched.peek(whole(design)) == "done":
+            return "done"
+        from wiggleroom.sensitivity.perturbation import is_searched
+
+        return "to come" if is_searched(answer.assembly) else "from rest"
 
     def know(self, design: Design, answer: Answer | SpatialAnswer) -> None:
         """Keep a fuller answer to a design."""

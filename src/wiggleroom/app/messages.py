@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.readers.assembly_schema import plain_finding
@@ -15,7 +16,7 @@ from wiggleroom.drawing.writers.plain_json import json_bytes
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Failed
 from wiggleroom.schema.reply_base import Reply
-from wiggleroom.schema.requests import AnyRequest
+from wiggleroom.schema.requests import AnyRequest, OpenRequest
 
 
 class Head(Struct):
@@ -50,6 +51,14 @@ def decode(text: bytes | str) -> AnyRequest:
     except (msgspec.DecodeError, UnicodeError) as problem:
         message = f"message: is not JSON ({' '.join(str(problem).split())})"
     raise InputError(message)
+
+
+def read_again(before: bytes, request: OpenRequest) -> bytes:
+    """The request that opened a drawing, to be read as another request says."""
+    old = decode(before)
+    assert isinstance(old, OpenRequest)
+    how = {name: getattr(request, name) for name in ("id", "unit", "only", "skip", "join", "solid")}
+    return msgspec.json.encode(replace(old, **how, design=None))
 
 
 def kind_of(request: AnyRequest) -> str:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from msgspec import UNSET
+from msgspec.structs import replace
+
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import (
     answer_reply,
     contact_entries,
     frames_of,
+    motion_of,
     still_frame,
     tell_outlines,
 )
@@ -21,11 +25,21 @@ from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.live.live_session import Live
 from wiggleroom.report.free_space.stacked_slices import rings
-from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, ShapeReply
+from wiggleroom.schema.replies import (
+    DragReply,
+    FlexReply,
+    ModeEntry,
+    Modes,
+    PoseReply,
+    ReachReply,
+    SearchState,
+    ShapeReply,
+)
 from wiggleroom.schema.requests import (
     Design,
     DragRequest,
     FlexRequest,
+    PoseRequest,
     ReachRequest,
     ShapeRequest,
     WiggleRequest,
@@ -50,6 +64,8 @@ DRAG_SECONDS = {2: (0.025, 0.1), 3: (0.4, 0.4)}
 """Time that the first reply to a drag takes in the plane and in space, about [s], and each after it: a moving hand sees first ones."""
 HAND_SECONDS = 0.04
 """A hand that moves on asks anew within this time of a reply [s]: only after it more work is begun that would have to be stopped first."""
+BACK_SECONDS = 0.3
+"""Time to bring others back once the hand rests [s]."""
 MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
 """A drag is continued at most this many times, and at most this many times without gain."""
 MIN_APPROACH = 1e-4
@@ -106,9 +122,29 @@ def tell_answer(document: Document, design: Design, answer: Any, shown: str, out
     """Tell the page a full answer."""
     document.display.move(answer.assembly, answer.motion)
     content = answer_reply(answer, command("flex", document.file, design))
+    tell_how_far_searched(content, document.search_of(design, answer))
     shape = document.designs.shape(design)
     tell_outlines(content, document.display.new_outlines(shape, answer.assembly, shown))
     out.reply(content, [frames_of(answer.assembly, answer.waypoints)])
+
+
+def tell_how_far_searched(content: FlexReply, search: SearchState) -> None:
+    """Say in place of the verdict that the search from other starts has not ended, or that there is none: rest is one start of many."""
+    content.search = search
+    if search == "done":
+        return
+    so_far = "found so far" if search == "to come" else "found from rest"
+    why = (
+        "a search from other starts has not ended and may find more"
+        if search == "to come"
+        else "too many parts move for a search from other starts, and a larger motion may remain unfound"
+    )
+    content.facts[0] = so_far
+    rows = {
+        "verdict": f"{so_far}: {why}; of the climb from rest: {dict(content.sure)['verdict']}",
+        "search": f"from rest only; {why}",
+    }
+    content.sure = [(term, rows.get(term, words)) for term, words in content.sure]
 
 
 def drag(document: Document, request: DragRequest, out: Reporter) -> None:
@@ -117,14 +153,20 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     grip, target = (_spot(place, live) for place in (request.grip, request.target))
     outlines = document.display.new_outlines(document.designs.shape(request.design), live.assembly, request.shown)
     goals = document.asked(request.design) if request.from_ == "answer" else None
-    start, shown, last = request.from_, math.inf, math.inf
+    names = live.assembly.names
+    left = motion_of(request.pose, names, not isinstance(live, Live))
+    start: Any = request.from_
+    if start == "pose" or (start == "here" and not live.dragged):  # a process that was lost knows of no drag
+        start = left if request.pose else "rest"
+    pinned = tuple(name for name in request.pinned if name in names)
+    shown, last = math.inf, math.inf
     stuck, large = 0, isinstance(live, Live) and len(live.ready.bodies.fixed) > MAX_WHOLE_BODIES
     first, later = DRAG_SECONDS[2 if isinstance(live, Live) else 3]
     for times in range(MAX_DRAG_STEPS):
         within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)] if large else None
         result = live.drag(
             request.part, grip, target,
-            start=start, goals=goals, within=within, seconds=later if times else first, stop=out.stop,
+            start=start, goals=goals, within=within, pinned=pinned, seconds=later if times else first, stop=out.stop,
         )  # fmt: skip
         out.check()
         assert result.distance is not None
@@ -148,11 +190,32 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
         tell_outlines(content, outlines)
         out.reply(content, [still_frame(result.motion)])
         if settled:
+            _let_stand(live, content, pinned, out)
             return
         outlines, shown = None, min(shown, result.distance)
         if not times or within is not None:
             out.stop.wait(HAND_SECONDS)
             out.check()
+
+
+def _let_stand(live: Live | SpatialLive, content: DragReply, pinned: tuple[str, ...], out: Reporter) -> None:
+    """Once the hand rests, bring the others back towards where they were before the drag; told where that moves any."""
+    if not isinstance(live, Live):
+        return
+    out.stop.wait(HAND_SECONDS)
+    out.check()
+    motion = live.others_back(content.part, pinned, seconds=BACK_SECONDS, stop=out.stop)
+    out.check()
+    if motion is not None:
+        told = replace(content, rings=UNSET, solids=UNSET, shown=UNSET)
+        out.reply(told, [still_frame(motion)])
+
+
+def pose(document: Document, request: PoseRequest, out: Reporter) -> None:
+    """Whether parts overlap where they were left; the next drag may begin there."""
+    live = document.live(request.design)
+    free = live.leave(motion_of(request.pose, live.assembly.names, not isinstance(live, Live)))
+    out.reply(PoseReply(free=free, words="" if free else "parts overlap there at this gap: they are back at rest"))
 
 
 def _spot(place: tuple[float, ...], live: Live | SpatialLive) -> Any:

@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from msgspec.structs import replace
 
+from wiggleroom.app.reporter import on_the_page
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.dimension import is_spatial_file
@@ -26,7 +27,7 @@ from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 from wiggleroom.report.page.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
-from wiggleroom.schema.requests import GoalEntry, OpenRequest
+from wiggleroom.schema.requests import GoalEntry, HowRead, OpenRequest
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
@@ -262,6 +263,10 @@ def opened_reply(file: File, drawing: Drawing) -> Opened:
     if not drawing.goals and len(drawing.parts) > 1:
         reply.pulled = suggested(drawing)
     reply.apart = lies_apart(drawing)
+    reply.notes = [on_the_page(note.removeprefix(f"{file.name}: ")) for note in reply.notes]
+    if PurePosixPath(file.name).suffix.lower() != ".json":
+        how = file.options
+        reply.reading = HowRead(file.unit, list(how.only), list(how.skip), how.join, list(how.solid))  # type: ignore[arg-type]
     return reply
 
 

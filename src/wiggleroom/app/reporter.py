@@ -109,4 +109,11 @@ _WORDS = (
     (r"as cut: --relieve \S+ would move every outline inward by that", "as cut"),
     (r": --burn (\S+) says it, --burn 0 that it is not so", r": a burn of \1 mm says it, one of 0 that it is not so"),
     (r"--gap (\S+)", r"\1 mm"),
+    (r"; --solid NAME, @x,y or all makes parts of them", "; “parts, not holes” takes them as parts"),
+    (r"; --solid NAME\|all reads it as a part", "; “parts, not holes” takes it as a part"),
+    (r" \(--join sets how far\)", "; “join ends” sets how far"),
+    (r"--join (\S+) closes it", r"“join ends” of \1 mm closes it"),
+    (r"; --skip COLOUR leaves one out", "; “leave out” takes one away"),
+    (r" \(--(?:skip|only)\)", ""),
+    (r"; --only (\"[^\"]*\"|\S+) reads it", r"; “read only” with \1 reads it"),
 )

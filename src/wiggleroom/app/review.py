@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from msgspec import UNSET
+from numpy.typing import NDArray
 
 from wiggleroom.app.design_cache import DesignCache
 from wiggleroom.app.open_requests import suggested
@@ -56,14 +56,8 @@ def _roles(drawing: Drawing, design: Design) -> list[Finding]:
     found = []
     fixed = [part.name for part in drawing.parts if part.fixed]
     if not fixed and len(drawing.parts) > 1:
-        name = largest(drawing)
-        goals = [g for g in design.goals if g.part != name] if isinstance(design.goals, list) else UNSET
-        mend = Mend(f"Fix {short(name)}", fixed=[name], goals=goals)
-        found.append(
-            Finding(
-                "stands", "Nothing stands: some part must hold still for others to move against", [name], mends=[mend]
-            )
-        )
+        names = [part.name for part in drawing.parts]
+        found.append(nothing_stands(names, _areas(drawing), design))
     elif len(fixed) == len(drawing.parts):
         name = fixed[-1]
         mend = Mend(f"Let {short(name)} go", fixed=fixed[:-1])
@@ -75,21 +69,40 @@ def _roles(drawing: Drawing, design: Design) -> list[Finding]:
     if not drawing.goals and len(drawing.parts) > 1:
         goal = suggested(drawing)
         mend = Mend(f"Pull {short(goal.part)}", goals=[goal])
-        found.append(Finding("pulled", "Nothing is pulled: say which part, and which way", [goal.part], mends=[mend]))
+        words = "Nothing is pulled: say which part, and which way"
+        found.append(Finding("pulled", words, [goal.part], mends=[mend], missing=True))
     return found
 
 
-def largest(drawing: Drawing) -> str:
-    """Name of the part with the most material."""
+def nothing_stands(names: Sequence[str], size: NDArray[np.float64], design: Design) -> Finding:
+    """Finding that no part is fixed; it proposes the largest part that is neither pulled nor glued to a pulled one.
+
+    Where there is no such part, nothing is proposed: whatever was fixed, what is asked would change.
+    """
+    goals = design.goals if isinstance(design.goals, list) else []
+    moved = {goal.part for goal in goals}
+    moved.update(name for group in design.glue if moved.intersection(group) for name in group)
+    order = np.argsort(-size, kind="stable").tolist()
+    still = next((names[k] for k in order if names[k] not in moved), None)
+    if still is None:
+        words = "Nothing stands, and every part is pulled or glued to a pulled one: stop pulling one of them and fix it"
+        return Finding("stands", words, missing=True)
+    words = "Nothing stands: some part must hold still for others to move against"
+    return Finding("stands", words, [still], mends=[Mend(f"Fix {short(still)}", fixed=[still])], missing=True)
+
+
+def _areas(drawing: Drawing) -> NDArray[np.float64]:
+    """Material of every part (parts,) [mm2]."""
     shapes, owner = placed_regions(drawing.parts)
-    area = np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts))
-    return drawing.parts[int(area.argmax())].name
+    area: NDArray[np.float64] = np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts)).astype(
+        np.float64
+    )
+    return area
 
 
 def usual_size(drawing: Drawing) -> float:
     """Side of a square with as much material as the median part [mm]."""
-    shapes, owner = placed_regions(drawing.parts)
-    return float(np.median(np.sqrt(np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts)))))
+    return float(np.median(np.sqrt(_areas(drawing))))
 
 
 def _unmakeable(drawing: Drawing, lines: Sequence[str]) -> list[Finding]:
@@ -122,10 +135,12 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
     gap = _opening(drawing, round_up(wanted), MAX_GAP_SHARE * usual, CONTACT_TOLERANCE * size)
     wider = [] if gap is None else [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
 
-    def finding(words: str, a: str, b: str, names: list[str], place: shapely.Geometry, alone: bool) -> Finding:
+    def finding(
+        words: str, a: str, b: str, names: list[str], place: shapely.Geometry, alone: bool, missing: bool = False
+    ) -> Finding:
         x, y = shapely.get_coordinates(place)[0].tolist()
         glued = [Mend("Glue them", glue=[*design.glue, [a, b]])]
-        return Finding("gap", words, names, (x, y), [*wider, *glued] if alone else wider)
+        return Finding("gap", words, names, (x, y), [*wider, *glued] if alone else wider, missing)
 
     found = []
     for (a, b), depth in pairs.items():
@@ -138,7 +153,7 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
         words = f"{short(a)} and {short(b)} touch at rest{more}: there is no room to move"
         names = list(dict.fromkeys(name for pair in touching[:MAX_FINDINGS] for name in pair))
         place = shapely.shortest_line(whole[index[a]], whole[index[b]])
-        found.append(finding(words, a, b, names, place, alone=len(touching) == 1))
+        found.append(finding(words, a, b, names, place, alone=len(touching) == 1, missing=not drawing.gap))
     return found
 
 

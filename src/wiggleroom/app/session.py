@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
 
-from wiggleroom.app.messages import decode, encode, failed, head, kind_of
+from wiggleroom.app.messages import decode, encode, failed, head, kind_of, read_again
 from wiggleroom.app.process import LostError, Pool, Process
 from wiggleroom.app.resource_limits import DESIGN_MB, UPLOAD_MB
 from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder
@@ -27,7 +27,7 @@ Send = Callable[[list[bytes], bytes], Awaitable[None]]
 
 PRIORITY = {"open": 0, "drag": 1, "flex": 2, "shape": 3}
 """Kinds that are served first, in this order; all others are interrupted for them."""
-SHORT = frozenset({"settle", "reach", "wiggle", "rank", "save", "lay"})
+SHORT = frozenset({"settle", "pose", "reach", "wiggle", "rank", "save", "lay"})
 """Kinds that studies, which may take much longer, are interrupted for."""
 LAST = "bound"
 """The kind that is served last and interrupted for all others."""
@@ -120,6 +120,11 @@ class Session:
         if isinstance(request, CancelRequest):
             self._forget(request.of)
             return
+        if isinstance(request, OpenRequest) and request.again:
+            if self._drawing is None:
+                await self._tell(failed(request.id, "open", ["nothing is open: open a drawing first"]))
+                return
+            text = read_again(self._drawing, request)
         kind = "settle" if isinstance(request, FlexRequest) and request.thorough else kind_of(request)
         self._enqueue(Job(kind, request.id, text, next(self._births)))
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wiggleroom.app.design_cache import LruCache
 from wiggleroom.app.open_requests import File
@@ -156,7 +157,7 @@ def suggested_pull(assembly: SpatialAssembly) -> GoalEntry:
     at = assembly.reference
     fixed = np.array([p.fixed for p in assembly.parts])
     if not fixed.any():
-        fixed[largest_part(assembly)] = True
+        fixed[int(volumes(assembly).argmax())] = True
     away = at - at[fixed].mean(axis=0)
     k = int(np.where(fixed, -1.0, np.linalg.norm(away, axis=1)).argmax())
     locked = [axis in assembly.parts[k].lock for axis in "xyz"]
@@ -166,9 +167,9 @@ def suggested_pull(assembly: SpatialAssembly) -> GoalEntry:
     return GoalEntry(assembly.parts[k].name, direction=tuple(direction))
 
 
-def largest_part(assembly: SpatialAssembly) -> int:
-    """Index of the part of the largest volume."""
-    return int(np.argmax([m.volume for m in assembly.made]))
+def volumes(assembly: SpatialAssembly) -> NDArray[np.float64]:
+    """Volume of every part (parts,) [mm3]."""
+    return np.array([made.volume for made in assembly.made], dtype=np.float64)
 
 
 def designed_file(text: str, drawing: SpatialDrawing, design: Design) -> str:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from msgspec import UNSET
-
-from wiggleroom.app.review import GAP_SHARE, round_up
-from wiggleroom.app.spatial_designs import SpatialDesignCache, largest_part, suggested_pull
+from wiggleroom.app.review import GAP_SHARE, nothing_stands, round_up
+from wiggleroom.app.spatial_designs import SpatialDesignCache, suggested_pull, volumes
 from wiggleroom.errors import TouchingError
 from wiggleroom.report.results.answer_words import number, short
 from wiggleroom.schema.replies import Finding, Mend
@@ -27,11 +25,7 @@ def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Finding]
     assembly = designs.assembly(design)
     found = []
     if not any(p.fixed for p in assembly.parts):
-        name = assembly.names[largest_part(assembly)]
-        goals = [g for g in design.goals if g.part != name] if isinstance(design.goals, list) else UNSET
-        mend = Mend(f"Fix {short(name)}", fixed=[name], goals=goals)
-        words = "Nothing stands: some part must hold still for others to move against"
-        found.append(Finding("stands", words, [name], mends=[mend]))
+        found.append(nothing_stands(assembly.names, volumes(assembly), design))
     elif all(p.fixed for p in assembly.parts):
         name = design.fixed[-1]
         mends = [Mend(f"Let {short(name)} go", fixed=design.fixed[:-1])] if len(design.fixed) > 1 else []
@@ -40,7 +34,8 @@ def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Finding]
     if not design.goals and len(assembly.parts) > 1:
         goal = suggested_pull(assembly)
         mend = Mend(f"Pull {short(goal.part)}", goals=[goal])
-        found.append(Finding("pulled", "Nothing is pulled: say which part, and which way", [goal.part], mends=[mend]))
+        words = "Nothing is pulled: say which part, and which way"
+        found.append(Finding("pulled", words, [goal.part], mends=[mend], missing=True))
     try:
         prepare_spatial(assembly)
     except TouchingError as problem:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import OrderedDict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,10 +15,10 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
-from wiggleroom.errors import Stop
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.relative_pose import relative_pose
-from wiggleroom.geometry.rigid_motions import of_parts
-from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_among_few, holding_contacts
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
+from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_among_few, holding_contacts, others_back
 from wiggleroom.live.drag_target import target_in_sight
 from wiggleroom.live.gap_continuation import KnownEnds, kept
 from wiggleroom.live.live_result import LiveResult, Mode
@@ -28,6 +29,9 @@ from wiggleroom.live.warm_start import (
     State,
     TimeBudget,
     WarmSearch,
+    free_of_overlap,
+    seated,
+    state_at,
     state_at_rest,
 )
 from wiggleroom.maximise import witness
@@ -59,6 +63,23 @@ class _Dragged:
     ready: Prepared
     state: State
     few: _AmongFew | None = None
+    began: State | None = None
+
+    @property
+    def here(self) -> State:
+        """The state that is shown."""
+        return self.state if self.few is None else self.few.state
+
+
+MAX_LEFT = 24
+"""Number of poses that are kept with the cells round them."""
+MAX_BACK_BODIES = 300
+"""Of larger assemblies others are not brought back after a drag."""
+
+
+def _key(design: GapDesign, motion: Floats) -> tuple[int, bytes]:
+    """A motion in a design, to single precision: as a page knows it."""
+    return id(design.assembly), (motion.astype(np.float32) + np.float32(0)).tobytes()
 
 
 class Live:
@@ -89,6 +110,7 @@ class Live:
         self._now: GapDesign | None = None
         self._dragged: _Dragged | None = None
         self._ends = KnownEnds()
+        self._left: OrderedDict[tuple[int, bytes], tuple[GapDesign, Prepared, State]] = OrderedDict()
 
     def design(
         self,
@@ -151,15 +173,63 @@ class Live:
         """Put all parts back to rest: the next drag begins there."""
         self._dragged = None
 
+    @property
+    def dragged(self) -> bool:
+        """Whether a drag has ended somewhere in this design."""
+        return self._dragged is not None
+
+    def leave(self, motion: Floats) -> bool:
+        """Leave all parts at a motion (n, 3) [mm, mm, rad], where a later drag may begin; False where some overlap there.
+
+        Where the last drag ended, at that motion to single precision, its state is kept with it.
+        """
+        ready, design = self.ready, self._design
+        if not free_of_overlap(ready, of_bodies(ready.assembly, ready.bodies, motion[None])[0]):
+            return False
+        last = self._dragged
+        if last is not None and _key(design, self._of_parts(last.ready, last.here)) == _key(design, motion):
+            self._left[_key(design, motion)] = design, last.ready, seated(last.ready, last.here)
+            while len(self._left) > MAX_LEFT:
+                self._left.popitem(last=False)
+        return True
+
+    def others_back(
+        self, part: str, pinned: Collection[str] = (), *, seconds: float = 0.3, stop: Stop | None = None
+    ) -> Floats | None:
+        """Motion (n, 3) after all parts but the dragged one went back towards where the last drag began; None where none was found.
+
+        The dragged part stays where it is: of all motions that bring it there, the others take the least.
+        """
+        last = self._dragged
+        if last is None or last.began is None or len(self.ready.bodies.fixed) > MAX_BACK_BODIES:
+            return None
+        body = int(last.ready.bodies.body_of[self.assembly.names.index(part)])
+        after = others_back(
+            last.ready, last.here, last.began, body, self._held(last.ready, pinned), TimeBudget(seconds, stop)
+        )
+        if after is None:
+            return None
+        self._dragged = _Dragged(last.ready, after, began=last.began)
+        return self._of_parts(last.ready, after)
+
+    def _of_parts(self, ready: Prepared, state: State) -> Floats:
+        return of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
+
+    def _held(self, ready: Prepared, pinned: Collection[str]) -> frozenset[int]:
+        """Bodies of parts that are pinned."""
+        names = self.assembly.names
+        return frozenset(int(ready.bodies.body_of[names.index(name)]) for name in pinned)
+
     def drag(
         self,
         part: str,
         grip: Spot,
         target: Spot,
         *,
-        start: str = "here",
+        start: str | Floats = "here",
         goals: Goal | Sequence[Goal] | None = None,
         within: int | None = None,
+        pinned: Collection[str] = (),
         seconds: float = 0.1,
         stop: Stop | None = None,
     ) -> LiveResult:
@@ -171,14 +241,16 @@ class Live:
         grip : (x, y) [mm]
             The point, where it lies at rest.
         target : (x, y) [mm]
-        start : str
-            "here", where the last drag ended, "rest", or "answer", the end of what was last found for some goals.
+        start : str or (n, 3) float64 [mm, mm, rad]
+            "here", where the last drag ended, "rest", or "answer", the end of what was last found for some goals; or a motion of all parts.
         goals : optional
             These goals; by default what the drawing asks for.
         within : int, optional
             Number of bodies that may move, those that the part pushes first; all others stand where they are. The motion is one
             of the whole assembly, but not settled where others that stand hold the part; then the next drag of this part among
             as many or fewer goes on from there, and one among more begins where this one did. By default all may move.
+        pinned : names, optional
+            Parts that stand where they are, although they are not fixed.
         seconds : float
             After that time the best safe motion so far is returned, not settled; asking again goes on from there.
         stop : optional
@@ -187,31 +259,43 @@ class Live:
         Raises
         ------
         InputError
-            If there is no such part, or it cannot move.
+            If there is no such part, it cannot move, or parts overlap at the motion where it is to begin.
         """
         began = time.perf_counter()
         ready, state, few = self._begun(start, goals)
+        held = self._held(ready, pinned)
+        since = state if not isinstance(start, str) or start != "here" or self._dragged is None else self._dragged.began
         aim = target_in_sight(grip, target, ready.size)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
         body, until = int(term.points.body[0]), TimeBudget(seconds, stop)
+        if body in held:
+            message = f'"{part}" is pinned: let it go before you drag it'
+            raise InputError(message)
         near = None
-        if within is not None:
-            begin = few.state if few is not None and few.body == body and within <= few.count else state
-            near = dragged_among_few(ready, term, aim, begin, within, until)
+        if within is not None or held:
+            begin = (
+                few.state
+                if few is not None and within is not None and few.body == body and within <= few.count
+                else state
+            )
+            near = dragged_among_few(ready, term, aim, seated(ready, begin) if held else begin, within, until, held)
+        if near is None and held:  # what would have to give way is pinned
+            near = state, None, False
         after, search, settled = near or dragged(ready, term, state, float(np.sum(np.subtract(aim, grip) ** 2)), until)
         # pressed against what could give way, few parts are a bad place for more to begin at
         few = None if near is None or within is None or settled else _AmongFew(body, within, after)
-        self._dragged = _Dragged(ready, state if few else after, few)
+        self._dragged = _Dragged(ready, state if few else after, few, since)
         motion = of_parts(ready.assembly, ready.bodies, after.motion[None])[0]
         x, y = np.add(grip, term.points.moved(after.motion)[0]).tolist()
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))
-        held = holding_contacts(search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
-        blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
+        holds = settled and search is not None and left > ARRIVAL_TOLERANCE * ready.clearance
+        contacts = holding_contacts(search, 2 * left) if holds and search is not None else ()
+        blocking = dict.fromkeys(n for c in contacts if part in c.parts for n in c.parts if n != part)
         seconds = time.perf_counter() - began
-        return LiveResult(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
+        return LiveResult(motion, settled, seconds, contacts, tuple(blocking), reached=reached, distance=distance)
 
     def follows(self, goals: Goal | Sequence[Goal] | None = None) -> bool:
         """Whether `flex` would begin at the end of an answer to these goals, at this gap or one nearby."""
@@ -326,8 +410,19 @@ class Live:
         """Goals, by default what the drawing asks for, once it is sure that they make sense."""
         return asked_goals(self.assembly.drawing, self._designs.drawing.goals if goals is None else goals)
 
-    def _begun(self, start: str, goals: Goal | Sequence[Goal] | None) -> tuple[Prepared, State, _AmongFew | None]:
+    def _begun(
+        self, start: str | Floats, goals: Goal | Sequence[Goal] | None
+    ) -> tuple[Prepared, State, _AmongFew | None]:
         """Where a drag begins, and in which outlines."""
+        if not isinstance(start, str):
+            known = self._left.get(_key(self._design, start))
+            if known is not None:
+                self._left.move_to_end(_key(self._design, start))
+                return known[1], replace(known[2], mu=FIRST_BARRIER, near=False, ended=None), None
+            state = state_at(self.ready, of_bodies(self.ready.assembly, self.ready.bodies, start[None])[0])
+            if state is None:
+                raise InputError("drag: no free space was found where the parts were left; bring them back to rest")
+            return self.ready, state, None
         if start == "here" and self._dragged is not None:
             return self._dragged.ready, self._dragged.state, self._dragged.few
         if start == "answer":

@@ -20,6 +20,8 @@ from wiggleroom.search.prepare import Prepared
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+FAR = 1e3
+"""Where all bodies are looked at, none goes further than this multiple of the drawing's size."""
 REACH_SHARE = 0.5
 """Bodies that come within this share of the median radius of one that may move are looked at; none may go further than that."""
 
@@ -69,14 +71,20 @@ class Neighbourhood:
         return max([*gone, float(np.hypot(*search.best.motion[:, :2].T).max())]) > self.reach
 
 
-def neighbourhood(ready: Prepared, state: State, body: int, count: int) -> Neighbourhood | None:
-    """Return the `count` free bodies nearest to one by contacts, and what stands round them; None where that would be all."""
+def neighbourhood(
+    ready: Prepared, state: State, body: int, count: int | None, pinned: frozenset[int] = frozenset()
+) -> Neighbourhood | None:
+    """Return the `count` free bodies nearest to one by contacts, or all, and what stands round them; None where that would be all.
+
+    Bodies that are pinned stand.
+    """
     bodies = ready.bodies
     n, pose = len(bodies.fixed), bodies.rest + state.inner
-    movable = _nearest(ready, state.cells, body, count)
+    movable = np.flatnonzero(~bodies.fixed) if count is None else _nearest(ready, state.cells, body, count)
+    movable = movable[~np.isin(movable, list(pinned))]
     if len(movable) >= int((~bodies.fixed).sum()):
         return None
-    reach = REACH_SHARE * float(np.median(bodies.radius))
+    reach = FAR * ready.size if count is None else REACH_SHARE * float(np.median(bodies.radius))
     who = within_reach(pose[:, :2], bodies.radius, movable, reach)
     moves = np.zeros(n, dtype=bool)
     moves[movable] = True
@@ -96,7 +104,7 @@ def neighbourhood(ready: Prepared, state: State, body: int, count: int) -> Neigh
     small = Prepared(
         assembly, here, keys(ready.ignored), ready.clearance, ready.size, some, keys(ready.corners), model=ready.model
     )
-    still = [p for b in who[~moves[who] & ~bodies.fixed[who]] for p in bodies.members[b]]
+    still = [p for b in who[~moves[who] & ~bodies.fixed[who]] if b not in pinned for p in bodies.members[b]]
     return Neighbourhood(small, who, pair, frozenset(ready.assembly.parts[p].name for p in still), reach)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import product
 from threading import Event
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.cells.cells import Cells, select
+from wiggleroom.freespace.cells.cells import Cells, grow_cells, replaced, select
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -52,6 +53,8 @@ PICTURE_TOLERANCE = 1e-6
 """Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
 FINISHED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
 """Ends of a solve after which its last iterate is in all walls."""
+ASIDE_SHARES = (0.01, 0.05, 0.2)
+"""Shares of the clearance by which pairs that touch are taken aside to grow their cells."""
 MIN_LIVE_ITERATIONS = 8
 """Least iterations of a round, whatever the time: without them a large assembly would make no progress."""
 
@@ -91,6 +94,41 @@ def state_at_rest(ready: Prepared) -> State:
     """Return the state at rest."""
     still = np.zeros((len(ready.bodies.fixed), 3))
     return State(ready.cells, still, still)
+
+
+def state_at(ready: Prepared, motion: Floats, inner: Floats | None = None) -> State | None:
+    """Return the state at a motion (n, 3) of the bodies, its cells grown there; None where they overlap or no free space is found.
+
+    `inner` is a motion nearby at which nothing touches, where one is known. Cells of pairs that touch are grown from a pose of that pair
+    a little aside.
+    """
+    if not free_of_overlap(ready, motion):
+        return None
+    bodies, a, b = ready.bodies, ready.cells.a, ready.cells.b
+    keep, room = relative_pose(bodies, a, b, motion), np.full(len(a), ready.clearance)
+    seed = keep if inner is None else relative_pose(bodies, a, b, inner)
+    cells, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :])
+    for share, angle in product(ASIDE_SHARES, np.pi / 4 * np.arange(8)):
+        bad = np.flatnonzero(~good)
+        if not len(bad):
+            break
+        aside = keep[bad] + share * ready.clearance * np.array([np.cos(angle), np.sin(angle), 0.0])
+        grown, fits = grow_cells(bodies, a[bad], b[bad], aside, room[bad], keep=keep[bad][:, None, :])
+        cells = replaced(cells, bad[fits], select(grown, np.flatnonzero(fits)))
+        good[bad[fits]] = True
+    if not good.all():
+        return None
+    return pushed(ready, State(cells, motion if inner is None else inner, motion, linked=False))
+
+
+def seated(ready: Prepared, state: State) -> State:
+    """The same state, its inner point near the motion that is shown: a search that stopped may have left it far behind."""
+    behind = state.inner - state.motion
+    far = np.hypot(behind[:, 0], behind[:, 1]) + ready.bodies.radius * np.abs(behind[:, 2])
+    if far.max(initial=0.0) <= ready.clearance:
+        return state
+    there = state_at(ready, state.motion)
+    return state if there is None else replace(there, linked=state.linked)
 
 
 @dataclass(eq=False)

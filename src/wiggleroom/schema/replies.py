@@ -18,7 +18,7 @@ from wiggleroom.schema.fields import (
 )
 from wiggleroom.schema.listing_schema import SheetJointEntry, UnmatchedEntry
 from wiggleroom.schema.reply_base import Outline, Pose, Reply, Terms
-from wiggleroom.schema.requests import Design, GoalEntry, PlateHint
+from wiggleroom.schema.requests import Design, GoalEntry, HowRead, PlateHint
 from wiggleroom.schema.study_replies import (
     BoundReply,
     CheckReply,
@@ -32,6 +32,8 @@ from wiggleroom.schema.study_replies import (
     SweepReply,
 )
 from wiggleroom.verdict import PathState, Verdict
+
+SearchState = Literal["done", "to come", "from rest"]
 
 
 class UploadLimits(Struct):
@@ -102,6 +104,7 @@ class Opened(Reply, kw_only=True):
     dimension: Literal[2, 3] = 2
     solids: Annotated[Solids | UnsetType, Meta(description="in space, where parts have no rings")] = UNSET
     pulled: Annotated[GoalEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
+    reading: Annotated[HowRead | UnsetType, Meta(description="of a drawing that can be read in other ways")] = UNSET
     apart: Annotated[bool, Meta(description="true where no part is near another one, as on a cutting sheet")] = False
 
 
@@ -130,6 +133,10 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     seconds: float
     command: Command
     settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True
+    search: Annotated[
+        SearchState,
+        Meta(description="whether a search from other starts has ended; from rest: too many parts move for one"),
+    ] = "done"
     rings: Annotated[list[Outline] | UnsetType, Meta(description="where the page shows others")] = UNSET
     solids: Annotated[Solids | UnsetType, Meta(description="in space, as the outlines")] = UNSET
     shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
@@ -148,6 +155,13 @@ class DragReply(Reply, tag="drag", kw_only=True):
     rings: list[Outline] | UnsetType = UNSET
     solids: Solids | UnsetType = UNSET
     shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
+
+
+class PoseReply(Reply, tag="pose", kw_only=True):
+    """Whether parts may be left where they are."""
+
+    free: Annotated[bool, Meta(description="true where no two parts overlap there")]
+    words: str
 
 
 class ReachReply(Reply, tag="reach", kw_only=True):
@@ -218,6 +232,7 @@ class Finding(Struct):
     parts: Names = []
     point: Annotated[Point | None, Meta(description="where in the picture [mm]")] = None
     mends: list[Mend] = []
+    missing: Annotated[bool, Meta(description="true where nothing is wrong, but something is not set yet")] = False
 
 
 class SheetEdge(Struct):
@@ -276,7 +291,7 @@ class Failed(Reply, kw_only=True):
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Modes | RankReply | CheckReply | LimitReply
+    Hello | Opened | ShapeReply | FlexReply | DragReply | PoseReply | ReachReply | Modes | RankReply | CheckReply | LimitReply
     | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState
     | Assembled | LayReply | Failed
 )  # fmt: skip

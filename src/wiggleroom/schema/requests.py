@@ -65,11 +65,34 @@ class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True
     id: Number
 
 
+class HowRead(Struct, forbid_unknown_fields=True):
+    """How a drawing is read, in place of what it says itself.
+
+    Parameters
+    ----------
+    unit
+        Of its numbers.
+    only, skip
+        Layers, colours or names that alone are read, or that are left out.
+    join
+        Open ends nearer than this are joined [mm].
+    solid
+        Names, or points as "@x,y", of outlines inside others that are parts, not holes; "all" for all of them.
+    """
+
+    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    only: Annotated[list[str], Meta(max_length=1000)] = []
+    skip: Annotated[list[str], Meta(max_length=1000)] = []
+    join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+    solid: Annotated[list[str], Meta(max_length=10_000)] = []
+
+
 class OpenRequest(Request, tag="open", kw_only=True):
     """Read a drawing, or one of the samples.
 
     With a design, that one stands in place of what the drawing asks. `path` is what commands call it. `beside` holds files that the
-    drawing names; only the command line gives them. `gaps` of joints and pairs to `ignore` stand in place of the drawing's.
+    drawing names; only the command line gives them. `gaps` of joints and pairs to `ignore` stand in place of the drawing's. `again` reads
+    the drawing that is open once more, in another way.
     """
 
     name: Annotated[str, Meta(max_length=255)]
@@ -78,6 +101,7 @@ class OpenRequest(Request, tag="open", kw_only=True):
     beside: dict[str, bytes] = {}
     sample: bool = False
     unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None
+    again: bool = False
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     only: tuple[str, ...] = ()
@@ -110,16 +134,34 @@ class FlexRequest(DesignRequest, tag="flex", kw_only=True):
     shown: str = ""
 
 
-class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
-    """A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer.
+Motion = Annotated[tuple[float, ...], Meta(min_length=3, max_length=7)]
+PartMotions = Annotated[
+    dict[str, Motion],
+    Meta(
+        description="parts that do not rest: (dx mm, dy mm, turn rad), in space (dx, dy, dz mm, quaternion x, y, z, w)"
+    ),
+]
 
-    `grip` is where it was taken, in world coordinates at rest [mm]; `shown` names the outlines that the page shows.
+
+class PoseRequest(DesignRequest, tag="pose", kw_only=True):
+    """Whether parts overlap where they were left, and that the next drag may begin there."""
+
+    pose: PartMotions = {}
+
+
+class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
+    """A part drawn towards a place, from rest, from a pose, from where the last drag ended or from the end of the answer.
+
+    `grip` is where it was taken, in world coordinates at rest [mm]; `shown` names the outlines that the page shows. `pose` is where parts
+    were left, at which the drag began; `pinned` are parts that stand while this one is dragged, although they are not fixed.
     """
 
     part: str
     grip: Vector
     target: Vector
-    from_: Literal["rest", "here", "answer"] = "here"
+    from_: Literal["rest", "here", "answer", "pose"] = "here"
+    pose: PartMotions = {}
+    pinned: list[str] = []
     shown: str = ""
 
 
@@ -257,7 +299,7 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | WiggleRequest | RankRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | PoseRequest | ReachRequest | WiggleRequest | RankRequest
     | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest
     | SaveRequest | AssembleRequest | LayRequest | CancelRequest
 )  # fmt: skip

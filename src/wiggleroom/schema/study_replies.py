@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from msgspec import UNSET, Meta, Struct, UnsetType
+from msgspec import UNSET, Meta, Struct, UnsetType, field
 
 from wiggleroom.schema.fields import AtMost, Command, Degrees, Mm, Names, Objective, Pair, Percent, Point, Ring
 from wiggleroom.schema.reply_base import Cell, Pose, Reply, Terms
@@ -187,3 +187,7 @@ class StudyReply(Reply, tag="study", kw_only=True):
     study: StudyTab
     tints: Tints
     command: Command
+    extra: Annotated[
+        dict[str, float],
+        Meta(description="extra gaps of parts [mm] with which it moves so; empty where nothing is to be set"),
+    ] = field(default_factory=dict)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,6 +40,15 @@ MAX_DOUBLINGS = 7
 """The time that the same drag may take is doubled at most this many times."""
 ITERATIONS, TOLERANCE = 60, 1e-5
 """Most iterations of the solve of a drag, and its tolerance as a share of the distance."""
+
+
+MAX_LEFT = 24
+"""Number of poses that are kept as they were found."""
+
+
+def _key(motion: Floats) -> bytes:
+    """A motion as a page knows it, rounded."""
+    return (np.round(motion, 4) + 0.0).tobytes()
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +100,7 @@ class SpatialLive:
         self._motion: Floats | None = None
         self._asked: object = None
         self._times = 0
+        self._left: OrderedDict[bytes, Floats] = OrderedDict()
         self._end: tuple[SpatialPrepared, tuple[SpatialGoal, ...], Floats] | None = None
 
     def take(self, assembly: SpatialAssembly) -> None:
@@ -111,6 +121,7 @@ class SpatialLive:
             self._ready.popitem(last=False)
         if self._now is not self._ready[key]:
             self._now, self._motion = self._ready[key], None
+            self._left.clear()
 
     @property
     def ready(self) -> SpatialPrepared:
@@ -154,9 +165,10 @@ class SpatialLive:
         grip: Sequence[float],
         target: Sequence[float],
         *,
-        start: str = "here",
+        start: str | Floats = "here",
         goals: Sequence[SpatialGoal] | None = None,
         within: int | None = None,
+        pinned: Collection[str] = (),
         seconds: float = 0.4,
         stop: Stop | None = None,
     ) -> SpatialDrag:
@@ -171,11 +183,13 @@ class SpatialLive:
         grip : (x, y, z) [mm]
             The point, where it lies at rest.
         target : (x, y, z) [mm]
-        start : str
-            "here", where the last drag ended, "rest", or "answer", the end of what was found for these goals.
+        start : str or (n, 6) float64 [mm, rad]
+            "here", where the last drag ended, "rest", or "answer", the end of what was found for these goals; or a motion of all parts.
         goals : optional
         within : int, optional
             Number of bodies that may move, those nearest to the part; all others stand. By default all.
+        pinned : names, optional
+            Parts that stand where they are, although they are not fixed.
         seconds : float
             After that time the best motion so far is returned, not settled; asked the same again it takes twice as long.
         stop : optional
@@ -184,7 +198,7 @@ class SpatialLive:
         Raises
         ------
         InputError
-            If there is no such part, or it cannot move.
+            If there is no such part, it cannot move, or parts overlap at the motion where it is to begin.
         """
         ready = self.ready
         names = ready.assembly.names
@@ -205,28 +219,58 @@ class SpatialLive:
         arm = np.array(grip, dtype=float) - group.bodies.at[body]
         aim = target_in_sight(grip, target, ready.size)
         motion = self._begun(start, goals)
-        search = _Drag(ready, body, arm, aim, self._loose(body, motion, within), until)
+        held = {int(group.body_of[names.index(name)]) for name in pinned}
+        if body in held:
+            message = f'"{part}" is pinned: let it go before you drag it'
+            raise InputError(message)
+        search = _Drag(ready, body, arm, aim, self._loose(body, motion, within, held), until)
         motion, settled, contacts = search.run(motion)
         self._motion = motion
         reached = search.grip(group.pose_of(motion))
         blocking = dict.fromkeys(n for c in contacts if part in c.parts for n in c.parts if n != part)
         x, y, z = reached.tolist()
-        whole = within is None or bool(search.bodies.moves.sum() == group.bodies.moves.sum())
+        whole = within is None or bool(search.bodies.moves.sum() + len(held) >= group.bodies.moves.sum())
         distance = float(np.linalg.norm(np.subtract(target, reached)))
         return SpatialDrag(motion, settled and (whole or not contacts), (x, y, z), distance, contacts, tuple(blocking))
 
-    def _begun(self, start: str, goals: Sequence[SpatialGoal] | None) -> Floats:
+    @property
+    def dragged(self) -> bool:
+        """Whether a drag has ended somewhere in this design."""
+        return self._motion is not None
+
+    def leave(self, motion: Floats) -> bool:
+        """Leave all parts at a motion (n, 6) [mm, rad], where a later drag may begin; False where some overlap there.
+
+        Where the last drag ended, at that motion to single precision, that one is kept.
+        """
+        last = self._motion
+        if last is not None and np.allclose(last, motion, rtol=1e-6, atol=1e-6 * self.ready.size):
+            self._left[_key(motion)] = last
+            while len(self._left) > MAX_LEFT:
+                self._left.popitem(last=False)
+        at = self._left.get(_key(motion), motion)
+        return not self.ready.checker.overlaps(at, at)
+
+    def _begun(self, start: str | Floats, goals: Sequence[SpatialGoal] | None) -> Floats:
         """Motion (n, 6) at which a drag begins."""
+        if not isinstance(start, str):
+            at = self._left.get(_key(start), start)
+            if self.ready.checker.overlaps(at, at):
+                raise InputError("drag: parts overlap where they were left; bring them back to rest")
+            return at
         rest = np.zeros((len(self.ready.assembly.parts), 6))
         if start == "answer" and self._end is not None and goals is not None:
             ready, asked, motion = self._end
             return motion if ready is self.ready and asked == tuple(goals) else rest
         return self._motion if start == "here" and self._motion is not None else rest
 
-    def _loose(self, body: int, motion: Floats, within: int | None) -> RigidBodies:
-        """The bodies, those that are not among the nearest `within` of one of them held fast."""
+    def _loose(self, body: int, motion: Floats, within: int | None, held: set[int]) -> RigidBodies:
+        """The bodies, those that are pinned or not among the nearest `within` of one of them held fast."""
         group = self.ready.grouping
         bodies = group.bodies
+        if held:
+            stands = np.isin(np.arange(len(bodies.at)), list(held))
+            bodies = replace(bodies, free=bodies.free & ~stands[:, None])
         if within is None or within >= len(bodies.at):
             return bodies
         pose = group.pose_of(motion)

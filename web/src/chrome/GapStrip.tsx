@@ -57,7 +57,7 @@ export function GapStrip() {
     <section class="gapstrip" inert={atStart.value} aria-label="gap">
       <div class="gapbox">
         <label for="gap">Gap</label>
-        <NumberBox value={gap} min={0} step={stepOf(gap || most / 10)} unit="mm" label="gap" onChange={(value) => setGap(value, "")} disabled={still} />
+        <NumberBox value={gap} min={0} step={gapStep()} unit="mm" label="gap" onChange={(value) => setGap(value, "")} disabled={still} />
         <div class="group">
           <Button
             icon={playing.value ? "pause" : "play"} label={playing.value ? "Stop the gap" : "Play the gap: solve one after the other"} class="small" disabled={!asks(design.value)}
@@ -80,6 +80,11 @@ export function GapStrip() {
       </div>
     </section>
   );
+}
+
+/** By how much a key or an arrow of the box changes the gap [mm]; of a gap of 0 a share of the first scale of the slider. */
+export function gapStep(): number {
+  return stepOf(design.value.gap || niceTop(firstTop(drawing.value!)) / 10);
 }
 
 function startPlaying(low: number, most: number): void {

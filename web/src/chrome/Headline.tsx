@@ -1,15 +1,15 @@
 /** The answer in one line over the canvas, and for screen readers as it changes. */
 
-import { asks, design, goals, inSpace } from "../design.ts";
-import { factor, shown } from "../motion.ts";
+import { asks, design, goals, inSpace, pinned, pose } from "../design.ts";
+import { factor, shown, suggested } from "../motion.ts";
 import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, line, modes, notice, running, selected, tab, unsure } from "../state.ts";
 import { assembled } from "../sheetState.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
-import type { Kind } from "../protocol.ts";
+import type { FlexReply, Kind } from "../protocol.ts";
 import { size } from "../stage/camera.ts";
 import { mostMarks } from "../stage/marks.ts";
-import { ask, few, number, short } from "../words.ts";
+import { ask, few, inLine, number, short } from "../words.ts";
 import { unitOf } from "./GapStrip.tsx";
 import { Meaning } from "./Meaning.tsx";
 import { Notices } from "./Notices.tsx";
@@ -25,7 +25,7 @@ export function Headline() {
         <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled} data-further={further} title={title}>
           {busy.value && <i class="busy" role="img" aria-label="working" />}{title}
         </p>
-        <p class="facts" hidden={notice.value !== ""}>{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
+        <p class="facts" hidden={notice.value !== ""}>{line}{settled && <Meaning of={wordOf(answer.value!.reply)} />}</p>
         <Notices />
       </div>
       <Work />
@@ -34,6 +34,9 @@ export function Headline() {
 }
 
 const whole: Record<string, string> = { closer: "parts closer together", weight: "everything sinks in -z" };
+
+/** How an answer is called: a verdict counts once the search from other starts has ended. */
+const wordOf = ({ search, verdict }: FlexReply): string => ({ "to come": "found so far", "from rest": "found from rest", done: verdict })[search];
 
 interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 
@@ -58,6 +61,10 @@ function said(): Said {
   const step = what === "escape" ? leavingStep() : null;
   if (step) {
     return told ? { title: told.title, line: `${label}: ${step.words}`, tone: "" } : { title: step.words, line: label, tone: "" };
+  }
+  if (what === "drag" && pose.value) {
+    const moved = Object.keys(pose.value);
+    return { title: `${moved.length === 1 ? inLine(moved[0]!) : `${moved.length} parts`} as left`, line: ["a drag begins here; the Home key brings all back to rest", ...enlarged()].join(" · "), tone: "" };
   }
   if (told) return { title: told.title, line: [...told.facts, ...enlarged()].join(" · "), tone: "" };
   if (!asks(design.value)) {
@@ -88,10 +95,14 @@ function draggedSaid(): Said {
   const moved = Math.hypot(...reached.map((v, k) => v - grip[k]!));
   const away = distance > tiny ? `${number(distance, 3)} mm short of the pointer` : "at the pointer";
   const held = distance > tiny && blocking.length ? [`held by ${few(blocking)}`] : [];
-  return { title: `${name} moved ${moved > tiny ? number(moved, 3) : "0"} mm`, line: [...held, away, ...enlarged()].join(" · "), tone: "" };
+  const pins = [...pinned.value].filter((one) => one !== part);
+  return { title: `${name} moved ${moved > tiny ? number(moved, 3) : "0"} mm`, line: [...held, away, ...(pins.length ? [`pinned: ${few(pins, 3)}`] : []), ...enlarged()].join(" · "), tone: "" };
 }
 
-const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
+const enlarged = (): string[] => {
+  if (factor() > 1) return [`motion drawn ×${factor()}: in the picture parts pass through each other, in truth they do not`];
+  return suggested.value > 1 && !["rest", "between"].includes(shown.value.what) ? ["motion hardly seen at its true size"] : [];
+};
 
 /** That not all contacts have their arrow. */
 function thinned(count: number): string[] {
@@ -126,5 +137,5 @@ function Work() {
 export function Spoken() {
   const name = selected.value;
   const roles = name ? [design.value.fixed.includes(name) && "fixed", goals.value.some((goal) => goal.part === name) && "pulled"].filter(Boolean) : [];
-  return <p class="unseen" aria-live="polite">{name ? `${name} chosen ${roles.join(", ")}` : ""}{factor() > 1 ? `, motion shown ${factor()} times` : ""}</p>;
+  return <p class="unseen" aria-live="polite">{name ? `${name} chosen ${roles.join(", ")}` : ""}{factor() > 1 ? `, motion drawn ${factor()} times as far` : ""}</p>;
 }

@@ -14,17 +14,18 @@ const LOOK: Row[] = [
 ];
 const KEYS: Row[] = [
   [", .", "choose the part before or after"], ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"],
-  ["G", "glue the chosen part to another one"], ["L", "choose many: draw a line round them (or Shift and drag on the ground; Shift and press adds one)"], ["A", "choose all parts"], ["W", "wiggle: show every freedom that is left"],
+  ["G", "glue the chosen part to another one"], ["L", "choose many: draw a line round them (or Shift and drag on the ground; Shift and press adds one)"], ["A", "choose all parts"], ["N", "pin the chosen part for the moment: it stands while others are dragged"], ["W", "wiggle: show every freedom that is left"],
   ["R", "show where the chosen part can be brought"], ["← ↑ → ↓", "of a pulled part: point the pull that way (Shift: turn it by 5°); else drag the part a step"],
   ["Space", "play or pause the path"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"], ["[ ]", "gap smaller or larger by a step"],
-  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["B", "keep this answer beside"], ["Esc", "cancel work, back to the answer, let the part go"],
+  ["Home", "bring all parts back to rest"], ["Ctrl Z", "undo, also a drag; Ctrl Y redo"], ["O, Ctrl O", "open a drawing"], ["S, Ctrl S", "save"], ["B", "keep this answer beside"], ["Esc", "cancel work, back to the answer, let the part go"],
   ["?", "this list"],
 ];
 const SPACE_KEYS: Row[] = [
   ["← ↑ → ↓", "turn the view"], ["Shift ← ↑ → ↓", "drag the chosen part a step, in the plane of the picture"], [", .", "choose the part before or after"],
   ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"], ["T", "twist the chosen part, or stop"], ["G", "glue the chosen part to another one"],
   ["H", "outline the chosen part alone, to see past it"], ["Space", "play or pause the path"], ["+ −", "nearer, further"], ["0", "the whole assembly"], ["[ ]", "gap smaller or larger by a step"],
-  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a file"], ["S", "save"], ["Esc", "cancel work, back to the answer, let the part go"], ["?", "this list"],
+  ["N", "pin the chosen part for the moment: it stands while others are dragged"], ["Home", "bring all parts back to rest"],
+  ["Ctrl Z", "undo, also a drag; Ctrl Y redo"], ["O, Ctrl O", "open a file"], ["S, Ctrl S", "save"], ["Esc", "cancel work, back to the answer, let the part go"], ["?", "this list"],
 ];
 const SPACE_MICE: Row[] = [
   ["Drag a part", "it goes as near to the pointer as the others let it, in the plane of the picture"], ["Click a part", "choose it"],
@@ -32,7 +33,7 @@ const SPACE_MICE: Row[] = [
 ];
 const LOOK_MICE: Row[] = [["Click a part", "choose it"], ["Drag, wheel, pinch", "pan and zoom"]];
 const MICE: Row[] = [
-  ["Drag a part", "it goes as near to the pointer as the others let it"], ["Click a part", "choose it"],
+  ["Drag a part", "it goes as near to the pointer as the others let it, and stays there"], ["Click a part", "choose it"],
   ["Drag the arrow", "its head turns the pull, its foot takes it to another part"], ["Drag the ground, wheel, pinch", "pan and zoom"],
 ];
 

@@ -6,6 +6,8 @@ const VERDICTS: Record<string, string> = {
   proven: "Proven: a bound shows that no motion is worth more than 0.1 % more.",
   optimal: "Optimal: every surface that stops it is really touched, and no small change goes further. A quite different path might.",
   stationary: "Stationary: no small change goes further from here, but at some contacts it could also pass on another side, which was not tried. The motion itself is checked; it may not be the largest.",
+  "found so far": "Found so far: no small change goes further from here. A search from other starts has not ended, and may find a much larger motion.",
+  "found from rest": "Found from rest: no small change goes further from here. So many parts move that no search from other starts follows: a much larger motion may remain unfound.",
   unbounded: "Unbounded: nothing stops it. The parts that leave were followed all the way out.",
   stopped: "Stopped: time ran out. The motion shown is safe, and further ones may exist.",
   touching: "Touching: parts touch at rest, so there is no room to begin in. A larger gap gives it.",
@@ -14,8 +16,8 @@ const VERDICTS: Record<string, string> = {
 
 export const FORCE = "How hard this contact presses when the pull is 1: so many mm the answer gains for each mm that this contact gives way.";
 
-export function Meaning({ verdict }: { verdict: string }) {
-  return VERDICTS[verdict] ? <Explain word={verdict} words={VERDICTS[verdict]} /> : null;
+export function Meaning({ of }: { of: string }) {
+  return VERDICTS[of] ? <Explain word={of} words={VERDICTS[of]} /> : null;
 }
 
 /** A small question mark that opens one sentence. */

@@ -1,7 +1,8 @@
 /** A box for a number that takes it when it is finished: by Enter, by leaving, or by the arrows. */
 
 import { useEffect, useRef } from "preact/hooks";
-import { notice } from "../state.ts";
+import { redo, undo } from "../design.ts";
+import { drawing, notice } from "../state.ts";
 import { number } from "../words.ts";
 
 interface Asked { value: number; onChange: (value: number) => void; label: string; min?: number; step?: number; unit?: string; digits?: number; disabled?: boolean;
@@ -9,12 +10,22 @@ interface Asked { value: number; onChange: (value: number) => void; label: strin
   none?: string;
 }
 
+/** What the keys of undo and redo mean, in a box as elsewhere on the page. */
+export function stepOfHistory(event: KeyboardEvent): (() => void) | null {
+  if (!event.ctrlKey && !event.metaKey) return null;
+  const key = event.key.toLowerCase();
+  if (key === "y" || (key === "z" && event.shiftKey)) return redo;
+  return key === "z" ? undo : null;
+}
+
 export function NumberBox({ value, onChange, label, min, step, unit, digits = 5, disabled, none }: Asked) {
   const box = useRef<HTMLInputElement>(null);
   const text = none && value === 0 ? "" : number(value, digits);
-  useEffect(() => {
-    if (box.current && document.activeElement !== box.current) box.current.value = text;
-  }, [text]);
+  const now = useRef(text);
+  now.current = text;
+  const tell = (): void => void (box.current && (box.current.value = now.current));
+  // whatever is being typed: a number that has changed by other hands is seen, and what was typed for another file is left out
+  useEffect(tell, [text, label, drawing.value]);
   const take = (): void => {
     if (!box.current) return; // it has gone with what it was about
     const given = box.current.value.trim();
@@ -24,9 +35,18 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
       notice.value = `${label}: “${given}” is not ${min === undefined ? "a number" : `a number of ${min} or more`}; it stays ${text || none}${text && unit ? ` ${unit}` : ""}`;
       box.current.value = text;
     } else if (typed !== value) onChange(typed);
+    setTimeout(tell); // what is taken may be another number than what was typed
   };
   const keys = (event: KeyboardEvent): void => {
     event.stopPropagation();
+    const wanted = stepOfHistory(event);
+    if (wanted) {
+      event.preventDefault();
+      const typing = box.current!.value.trim() !== text;
+      tell();
+      if (!typing) wanted();
+      return;
+    }
     if (event.key === "Enter") take();
     if (event.key === "Escape") {
       box.current!.value = text;
@@ -41,7 +61,7 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
   };
   return (
     <span class="numberbox" style={{ "--letters": (text || none || "").length }}>
-      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} placeholder={none} onChange={take} onKeyDown={keys} />
+      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} placeholder={none} onChange={take} onBlur={() => setTimeout(tell)} onKeyDown={keys} />
       {unit && <span class="unit" aria-hidden="true">{unit}</span>}
     </span>
   );

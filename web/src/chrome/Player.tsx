@@ -1,7 +1,7 @@
 /** Under the canvas: play, the place on the path, magnification, and the zoom. */
 
-import { autoFactor, chosenFactor, FACTORS, place, play, playing, shown } from "../motion.ts";
-import { back, showMode } from "../session.ts";
+import { chosenFactor, FACTORS, place, play, playing, shown, suggested } from "../motion.ts";
+import { back, backToRest, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
 import { answer, standalone, drawing, exploded, modes } from "../state.ts";
@@ -38,13 +38,16 @@ export function Player() {
           </span>
         )}
         {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}
+        {what === "drag" && answer.value && <Button label="Bring all parts back to rest" keyName="Home" onClick={backToRest}>Rest</Button>}
       </div>
       <span class="spring" />
-      <label class="group factor" title="how many times the motion is enlarged">
+      {chosenFactor.value === 1 && suggested.value > 1 && what !== "rest" && (
+        <Button label={`Draw the motion ${suggested.value} times as far; parts that touch pass through each other then`} class="small" onClick={() => (chosenFactor.value = suggested.value)}>Enlarge ×{suggested.value}</Button>
+      )}
+      <label class="group factor" title="how many times as far as in truth the motion is drawn">
         <span>motion</span>
-        <select value={chosenFactor.value} aria-label="how many times the motion is enlarged" onChange={(event) => (chosenFactor.value = Number(event.currentTarget.value))}>
-          <option value={0}>×{autoFactor.value} auto</option>
-          {FACTORS.map((f) => <option key={f} value={f}>×{f}</option>)}
+        <select value={chosenFactor.value} aria-label="how many times as far as in truth the motion is drawn" onChange={(event) => (chosenFactor.value = Number(event.currentTarget.value))}>
+          {FACTORS.map((f) => <option key={f} value={f}>×{f}{f === 1 ? " true" : ""}</option>)}
         </select>
       </label>
       {inSpace() && (

@@ -1,7 +1,7 @@
 /** What can be done with the chosen part. */
 
-import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pulledNames, setExtras, settle, toggleFixed, togglePull, toggleTwist, unglue } from "../design.ts";
-import { askModes, askReach } from "../session.ts";
+import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pinned, pulledNames, setExtras, settle, togglePinned, togglePull, toggleTwist, unglue } from "../design.ts";
+import { askModes, askReach, fixOrNot } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
 import { along, farOf, place, playing, shown, turnOf } from "../motion.ts";
 import { isTwist } from "../protocol.ts";
@@ -29,9 +29,10 @@ export function Selection() {
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <Who name={name} note={reached(name) ? reach.value!.reply.words : ""} />
-      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
+      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => fixOrNot(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
+      <Button icon="needle" label="Pin: it stands while others are dragged" keyName="N" onClick={() => togglePinned(name)} disabled={fixedNames.value.has(name)} pressed={pinned.value.has(name)}>Pin</Button>
       <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => askModes(name)} disabled={fixedNames.value.has(name)}>Wiggle</Button>
       <Button icon="reach" label="Show where it can be brought" keyName="R" onClick={() => askReach(name)} disabled={fixedNames.value.has(name)} pressed={reached(name)}>Reach</Button>
       <ExtraGap name={name} />
@@ -58,7 +59,7 @@ export function seePast(name: string): void {
 
 function InSpace({ name }: { name: string }) {
   const { frames } = shown.value;
-  const motion = frames && frames.n === names.value.length ? along(frames, place.value) : null;
+  const motion = frames && frames.n === names.value.length ? along(frames, place.value * (shown.value.until ?? 1)) : null;
   const i = indexOf.value.get(name)!;
   const far = motion ? farOf(motion, i, 7) : 0;
   const turned = motion ? (turnOf(motion, i, 7) * 180) / Math.PI : 0;
@@ -68,10 +69,11 @@ function InSpace({ name }: { name: string }) {
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <Who name={name} note={playing.value ? "" : moved || "at rest"} />
-      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
+      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => fixOrNot(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name) && !twisted}>Pull</Button>
       <Button icon="twist" label="Twist this part" keyName="T" onClick={() => toggleTwist(name)} pressed={twisted}>Twist</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
+      <Button icon="needle" label="Pin: it stands while others are dragged" keyName="N" onClick={() => togglePinned(name)} disabled={fixedNames.value.has(name)} pressed={pinned.value.has(name)}>Pin</Button>
       <Button icon="see" label="Outline it alone, to see past it" keyName="H" onClick={() => seePast(name)} pressed={outlined.value.has(name)}>See past</Button>
       <ExtraGap name={name} />
     </div>

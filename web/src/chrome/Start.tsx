@@ -1,7 +1,7 @@
 /** What is seen before there is a drawing: a place to drop one, samples to press, files opened before. */
 
 import { useSignal } from "@preact/signals";
-import { forgetRecent, recent } from "../keep.ts";
+import { forgetDesigns, forgetRecent, recent } from "../keep.ts";
 import type { SampleEntry } from "../protocol.ts";
 import { openAs } from "../session.ts";
 import { atStart, drawing, findings, hello, line, notice, unopened } from "../state.ts";
@@ -28,11 +28,11 @@ export function Start() {
         {wrong.length > 0 && <div class="notice bad" role="alert"><ul>{wrong.map((words) => <li key={words}>{words}</li>)}</ul></div>}
         {files.value.length > 0 && (
           <section>
-            <header><h2>Opened before</h2><button type="button" class="link" onClick={() => { forgetRecent(); files.value = []; }}>forget them</button></header>
+            <header><h2>Opened before</h2><button type="button" class="link" onClick={() => { forgetRecent(); forgetDesigns(); files.value = []; }}>forget them</button></header>
             <ul class="recents">
               {files.value.map((one) => (
                 <li key={one.name}>
-                  <button type="button" class="recent" title={one.name} onClick={() => openAs({ name: one.name, data: one.data })}>
+                  <button type="button" class="recent" title={one.name} onClick={() => openAs({ name: one.name, data: one.data, ...(one.reading && { reading: one.reading }) })}>
                     <span>{short(one.name, 40)}</span><span class="quiet">{new Date(one.when).toLocaleDateString()}</span>
                   </button>
                 </li>

@@ -2,17 +2,17 @@
 
 import { computed } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
-import { asks, change, design, goals, inSpace, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
-import { type Cell, type ContactEntry, type Finding, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
+import { asks, change, design, goals, inSpace, pinned, removeGoal, setGoal, toggleFixed, togglePinned, unglue } from "../design.ts";
+import { type Cell, type ContactEntry, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
 import { answer, standalone, dragged, drawing, extent, findings, highlit, names, selected, tab } from "../state.ts";
 import { columns, end, farOf, shown, turnOf } from "../motion.ts";
 import { ask, degrees, few, number, short, towards } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Explain, FORCE } from "../chrome/Meaning.tsx";
+import { ReadAs } from "./ReadAs.tsx";
 import { AsOf } from "./AsOf.tsx";
 import { Command } from "./Command.tsx";
-import { mend } from "./Findings.tsx";
 import { Section } from "./Section.tsx";
 import { Table } from "./Table.tsx";
 
@@ -24,6 +24,7 @@ export function Answer() {
       <Standing />
       <Asked />
       <Gap />
+      <ReadAs />
       {about && (
         <>
           <AsOf about={about} />
@@ -54,7 +55,6 @@ function Asked() {
   if (standalone.value && !asks(design.value)) return null;
   return (
     <Section title="What is pulled" step={standalone.value ? undefined : 2} done={asks(design.value)}>
-      <Likely about="pulled" />
       {typeof whole === "string" && <p>{WHOLE[whole]}</p>}
       {inSpace() && !standalone.value && (
         <p class="likely"><label><input type="checkbox" checked={whole === "weight"} onChange={(event) => change({ goals: event.currentTarget.checked ? "weight" : [] })} /> everything sinks by its weight, in -z</label></p>
@@ -65,19 +65,11 @@ function Asked() {
   );
 }
 
-/** The button that does the likely thing, where something is missing. */
-function Likely({ about }: { about: Finding["about"] }) {
-  const likely = findings.value.find((one) => one.about === about)?.mends[0];
-  if (!likely || standalone.value) return null;
-  return <p class="likely"><Button label={likely.words} onClick={() => mend(likely)} class="main small">{likely.words}</Button></p>;
-}
-
 function Gap() {
   if (standalone.value) return null;
   const wrong = findings.value.some((one) => one.about === "gap");
   return (
     <Section title="The gap" step={3} done={!wrong && drawing.value !== null && answer.value !== null} side={<span>{number(design.value.gap)} mm</span>}>
-      <Likely about="gap" />
       {wrong && <p class="quiet">Parts need room to move: the gap is taken off all outlines, half on each side.</p>}
     </Section>
   );
@@ -153,10 +145,10 @@ function Standing() {
   if (standalone.value && fixed.length + glue.length === 0) return null;
   return (
     <Section title="What stands" step={standalone.value ? undefined : 1} done={fixed.length > 0}>
-      <Likely about="stands" />
       {fixed.length === 0 && <p class="quiet">Nothing yet. Press a part in the picture, then Fix.</p>}
       <ul class="chips">
         {fixed.slice(0, 40).map((name) => <Chip key={name} class="fixed" name={name} onRemove={() => toggleFixed(name)} words={`let ${name} go`} />)}
+        {[...pinned.value].map((name) => <Chip key={`pin ${name}`} class="fixed" name={`${name}, pinned`} onRemove={() => togglePinned(name)} words={`unpin ${name}`} />)}
         {fixed.length > 40 && <li class="quiet">and {fixed.length - 40} more</li>}
       </ul>
       {glue.length > 0 && (

@@ -14,11 +14,18 @@ export function Findings() {
   const all = findings.value;
   if (all.length === 0) return null;
   return (
-    <section class="findings" aria-label="what is wrong" role="alert">
-      <header><h2>{trouble.value === "line" ? "No server" : all.length === 1 ? "One thing to put right" : `${all.length} things to put right`}</h2><Button icon="close" label="Close the list" onClick={() => (findings.value = [])} class="small" /></header>
+    <section class={all.every((one) => one.missing) ? "findings missing" : "findings"} aria-label="what is wrong" role="alert">
+      <header><h2>{heading(all)}</h2><Button icon="close" label="Close the list" onClick={() => (findings.value = [])} class="small" /></header>
       <ul>{all.map((one) => <Row key={one.words} finding={one} />)}</ul>
     </section>
   );
+}
+
+/** Nothing is wrong with a drawing of which only something is not set yet. */
+function heading(all: readonly Finding[]): string {
+  if (trouble.value === "line") return "No server";
+  const words = all.every((one) => one.missing) ? "to set first" : "to put right";
+  return all.length === 1 ? `One thing ${words}` : `${all.length} things ${words}`;
 }
 
 /** Why a file could not be opened. */

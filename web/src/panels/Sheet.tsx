@@ -6,7 +6,7 @@ import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
 import * as sheet from "../sheet.ts";
 import { drawing, running } from "../state.ts";
-import { few, number } from "../words.ts";
+import { number } from "../words.ts";
 import { Command } from "./Command.tsx";
 import { Section } from "./Section.tsx";
 
@@ -63,7 +63,7 @@ function Found() {
         <summary>{joints.length} joints</summary>
         <ul class="rows">{joints.map(({ name, panels: two, flanks }) => <li key={name}><b>{name}</b> {two.join(" – ")} <span class="quiet">{flanks} flanks</span></li>)}</ul>
       </details>
-      {notes.length > 0 && <p class="quiet">{few(notes, 4)}</p>}
+      {notes.length > 0 && <ul class="rows quiet" aria-label="notes">{notes.map((note) => <li key={note}>{note}</li>)}</ul>}
     </Section>
   );
 }

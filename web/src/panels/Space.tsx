@@ -79,7 +79,7 @@ function Body() {
   const parts = drawing.value!.parts;
   const frames = shown.value.frames;
   const now = standalone.value !== null || current(about); // else the parts are in another free space
-  const state = now && frames && frames.n === parts.length ? relative(parts, a, b, along(frames, place.value), about.reply.pivot) : about.reply.state;
+  const state = now && frames && frames.n === parts.length ? relative(parts, a, b, along(frames, place.value * (shown.value.until ?? 1)), about.reply.pivot) : about.reply.state;
   useEffect(() => {
     let gone = false;
     which.value = nearest(slices, state[2]);

@@ -141,7 +141,7 @@ function Space({ found }: { found: Assembled }) {
       };
       const shown = open(box.current, "", {
         pose: () => ({ motion: rest(), moving: false }),
-        end: () => null, factor: () => 1, exploded: () => 0, marks: () => null, free: () => false,
+        end: () => null, film: () => [], factor: () => 1, exploded: () => 0, marks: () => null, free: () => false,
         hover: () => {}, drag: () => {}, release: () => {},
         choose: (part) => (sheet.chosen.value = part === null ? null : sheet.assembled.peek()!.placed[part]!),
       });

@@ -3,8 +3,8 @@
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, goals } from "../design.ts";
-import { end, factor, place, playing, pose, shown } from "../motion.ts";
-import { askDrag } from "../session.ts";
+import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts";
+import { askDrag, release } from "../session.ts";
 import type { ContactEntry } from "../protocol.ts";
 import type { SolidView } from "../stage3d.ts";
 import * as state from "../state.ts";
@@ -56,6 +56,7 @@ function connected(box: HTMLElement, open: Open): () => void {
   const view: SolidView = open(box, "", {
     pose: (now) => pose(now, names.peek().length, 7),
     end: () => endMotion.peek(),
+    film: () => film.peek(),
     factor: () => factor(),
     exploded: () => state.exploded.peek(),
     marks,
@@ -70,6 +71,7 @@ function connected(box: HTMLElement, open: Open): () => void {
     },
     release() {
       grabbing.value = false;
+      release();
     },
   });
   solidView.value = view;
@@ -131,6 +133,12 @@ export function SolidStage() {
 }
 
 /** Motion that is shown at its end: of a part, where something is shown. */
+/** So many places of a film at most are looked at to fit it. */
+const MOST_PLACES = 12;
+const film = computed(() => {
+  const { frames, until } = shown.value;
+  return frames && frames.n === state.names.value.length ? sampled(frames, MOST_PLACES, until) : [];
+});
 const endMotion = computed(() => {
   const { frames } = shown.value;
   return frames && frames.n === state.names.value.length ? end(frames) : null;

@@ -3,9 +3,9 @@
 import { computed, effect, untracked, useComputed } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
-import { end, factor, place, playing, pose, shown } from "../motion.ts";
+import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
-import { askDrag, askReach } from "../session.ts";
+import { askDrag, askReach, release } from "../session.ts";
 import * as state from "../state.ts";
 import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, pointIn, size, view, zoomBy, zoomByWheel } from "./camera.ts";
 import { colours } from "./colours.ts";
@@ -34,6 +34,11 @@ const chosen = computed<ReadonlySet<number>>(() => {
   return new Set(some.flatMap((name) => state.indexOf.value.get(name) ?? []));
 });
 
+/** So many places of a film at most are looked at to fit it. */
+const MOST_SEEN = 24;
+/** Parts that leave are followed so many times the drawing's longer side. */
+const MOST_FAR = 2;
+
 function painter(canvas: HTMLCanvasElement): () => void {
   const g = canvas.getContext("2d", { alpha: false })!;
   let wanted = 0;
@@ -57,7 +62,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const held = hand ? groupAt(hand.part) : NONE;
     let scene: Scene = {
       shapes: current.shapes, names: state.names.peek(), roles: roles.peek(), blame: blame.peek(),
-      motion, of: shown.peek().what === "drag" ? String(state.dragged.peek()?.reply.id) : shown.peek().what, factor: factor(), chosen: chosen.peek(), hovered: hand ? -1 : (at.get(state.hovered.peek() ?? "") ?? -1), held: moving ? NONE : held, colours: colours(),
+      motion, of: shown.peek().what === "drag" ? String(state.dragged.peek()?.reply.id ?? "left") : shown.peek().what, factor: factor(), chosen: chosen.peek(), hovered: hand ? -1 : (at.get(state.hovered.peek() ?? "") ?? -1), held: moving ? NONE : held, colours: colours(),
     };
     if (changing) {
       clear(g, scene.colours);
@@ -87,6 +92,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     if (moving || retained.behind) invalidate();
     else if (changing) still = window.setTimeout(() => ((rough = false), (cost.last = 0), invalidate()), STILL);
     canvas.dataset.shown = scene.of;
+    canvas.dataset.view = JSON.stringify([view.peek().x, view.peek().y, view.peek().scale]);
     return retained.behind && !changing;
   };
   const invalidate = (): void => {
@@ -106,9 +112,9 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const opened = state.drawing.value;
     const { frames } = shown.value;
     void state.rings.value;
-    if (!opened || ["drag", "between"].includes(shown.value.what)) return;
-    const motion = frames && frames.n === current.shapes.length ? end(frames) : null;
-    content.value = around(current.shapes, opened.size, motion, factor());
+    if (!opened || shown.value.what === "between" || (shown.value.what === "drag" && pointerTarget.value)) return; // the hand needs a view that stays
+    const film = frames && frames.n === current.shapes.length ? sampled(frames, MOST_SEEN, shown.value.until) : [];
+    content.value = around(current.shapes, opened.size, film, factor(), MOST_FAR);
     keepFitted();
   });
   const stopFit = effect(() => {
@@ -223,8 +229,10 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     const held = down.get(event.pointerId);
     down.delete(event.pointerId);
     if (!held) return;
-    if (pointerTarget.peek()) pointerTarget.value = null;
-    else if (!held.moved && event.type === "pointerup") {
+    if (pointerTarget.peek()) {
+      pointerTarget.value = null;
+      release();
+    } else if (!held.moved && event.type === "pointerup") {
       if (measuring.peek()) pick(here(event));
       else if (event.shiftKey && held.part) chooseToo(held.part);
       else {

@@ -8,7 +8,7 @@
 import { signal } from "@preact/signals";
 import { type Body, slideTowards } from "../collision/sweep.ts";
 import { type Outline, outlineOf } from "../collision/outline.ts";
-import { fixedNames, groupOf } from "../design.ts";
+import { fixedNames, groupOf, pose } from "../design.ts";
 import { place, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { drawing, extent, indexOf } from "../state.ts";
@@ -40,11 +40,11 @@ function outlined(shape: Shape): Outline {
 }
 
 /** Where a drag begins or goes on, the last motion known to be free: what is shown at its end, or rest. */
-export function origin(): "here" | "answer" | "rest" {
-  const { what, frames } = shown.peek();
+export function origin(): "pose" | "answer" | "rest" {
+  const { what, frames, until } = shown.peek();
   const n = drawing.peek()?.parts.length ?? 0;
-  if (frames?.n === n && what === "drag") return "here";
-  return frames?.n === n && what === "answer" && place.peek() >= 1 ? "answer" : "rest";
+  if (frames?.n === n && what === "drag") return pose.peek() ? "pose" : "rest";
+  return frames?.n === n && what === "answer" && place.peek() >= 1 && (until ?? 1) === 1 ? "answer" : "rest";
 }
 
 /** Parts that move as one with a part. */

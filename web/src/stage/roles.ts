@@ -1,7 +1,7 @@
 /** How each part is to be painted: its role, and what lights it up. Changes seldom, so it is worked out apart from the frames. */
 
 import { computed } from "@preact/signals";
-import { fixedNames, pulledNames } from "../design.ts";
+import { fixedNames, pinned, pulledNames } from "../design.ts";
 import { leavingStep } from "../leaving.ts";
 import { shown } from "../motion.ts";
 import { own } from "../words.ts";
@@ -40,7 +40,7 @@ export const roles = computed<Role[]>(() => {
   const space = standalone.value ? pair.value?.reply : undefined; // the pair that the page is about
   const role = (name: string): Role => {
     if (pressed.has(name)) return "lit";
-    if (space?.a === name || fixedNames.value.has(name)) return "fixed";
+    if (space?.a === name || fixedNames.value.has(name) || pinned.value.has(name)) return "fixed";
     if (space?.b === name) return "pulled";
     if (held.has(name)) return "lit";
     if (shown.value.what === "drag" && dragged.value?.reply.part === name) return "pulled";

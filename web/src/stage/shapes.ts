@@ -74,11 +74,12 @@ export function placed(shape: Pick<Shape, "at">, motion: Float32Array, i: number
 
 export const posed = (x: number, y: number, turn: number): Placed => ({ x, y, cos: Math.cos(turn), sin: Math.sin(turn) });
 
-/** Box around parts at rest and moved; on each side no farther out than `most` times the longer side. */
-export function around(all: readonly Shape[], rest: Box, motion: Float32Array | null, factor: number, most = 0.8): Box {
+/** Box around parts at rest and in some motions; on each side no farther out than `most` times the longer side. */
+export function around(all: readonly Shape[], rest: Box, motions: readonly Float32Array[], factor: number, most = 0.8): Box {
   let [x0, y0, x1, y1] = rest;
   const far = most * Math.max(x1 - x0, y1 - y0);
-  if (motion) all.forEach((shape, i) => {
+  for (const motion of motions) all.forEach((shape, i) => {
+    if (!motion[3 * i] && !motion[3 * i + 1] && !motion[3 * i + 2]) return; // where it is at rest
     const p = placed(shape, motion, i, factor);
     for (const ring of shape.rings) for (const point of ring) {
       const [x, y] = outOf(p, point);

@@ -47,6 +47,7 @@ def tightening_message(found: Tightening, command: str) -> StudyReply:
         study=StudyTab("Tighter", sections),
         tints=Tints("", dict.fromkeys(found.chosen, 1.0)),
         command=command,
+        extra=dict.fromkeys(found.chosen, float(f"{found.gap - before.assembly.gap:.9g}")),
     )
 
 
