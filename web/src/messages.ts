@@ -28,7 +28,7 @@ export interface OpenRequest {
   data?: string;
   beside?: Record<string, string>;
   sample?: boolean;
-  unit?: "cm" | "in" | "m" | "mm" | "pt" | "px" | null;
+  unit?: "90dpi" | "cm" | "in" | "m" | "mm" | "pt" | "px" | null;
   again?: boolean;
   flatten?: number | null;
   gap?: number | null;
@@ -282,11 +282,12 @@ export interface Solids {
 
 /** How a drawing is read, in place of what it says itself. */
 export interface HowRead {
-  unit: "cm" | "in" | "m" | "mm" | "px" | null;
+  unit: "90dpi" | "cm" | "in" | "m" | "mm" | "pt" | "px" | null;
   only: string[];
   skip: string[];
   join: number | null;
   solid: string[];
+  hole: string[];
 }
 
 /** A drawing, and what it asks as a design. */

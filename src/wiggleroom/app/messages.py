@@ -57,7 +57,7 @@ def read_again(before: bytes, request: OpenRequest) -> bytes:
     """The request that opened a drawing, to be read as another request says."""
     old = decode(before)
     assert isinstance(old, OpenRequest)
-    how = {name: getattr(request, name) for name in ("id", "unit", "only", "skip", "join", "solid")}
+    how = {name: getattr(request, name) for name in ("id", "unit", "only", "skip", "join", "solid", "hole")}
     return msgspec.json.encode(replace(old, **how, design=None))
 
 

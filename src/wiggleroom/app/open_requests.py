@@ -266,7 +266,7 @@ def opened_reply(file: File, drawing: Drawing) -> Opened:
     reply.notes = [on_the_page(note.removeprefix(f"{file.name}: ")) for note in reply.notes]
     if PurePosixPath(file.name).suffix.lower() != ".json":
         how = file.options
-        reply.reading = HowRead(file.unit, list(how.only), list(how.skip), how.join, list(how.solid))  # type: ignore[arg-type]
+        reply.reading = HowRead(file.unit, list(how.only), list(how.skip), how.join, list(how.solid), list(how.hole))  # type: ignore[arg-type]
     return reply
 
 

@@ -65,6 +65,10 @@ class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True
     id: Number
 
 
+Unit = Literal["mm", "cm", "m", "in", "px", "pt", "90dpi"]
+"""Of the numbers of a drawing; "90dpi" is the pixel of old programs."""
+
+
 class HowRead(Struct, forbid_unknown_fields=True):
     """How a drawing is read, in place of what it says itself.
 
@@ -78,13 +82,16 @@ class HowRead(Struct, forbid_unknown_fields=True):
         Open ends nearer than this are joined [mm].
     solid
         Names, or points as "@x,y", of outlines inside others that are parts, not holes; "all" for all of them.
+    hole
+        The same of outlines that are cut out of the parts around or under them.
     """
 
-    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    unit: Unit | None = None
     only: Annotated[list[str], Meta(max_length=1000)] = []
     skip: Annotated[list[str], Meta(max_length=1000)] = []
     join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     solid: Annotated[list[str], Meta(max_length=10_000)] = []
+    hole: Annotated[list[str], Meta(max_length=10_000)] = []
 
 
 class OpenRequest(Request, tag="open", kw_only=True):
@@ -100,7 +107,7 @@ class OpenRequest(Request, tag="open", kw_only=True):
     data: bytes = b""
     beside: dict[str, bytes] = {}
     sample: bool = False
-    unit: Literal["mm", "cm", "m", "in", "px", "pt"] | None = None
+    unit: Unit | None = None
     again: bool = False
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None

@@ -9,14 +9,15 @@ import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Section } from "./Section.tsx";
 
-const UNITS: Record<string, string> = { "": "as the file says", mm: "mm", cm: "cm", m: "m", in: "inch", px: "px (96 an inch)" };
+const UNITS: Record<string, string> = { "": "as the file says", mm: "mm", cm: "cm", m: "m", in: "inch", px: "px (96 an inch)", "90dpi": "px of old programs (90 an inch)", pt: "point (72 an inch)" };
 const LISTS = [
   ["only", "read only", "layers, colours or names; all others are left out", "all"],
   ["skip", "leave out", "layers, colours or names", "none"],
   ["solid", "parts, not holes", "names of outlines inside others, @x,y for a point in one, or all", "none"],
+  ["hole", "holes", "names of outlines that are cut out of the part around or under them, @x,y for a point in one, or all", "none"],
 ] as const;
 
-const AS_SAID: HowRead = { unit: null, only: [], skip: [], join: null, solid: [] };
+const AS_SAID: HowRead = { unit: null, only: [], skip: [], join: null, solid: [], hole: [] };
 
 const unfolded = signal(false);
 
