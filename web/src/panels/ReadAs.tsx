@@ -6,6 +6,7 @@ import { asRead, readAgain } from "../session.ts";
 import type { HowRead } from "../protocol.ts";
 import { drawing, standalone } from "../state.ts";
 import { Button } from "../chrome/Button.tsx";
+import { number } from "../words.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Section } from "./Section.tsx";
 
@@ -36,6 +37,7 @@ export function ReadAs() {
   const other = JSON.stringify(draft.value) !== JSON.stringify(before ?? AS_SAID);
   return (
     <Section title="How the file was read" side={<Button label="Set everything as the file says; undo leads back" onClick={asRead} class="small">As the file says</Button>}>
+      <p class="quiet">The drawing is {number(opened.size[2] - opened.size[0])} × {number(opened.size[3] - opened.size[1])} mm.</p>
       {notes.length > 0 ? <ul class="rows readnotes" aria-label="notes on how the file was read">{notes.map((note) => <li key={note}>{note}</li>)}</ul> : <p class="quiet">Nothing was assumed or left out.</p>}
       {before && (
         <details class="note" open={unfolded.value} onToggle={(event) => (unfolded.value = event.currentTarget.open)}>
