@@ -5,5 +5,5 @@ import { type About, current } from "../state.ts";
 
 export function AsOf({ about }: { about: About<FlexReply> }) {
   if (current(about) && about.reply.settled) return null;
-  return <p class="quiet" role="status">{current(about) ? "These are of what was found so far." : "These are of the answer before."}</p>;
+  return <p class="quiet" role="status">{current(about) ? "These belong to the motion found so far." : "These are of the answer before."}</p>;
 }
