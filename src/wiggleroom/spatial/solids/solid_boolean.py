@@ -70,8 +70,8 @@ def is_solid_of(solid: Any, surface: Surface) -> bool:
 def lacks_slits_only(solid: Any, surface: Surface) -> bool:
     """True where all that a closed surface has more than a solid of the same volume lies inside the solid: there nothing is lost.
 
-    Each face is made a little thick. As the surface has it more often than the solid, it must lie in the solid with both its sides; faces of
-    both do so with one.
+    Each face is made a little thick: a face that the solid has too lies in it with one side, a face of a slit with both, one of a wall
+    outside with none.
     """
     import manifold3d
 
