@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from wiggleroom.deadline import Deadline
@@ -51,7 +51,7 @@ def at_once(stop: Deadline | None) -> Iterator[None]:
             raise KeyboardInterrupt
 
     def insist() -> None:
-        while not done.wait(min(AGAIN, max(stop.left, 0.0) + AGAIN / 10)):
+        while not done.wait(AGAIN if stop.over else min(AGAIN, stop.left)):
             if pressed.is_set() or stop.over:
                 _thread.interrupt_main()
 
@@ -61,7 +61,9 @@ def at_once(stop: Deadline | None) -> Iterator[None]:
     try:
         yield
     finally:
-        done.set()
+        while not done.is_set():
+            with suppress(KeyboardInterrupt):  # one that came in between
+                done.set()
         insisting.join()  # else what it asks for last would be taken for a Ctrl-C after this
         signal.signal(signal.SIGINT, before)
 
