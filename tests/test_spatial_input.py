@@ -787,3 +787,25 @@ def test_cutting_a_mesh_into_pieces_ends_with_the_time(tmp_path: Path, command_o
     assert code in (2, 3)
     assert "stopped after 1 s" in " ".join(err)
     assert time.monotonic() - began < 30  # cut into pieces it takes minutes
+
+
+@pytest.mark.parametrize("depth", [1.0, -1.0])
+def test_a_slit_without_thickness_is_left_out_and_a_wall_is_refused(tmp_path: Path, depth: float) -> None:
+    """A box of 4 by 4 by 2 with a pocket of no width in its lid, or with one that is turned out: a wall on it."""
+    corners = [(x, y, z) for z in (0, 2) for x, y in ((0, 0), (4, 0), (4, 4), (0, 4))]
+    corners += [(2, 1, 2), (2, 3, 2), (2, 3, 2 - depth), (2, 1, 2 - depth)]
+    faces = [(0, 2, 1), (0, 3, 2)]
+    for k in range(4):
+        m = (k + 1) % 4
+        faces += [(k, m, 4 + m), (k, 4 + m, 4 + k)]
+    faces += [(4, 5, 8), (5, 6, 9), (5, 9, 8), (6, 7, 9), (7, 4, 8), (7, 8, 9)]
+    faces += [(8, 9, 10), (8, 10, 11), (9, 8, 11), (9, 11, 10)]  # two sides with other diagonals
+    trimesh.Trimesh(corners, faces, process=False).export(tmp_path / "a.stl")
+    file = write(tmp_path, {"name": "a", "mesh": "a.stl"})
+    if depth < 0:
+        with pytest.raises(wr.InputError, match="walls without thickness"):
+            read_spatial(file)
+        return
+    drawing = read_spatial(file)
+    assert any("slits without thickness" in note for note in drawing.notes)
+    assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(32, rel=1e-5)

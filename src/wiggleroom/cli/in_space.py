@@ -203,12 +203,13 @@ def flex_in_space(
     import time
 
     from wiggleroom.cli.outputs import check_outputs
+    from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible
     from wiggleroom.questions import flex
 
     check_outputs(file, spatial_places(outputs), outputs.force)
     begin = time.perf_counter()
-    with interruptible(limit) as stop:
+    with interruptible(limit) as stop, unless_stopped(stop):
         assembly = read_in_space(file, asked, sheet, stop)
         spent = time.perf_counter() - begin
         answer = flex(assembly, solver=solver, search=search, stop=stop)

@@ -8,10 +8,13 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from wiggleroom.deadline import Deadline
+
+AGAIN = 0.25
+"""Time after which work that did not end is interrupted again [s]."""
 
 
 @contextmanager
@@ -33,21 +36,35 @@ def interruptible(seconds: float | None = None) -> Iterator[Deadline]:
 
 @contextmanager
 def at_once(stop: Deadline | None) -> Iterator[None]:
-    """Within, Ctrl-C and the end of the time end the work where it is, as KeyboardInterrupt: there is nothing to keep yet."""
+    """Within, Ctrl-C and the end of the time end the work where it is, as KeyboardInterrupt: there is nothing to keep yet.
+
+    It is raised again until it is seen: libraries that are being imported catch it.
+    """
     if stop is None:
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    timer = None
-    if stop.seconds is not None:
-        timer = threading.Timer(max(stop.left, 0.0), _thread.interrupt_main)
-        timer.daemon = True
-        timer.start()
+    pressed, done = threading.Event(), threading.Event()
+
+    def interrupted(*_: object) -> None:
+        pressed.set()
+        if not done.is_set():
+            raise KeyboardInterrupt
+
+    def insist() -> None:
+        while not done.wait(AGAIN if stop.over else min(AGAIN, stop.left)):
+            if pressed.is_set() or stop.over:
+                _thread.interrupt_main()
+
+    before = signal.signal(signal.SIGINT, interrupted)
+    insisting = threading.Thread(target=insist, daemon=True)
+    insisting.start()
     try:
         yield
     finally:
-        if timer is not None:
-            timer.cancel()
+        while not done.is_set():
+            with suppress(KeyboardInterrupt):  # one that came in between
+                done.set()
+        insisting.join()  # else what it asks for last would be taken for a Ctrl-C after this
         signal.signal(signal.SIGINT, before)
 
 

@@ -18,6 +18,7 @@ from wiggleroom.spatial.solids.solid_boolean import (
     connected_solids,
     is_solid_of,
     is_sound,
+    lacks_slits_only,
     solid_of,
     surface_of,
     turned_over,
@@ -236,10 +237,10 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
         message = f"{name}: does not enclose a volume: its surface crosses itself or is folded; mend the mesh"
         raise InputError(message)
     if not is_solid_of(solid, surface):
-        message = (
-            f"{name}: has walls or slits without thickness, which would be lost; draw them thicker or leave them out"
-        )
-        raise InputError(message)
+        if not lacks_slits_only(solid, surface):
+            message = f"{name}: has walls without thickness, which would be lost; draw them thicker or leave them out"
+            raise InputError(message)
+        notes.append(f"{name}: has slits without thickness inside it; they are left out")
     whole_solid, said = _united(name, solid)
     return surface_of(whole_solid), notes + said
 

@@ -17,6 +17,12 @@ FLIPPED = 1e-8
 """Where the library's solid misses the volume of its surface by more than this share, edges were flipped."""
 SAME_SOLID = 1e-6
 """A solid is that of a surface where volume and area differ by less than this share: films of rounding are less."""
+THIN = 1e-6
+"""Share of the size by which faces are made thick to see on which side of them a solid lies."""
+LOST = 1e-4
+"""Faces that a solid lacks outside itself are none where they are less than this share of its area."""
+MAX_LOST = 500
+"""Of more faces that a solid lacks it is not looked for where they lie."""
 FEWER_DIGITS = 1e-10
 """Share of the largest coordinate that corners are rounded to then."""
 
@@ -59,6 +65,37 @@ def is_solid_of(solid: Any, surface: Surface) -> bool:
         abs(solid.volume() - volume) <= SAME_SOLID * abs(volume)
         and abs(solid.surface_area() - area) <= SAME_SOLID * area
     )
+
+
+def lacks_slits_only(solid: Any, surface: Surface) -> bool:
+    """True where all that a closed surface has more than a solid of the same volume lies inside the solid: there nothing is lost.
+
+    Each face is made a little thick: a face that the solid has too lies in it with one side, a face of a slit with both, one of a wall
+    outside with none.
+    """
+    import manifold3d
+
+    rest = surface_of(solid)
+    mine, others = (surface.vertices[surface.faces], rest.vertices[rest.faces])
+    known, own = ({np.sort(t, axis=0).tobytes() for t in triangles} for triangles in (others, mine))
+    more = [t for t in mine if np.sort(t, axis=0).tobytes() not in known]
+    fewer = [t for t in others if np.sort(t, axis=0).tobytes() not in own]
+    volume = volume_of(surface)
+    if max(len(more), len(fewer)) > MAX_LOST or abs(solid.volume() - volume) > SAME_SOLID * abs(volume):
+        return False
+    thick = THIN * float(np.ptp(surface.vertices, axis=0).max())
+    inside = lost = 0.0
+    for triangles, sign in ((more, 1.0), (fewer, -1.0)):
+        for corners in triangles:
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            area = float(np.linalg.norm(normal)) / 2
+            if area <= thick**2:
+                continue
+            shift = thick * normal / (2 * area)
+            face = manifold3d.Manifold.hull_points(np.concatenate([corners - shift, corners + shift]))
+            inside += sign * float((face ^ solid).volume()) / (2 * thick)
+            lost += sign * area
+    return bool(abs(inside - lost) <= LOST * solid.surface_area())
 
 
 def _built(vertices: Floats, faces: NDArray[np.int64]) -> Any:
