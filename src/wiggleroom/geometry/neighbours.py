@@ -99,7 +99,9 @@ def neighbours(
     return Pairs(i[near], j[near], apart[label[near]])
 
 
-def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints) -> Pairs:
+def hulls_meet(
+    bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints, stop: Stop | None = None
+) -> Pairs:
     """Pairs of bodies whose convex hulls overlap, except fixed with fixed and `ignored` ones; arguments as for `neighbours`.
 
     Source: Mind the Gap, section 4.4: the pairs that get collision constraints.
@@ -110,4 +112,4 @@ def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints) 
     i, j = i[keep], j[keep]
     order = np.lexsort((j, i))
     i, j = i[order], j[order]
-    return Pairs(i, j, OutlineDistances(geometry).between(i, j))
+    return Pairs(i, j, OutlineDistances(geometry).between(i, j, stop))

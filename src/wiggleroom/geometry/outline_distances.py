@@ -78,9 +78,9 @@ class OutlineDistances:
 
     def _to_nearest(self, k: int, box: Floats, stop: Stop | None) -> float:
         least = np.hypot(*np.maximum(np.maximum(box[:, :2] - box[k, 2:], box[k, :2] - box[:, 2:]), 0.0).T)
-        alike = np.flatnonzero((box == box[k]).all(axis=1))
-        least[alike[shapely.equals(self._geometry[alike], self._geometry[k])]] = np.inf
         least[k] = np.inf
+        alike = np.flatnonzero((box == box[k]).all(axis=1) & (least == 0))
+        least[alike[shapely.equals(self._geometry[alike], self._geometry[k])]] = np.inf
         order = np.argsort(least, kind="stable")
         best = np.inf
         for first in range(0, len(order), CHUNK):
