@@ -99,9 +99,7 @@ def neighbours(
     return Pairs(i[near], j[near], apart[label[near]])
 
 
-def hulls_meet(
-    bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints, stop: Stop | None = None
-) -> Pairs:
+def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints, stop: Stop | None = None) -> Pairs:
     """Pairs of bodies whose convex hulls overlap, except fixed with fixed and `ignored` ones; arguments as for `neighbours`.
 
     Source: Mind the Gap, section 4.4: the pairs that get collision constraints.

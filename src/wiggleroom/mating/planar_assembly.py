@@ -132,7 +132,8 @@ def assemble_plane(
     Parts are turned and shifted, never turned over. A part is put where most of its bent outline fits what stands already.
     """
     if len(sheet.panels) < 2:
-        finding = f"{sheet.source}: has {len(sheet.panels) or 'no'} part{'s' * (not sheet.panels)}; at least two are needed to put a puzzle together"
+        parts = "only one part" if sheet.panels else "no parts"
+        finding = f"{sheet.source}: has {parts}; at least two are needed to put a puzzle together"
         raise InputError(finding)
     known = burn if burn is not None else sheet.burn
     taken = known or 0.0

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import itemgetter
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.findings import free_overlaps
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.displayable import Displayable
@@ -237,6 +239,14 @@ def _ignored(assembly: Assembly, them: Bodies) -> Ints:
 
 
 def _refuse_touching(assembly: Assembly, them: Bodies, near: Pairs, size: float) -> None:
+    deep = max(free_overlaps(assembly.drawing, assembly.parts), key=itemgetter(2), default=None)
+    if deep is not None:
+        a, b, depth = deep
+        finding = (
+            f'{assembly.drawing.source or "the assembly"}: parts "{a}" and "{b}" overlap by {depth:.6g} mm at rest, gap '
+            f"{assembly.gap:g}; parts may not overlap: give a larger gap, or correct the drawing"
+        )
+        raise TouchingError(finding, (a, b), -depth)
     k = int(near.clearance.argmin())
     one, other = (assembly.names[them.members[body[k]][0]] for body in (near.a, near.b))
     count = int((near.clearance < CONTACT_TOLERANCE * size).sum())
