@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import affinity
 
-from wiggleroom.errors import StoppedError
+from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.mating.cutting_sheet import CuttingSheet, Outlined
 from wiggleroom.mating.planar_assembly import PlanarAssembly, assemble_plane
 from wiggleroom.mating.planar_search import PlanarSearch, moved
@@ -171,3 +171,16 @@ def test_the_matching_of_outlines_stops_when_asked():
     with pytest.raises(StoppedError):
         PlanarSearch(puzzle(3, 2, 1), asked)
     assert asked.times == 6
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_sheet_of_one_part_is_refused(count: int) -> None:
+    with pytest.raises(InputError, match=r"puzzle: has (no parts|only one part); at least two are needed"):
+        assemble_plane(sheet_of([shapely.box(0, 0, 40, 30)][:count]))
+
+
+@pytest.mark.parametrize(
+    "other", [shapely.Point(90, 0).buffer(20), shapely.box(60, 0, 60.3, 0.3), shapely.Point(10, 0).buffer(20)]
+)
+def test_parts_that_fit_nowhere_are_not_placed(other: shapely.Polygon) -> None:
+    assert assemble_plane(sheet_of([shapely.Point(0, 0).buffer(20), other])).unplaced == (0, 1)

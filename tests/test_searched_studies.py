@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from itertools import count
 from pathlib import Path
@@ -185,3 +186,25 @@ def test_what_is_proven_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyP
     assert (kept.keeps, kept.certainty) == (True, Certainty.PROVEN)
     found = wr.allowable_gap(wr.patterns.chain(2, joint="tee", gap=0.02), at_most=0.1)
     assert found.certainty is Certainty.PROVEN
+
+
+def test_searches_of_draws_are_told_as_further_draws_and_can_be_stopped() -> None:
+    chain = wr.patterns.chain(3, joint="tee", gap=0.02)
+    told: list[tuple[int, int]] = []
+    found = wr.sample(chain, 0.002, draws=6, workers=1, progress=lambda *now: told.append(now))
+    counts = [done for done, _ in told]
+    assert counts == sorted(counts)
+    assert (6, 8) in told  # the tightest and the loosest state are climbed after the draws, then searched
+    assert told[-1][0] == told[-1][1] == 6 + 4 + len(found.checked)
+    stop, asked = threading.Event(), []
+
+    def stop_in_the_searches(done: int, total: int) -> None:
+        if total > 8 and not stop.is_set():
+            asked.append((done, time.process_time()))
+            stop.set()
+
+    some = wr.sample(chain, 0.002, draws=6, workers=1, stop=stop, progress=stop_in_the_searches)
+    assert time.process_time() - asked[0][1] < 3  # a second, on a machine that may be busy
+    assert asked[0][0] == 8
+    assert len(some.value) == 6
+    assert (some.tightest, some.loosest) == (None, None)

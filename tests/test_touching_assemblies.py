@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import shapely
@@ -128,3 +130,23 @@ def test_parts_locked_by_contacts_get_as_far_as_their_play(play) -> None:
 def test_a_hook_shorter_than_its_play_locks_nothing(play, share) -> None:
     found = closure_bound(drawn(thin_hook(share * play, play), PLACES[0]))
     assert not found.all_locked
+
+
+@pytest.mark.parametrize(("x", "size", "depth"), [(8.0, 10.0, 2), (2.0, 3.0, 3)])
+def test_an_assembly_read_with_overlaps_is_refused_as_overlapping(x: float, size: float, depth: int, tmp_path) -> None:
+    square = lambda x, y, s: [[x, y], [x + s, y], [x + s, y + s], [x, y + s]]  # noqa: E731
+    parts = [
+        {"name": "a", "fixed": True, "outline": square(0, 0, 10)},
+        {"name": "b", "outline": square(x, 2, size)},
+    ]
+    (tmp_path / "two.json").write_text(json.dumps({"format": "wiggleroom/1", "unit": "mm", "gap": 0.0, "parts": parts}))
+    assembly = wr.read(tmp_path / "two.json", overlapping=True)
+    for ask in (
+        lambda: wr.flex(assembly, wr.Pull("b", (1, 0))),
+        lambda: wr.check(assembly),
+        lambda: wr.prepare(assembly),
+    ):
+        with pytest.raises(wr.TouchingError, match=f'parts "a" and "b" overlap by {depth} mm at rest') as refused:
+            ask()
+        assert refused.value.clearance == pytest.approx(-depth)
+        assert len(refused.value.findings) == 1

@@ -66,7 +66,10 @@ class InputError(WiggleroomError):
 
 
 class TouchingError(InputError):
-    """Two parts touch at rest after gap and offsets, so there is no room to move; carries names and the clearance [mm]."""
+    """Two parts touch at rest after gap and offsets, so there is no room to move; carries names and the clearance [mm].
+
+    The clearance is negative where they overlap.
+    """
 
     def __init__(self, finding: str, parts: tuple[str, str], clearance: float) -> None:
         super().__init__(finding)

@@ -100,7 +100,8 @@ def _sheet_doubts(
     tree = shapely.STRtree(hulls)
     i, j = tree.query(shapely.box(*_grown(shapely.bounds(shapes), room[owner])))
     i, j = i[owner[i] != owner[j]], j[owner[i] != owner[j]]
-    near = shapely.distance(shapes[i], shapes[j]) <= room[owner[i]]
+    shapely.prepare(shapes)
+    near = shapely.dwithin(shapes[i], shapes[j], room[owner[i]])
     near |= shapely.intersects(hulls[i], shapes[j]) | shapely.intersects(shapes[i], hulls[j])
     together = np.zeros(count, dtype=bool)
     together[owner[i[near]]] = True

@@ -112,13 +112,13 @@ class End:
 def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None = None) -> Approximation:
     """Make an assembly ready; raises as `wiggleroom.prepare` does."""
     began = time.perf_counter()
-    surveyed = survey(assembly)
+    surveyed = survey(assembly, stop)
     them = surveyed.bodies
     found = None
     if isinstance(model, Hull):
         from wiggleroom.freespace.models.pair_hulls import hulls  # nor this
 
-        pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored)
+        pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored, stop=stop)
         found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
         if found is None:
             finding = f"{assembly.drawing.source or 'the assembly'}: no free space was found round rest; parts touch"

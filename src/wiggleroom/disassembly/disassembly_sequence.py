@@ -134,7 +134,7 @@ def disassemble(
         left, alive = so_far.left, so_far.alive
         around = None
         try:
-            surveyed = survey(left)
+            surveyed = survey(left, stop)
             around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, stop)
             begin = enclosed_links(surveyed.bodies.fixed, around)
             if begin.all_tied:

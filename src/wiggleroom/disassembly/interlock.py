@@ -176,7 +176,9 @@ def interlock(
     standing = with_ground(assembly)
     try:
         done = disassemble(standing, effort=effort, every=every, stop=stop, tell=tell)
-    except TouchingError:
+    except TouchingError as why:
+        if why.clearance < 0:
+            raise
         return _tight(assembly, standing, effort, every, stop, tell)
     escapes, stage = _escapes(standing, done), done.last
     spins = _spins(done.left, stage.held, stop) if every else ()

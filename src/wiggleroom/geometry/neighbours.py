@@ -8,8 +8,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
+from wiggleroom.geometry.outline_distances import OutlineDistances
 from wiggleroom.geometry.relative_pose import relative_pose
 
 Floats = NDArray[np.float64]
@@ -53,6 +55,7 @@ def neighbours(
     *,
     ignored: Ints,
     motion: Floats | None = None,
+    stop: Stop | None = None,
 ) -> Pairs:
     """Pairs of bodies no further apart than `reach`, except fixed with fixed and `ignored` ones; congruent pairs are measured once.
 
@@ -66,11 +69,18 @@ def neighbours(
         Keys a * n + b of pairs to leave out.
     motion : (n, 3) float64 [mm, mm, rad], optional
         Of the bodies, where they are not at rest now.
+    stop : optional
+        Anything with `is_set()`, asked between distances of outlines of many corners.
 
     Returns
     -------
     Pairs
         Sorted by (a, b).
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
     """
     low_x, low_y, high_x, high_y = shapely.bounds(geometry).T
     around = shapely.box(low_x - reach, low_y - reach, high_x + reach, high_y + reach)
@@ -83,13 +93,13 @@ def neighbours(
     shapely.prepare(one)  # in one thread: what is prepared may not be shared
     within = shapely.dwithin(one, other, reach)
     shapely.destroy_prepared(one)
-    apart[within] = shapely.distance(one[within], other[within])
+    apart[within] = OutlineDistances(geometry).between(i[first][within], j[first][within], stop)
     near = np.flatnonzero(within[label])
     near = near[np.lexsort((j[near], i[near]))]
     return Pairs(i[near], j[near], apart[label[near]])
 
 
-def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints) -> Pairs:
+def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints, stop: Stop | None = None) -> Pairs:
     """Pairs of bodies whose convex hulls overlap, except fixed with fixed and `ignored` ones; arguments as for `neighbours`.
 
     Source: Mind the Gap, section 4.4: the pairs that get collision constraints.
@@ -100,4 +110,4 @@ def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints) 
     i, j = i[keep], j[keep]
     order = np.lexsort((j, i))
     i, j = i[order], j[order]
-    return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
+    return Pairs(i, j, OutlineDistances(geometry).between(i, j, stop))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Part, Region
 from wiggleroom.drawing.outlines.rings import signed_area
+from wiggleroom.errors import Stop, go_on
 
 Floats = NDArray[np.float64]
 
@@ -19,6 +20,8 @@ MIN_CORNERS = 200
 """Outlines of fewer corners stay as they are."""
 MAX_CORNERS, MIN_EDGE = 400, 1.5
 """Outlines of at most this many corners whose median edge is longer than this share of the clearance stay as they are too."""
+ASKED_EVERY = 5000
+"""Corners between two looks at a request to stop."""
 NEAR, NEAR_DEPTH = 2.0, 0.1
 """A contact may move by this many clearances, or along an arc until it lies this share of a clearance deeper."""
 
@@ -28,7 +31,9 @@ def is_fine(assembly: Assembly, clearance: float) -> bool:
     return any(_fine(ring, clearance) for part in assembly.parts for ring in _rings(part))
 
 
-def simplified_outward(assembly: Assembly, clearance: float, tolerance: float, near: Floats, finer: float) -> Assembly:
+def simplified_outward(
+    assembly: Assembly, clearance: float, tolerance: float, near: Floats, finer: float, stop: Stop | None = None
+) -> Assembly:
     """The assembly with fewer corners on fine outlines; material is added, never taken away.
 
     Parameters
@@ -41,14 +46,21 @@ def simplified_outward(assembly: Assembly, clearance: float, tolerance: float, n
     near : (k, 3) float64
         Part and (x, y) [mm] of places, in the part's own frame, within a clearance or two of which the `finer` tolerance holds.
     finer : float [mm]
+    stop : optional
+        Anything with `is_set()`, asked now and then.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
     """
     parts = []
     for k, part in enumerate(assembly.parts):
         spots = near[near[:, 0] == k, 1:]
         regions = tuple(
             Region(
-                _outline(r.outer, clearance, tolerance, spots, finer),
-                tuple(_outline(h, clearance, tolerance, spots, finer) for h in r.holes),
+                _outline(r.outer, clearance, tolerance, spots, finer, stop),
+                tuple(_outline(h, clearance, tolerance, spots, finer, stop) for h in r.holes),
             )
             for r in part.regions
         )
@@ -88,7 +100,9 @@ def _fine(ring: Floats, clearance: float) -> bool:
     return short or len(ring) > MAX_CORNERS
 
 
-def _outline(ring: Floats, clearance: float, tolerance: float, spots: Floats, finer: float) -> Floats:
+def _outline(
+    ring: Floats, clearance: float, tolerance: float, spots: Floats, finer: float, stop: Stop | None = None
+) -> Floats:
     if not _fine(ring, clearance):
         return ring
     allowed = np.full(len(ring), tolerance)
@@ -96,13 +110,13 @@ def _outline(ring: Floats, clearance: float, tolerance: float, spots: Floats, fi
         away = np.hypot(*(ring[:, None] - spots).transpose(2, 0, 1)).min(axis=1)
         reach = max(NEAR * clearance, 2 * np.sqrt(2 * clearance * np.ptp(ring, axis=0).max() * NEAR_DEPTH))
         allowed[away < reach] = finer
-    out = _simplified(ring, allowed)
+    out = _simplified(ring, allowed, stop)
     old, new = shapely.Polygon(ring), shapely.Polygon(out)
     more = shapely.difference(old, new) if signed_area(ring) > 0 else shapely.difference(new, old)
     return out if new.is_valid and more.area < 1e-9 * old.area else ring
 
 
-def _simplified(ring: Floats, allowed: Floats) -> Floats:
+def _simplified(ring: Floats, allowed: Floats, stop: Stop | None) -> Floats:
     """A ring, material to its left, with reflex corners left out and convex edges replaced by the tip of their neighbours."""
     n = len(ring)
     place = [tuple(p) for p in ring.tolist()]
@@ -127,8 +141,14 @@ def _simplified(ring: Floats, allowed: Floats) -> Floats:
                     heapq.heappush(queue, (cost, k, stamp[k], tip))
 
     for k in range(n):
+        if not k % ASKED_EVERY:
+            go_on(stop)
         offer(k)
+    steps = 0
     while queue and left > 4:
+        steps += 1
+        if not steps % ASKED_EVERY:
+            go_on(stop)
         cost, k, when, tip = heapq.heappop(queue)
         if when != stamp[k]:
             continue

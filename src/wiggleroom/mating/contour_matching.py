@@ -233,6 +233,8 @@ def contour_matches(contours: list[SampledContour], tolerance: float, stop: Stop
     pair = owner[i] * len(contours) + owner[j]
     order = np.argsort(pair, kind="stable")
     numbers, starts = np.unique(pair[order], return_index=True)
+    if not len(numbers):
+        return []
     usual = float(np.median([c.length for c in contours]))
     result: list[ContourMatch] = []
     for number, rows in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import affinity
 
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.errors import Stop
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.mating.contour_matching import PlanarPose, contact
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet, check_burn
 from wiggleroom.mating.panel_outline import inset
@@ -125,12 +125,16 @@ def assemble_plane(
     Raises
     ------
     InputError
-        If the burn uses a part up.
+        If there are fewer than two parts, or the burn uses one up.
 
     Notes
     -----
     Parts are turned and shifted, never turned over. A part is put where most of its bent outline fits what stands already.
     """
+    if len(sheet.panels) < 2:
+        parts = "only one part" if sheet.panels else "no parts"
+        finding = f"{sheet.source}: has {parts}; at least two are needed to put a puzzle together"
+        raise InputError(finding)
     known = burn if burn is not None else sheet.burn
     taken = known or 0.0
     check_burn(sheet, taken)

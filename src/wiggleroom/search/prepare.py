@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import itemgetter
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.findings import free_overlaps
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.displayable import Displayable
@@ -20,6 +22,7 @@ from wiggleroom.freespace.models.pair_models import Walls
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.neighbours import Pairs, neighbours
+from wiggleroom.geometry.outline_distances import OutlineDistances
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program.objectives import Objective, objective
@@ -105,7 +108,7 @@ def prepare_as_drawn(assembly: Assembly, *, surveyed: Survey | None = None, stop
     InputError
         If nothing can move.
     """
-    surveyed = surveyed or survey(assembly)
+    surveyed = surveyed or survey(assembly, stop)
     them, geometry, near = surveyed.bodies, surveyed.geometry, surveyed.near
     a, b = near.a, near.b
     go_on(stop)
@@ -151,7 +154,7 @@ class Survey:
     near: Pairs
 
 
-def survey(assembly: Assembly) -> Survey:
+def survey(assembly: Assembly, stop: Stop | None = None) -> Survey:
     """Bodies and neighbours of an assembly, once it is sure that none touch; raises as `prepare_as_drawn` does."""
     them = bodies(assembly)
     if them.fixed.all():
@@ -159,8 +162,8 @@ def survey(assembly: Assembly) -> Survey:
         raise InputError(finding)
     ignored = _ignored(assembly, them)
     geometry, size = placed(them), assembly.size
-    clearance = typical_clearance(assembly.gap, geometry, size)
-    near = neighbours(them, geometry, NEIGHBOUR_REACH * clearance, ignored=ignored)
+    clearance = typical_clearance(assembly.gap, geometry, size, stop)
+    near = neighbours(them, geometry, NEIGHBOUR_REACH * clearance, ignored=ignored, stop=stop)
     if len(near.a) and near.clearance.min() < CONTACT_TOLERANCE * size:
         _refuse_touching(assembly, them, near, size)
     return Survey(them, geometry, ignored, clearance, size, near)
@@ -199,13 +202,19 @@ def congruent_cells(
     return placed, good[label]
 
 
-def typical_clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
-    """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
+def typical_clearance(gap: float, geometry: NDArray[np.object_], size: float, stop: Stop | None = None) -> float:
+    """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
+    """
     if len(geometry) < 2:
         return float(gap) or 1e-3 * size
-    some = geometry[np.linspace(0, len(geometry) - 1, min(len(geometry), CLEARANCE_SAMPLES)).astype(int)]
-    _, apart = shapely.STRtree(geometry).query_nearest(some, exclusive=True, all_matches=False, return_distance=True)
-    apart = apart[apart > CONTACT_TOLERANCE * size]
+    some = np.linspace(0, len(geometry) - 1, min(len(geometry), CLEARANCE_SAMPLES)).astype(np.int64)
+    apart = OutlineDistances(geometry).to_nearest(some, stop)
+    apart = apart[np.isfinite(apart) & (apart > CONTACT_TOLERANCE * size)]
     middle = float(np.median(apart)) if len(apart) else 1e-3 * size
     return float(gap) if 0.3 * middle < gap < 3 * middle else middle
 
@@ -230,6 +239,14 @@ def _ignored(assembly: Assembly, them: Bodies) -> Ints:
 
 
 def _refuse_touching(assembly: Assembly, them: Bodies, near: Pairs, size: float) -> None:
+    deep = max(free_overlaps(assembly.drawing, assembly.parts), key=itemgetter(2), default=None)
+    if deep is not None:
+        a, b, depth = deep
+        finding = (
+            f'{assembly.drawing.source or "the assembly"}: parts "{a}" and "{b}" overlap by {depth:.6g} mm at rest, gap '
+            f"{assembly.gap:g}; parts may not overlap: give a larger gap, or correct the drawing"
+        )
+        raise TouchingError(finding, (a, b), -depth)
     k = int(near.clearance.argmin())
     one, other = (assembly.names[them.members[body[k]][0]] for body in (near.a, near.b))
     count = int((near.clearance < CONTACT_TOLERANCE * size).sum())

@@ -43,11 +43,11 @@ def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | 
     boundaries = np.array(
         [shapely.MultiLineString([shapely.LinearRing(r) for r in rings_at(p)]) for p in assembly.parts]
     )
-    clearance = typical_clearance(assembly.gap, boundaries, assembly.size)
+    clearance = typical_clearance(assembly.gap, boundaries, assembly.size, stop)
     if not is_fine(assembly, clearance):
         return None
     for tolerance in TOLERANCES:
-        cover = simplified_outward(assembly, clearance, tolerance * clearance, near, FINE_TOLERANCE * clearance)
+        cover = simplified_outward(assembly, clearance, tolerance * clearance, near, FINE_TOLERANCE * clearance, stop)
         try:
             ready = prepare_as_drawn(cover, stop=stop)
         except TouchingError:  # what was drawn may touch, or not

@@ -179,6 +179,7 @@ def sample(
         Largest motion that is wanted.
     workers, cluster, stop, progress
         Where draws are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
+        Searches are counted after the draws, so the total grows while they are chosen.
 
     Returns
     -------
@@ -213,7 +214,7 @@ def sample(
         finding = "sample: stopped before the first draw was done"
         raise InputError(finding)
     found = SearchedDraws(study, answer, extra[done] / 2, [results[k] for k in done], limit)
-    found.search(ParallelRun(workers, cluster, stop))
+    found.search(many)
     return Sample(
         answer, distribution, seed, extra[done], found.value,
         sum(results[k].verdict is Verdict.STOPPED for k in done), limit, found.checked, found.tightest, found.loosest,

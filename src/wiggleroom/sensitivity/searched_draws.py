@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop, StoppedError
-from wiggleroom.parallel.parallel_run import ParallelRun
+from wiggleroom.parallel.parallel_run import ParallelRun, Work
 from wiggleroom.sensitivity.found_motion import Found, is_checked, verdict_of
 from wiggleroom.sensitivity.gap_distribution import wilson
 from wiggleroom.sensitivity.gap_study import GapStudy
@@ -68,6 +68,7 @@ class SearchedDraws(Generic[Found]):
         self.believed = False
         self._studies: dict[int, GapStudy[Found]] = {}
         self._stop: Stop | None = None
+        self._done = len(climbs)
 
     @property
     def fit(self) -> Bools:
@@ -94,8 +95,8 @@ class SearchedDraws(Generic[Found]):
             return
         self._stop = many.stop
         ends = [self.inward[self.fit].min(axis=0), self.inward[self.fit].max(axis=0)]
-        climbs = many.each(*self.study.draws(self.answer, many.stop), ends)
-        found = many.each(SearchedDraw(many.stop), self._bare, ends)
+        climbs = self._each(many, *self.study.draws(self.answer, many.stop), ends)
+        found = self._each(many, SearchedDraw(many.stop), self._bare, ends)
         self.tightest, self.loosest = (self._take(end, one) for end, one in zip(ends, found, strict=True))
         if self.tightest is None or self.loosest is None or None in climbs:
             return
@@ -148,12 +149,21 @@ class SearchedDraws(Generic[Found]):
         return left[chosen]
 
     def _search_draws(self, some: NDArray[np.int64], many: ParallelRun) -> None:
-        found = many.each(SearchedDraw(many.stop), self._bare, list(self.inward[some]))
+        found = self._each(many, SearchedDraw(many.stop), self._bare, list(self.inward[some]))
         for k, one in zip(some.tolist(), found, strict=True):
             value = self._take(self.inward[k], one)
             if value is not None:
                 self.searched[k] = value
                 self.value[k] = np.fmax(self.value[k], value)
+
+    def _each(self, many: ParallelRun, work: Work, shared: Any, tasks: list[Floats]) -> list[Any]:
+        """Results of some tasks; they are told as further ones after those that were done before."""
+        before, tell = self._done, many.progress
+        if tell is not None:
+            tell(before, before + len(tasks))
+            many = replace(many, progress=lambda done, total: tell(before + done, before + total))
+        self._done += len(tasks)
+        return many.each(work, shared, tasks)
 
     def _take(self, inward: Floats, found: Found | Verdict | None) -> float | None:
         """What a search says of the state itself and of all draws; None where it was not made, nan where the parts do not fit."""

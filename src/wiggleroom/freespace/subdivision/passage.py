@@ -21,6 +21,7 @@ from wiggleroom.freespace.subdivision.box_search import (
 )
 from wiggleroom.freespace.subdivision.classify_box import is_free_segment
 from wiggleroom.freespace.subdivision.disc_tree import disc_tree
+from wiggleroom.geometry.outline_distances import OutlineDistances
 
 Floats = NDArray[np.float64]
 
@@ -122,7 +123,7 @@ def rounding_slack(a: shapely.Geometry, b: shapely.Geometry) -> float:
 
 def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
     """Middle of the place where both are nearest: points there are carried least far by a turn about it."""
-    apart = shapely.distance(a, b)
+    apart = float(OutlineDistances(np.array([a, b])).between([0], [1])[0])
     near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, 3 * apart))
     box = shapely.bounds(b if shapely.is_empty(near) else near)
     return (box[:2] + box[2:]) / 2
