@@ -19,7 +19,8 @@ from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remar
 from wiggleroom.drawing.strokes.elements import Stroke
 from wiggleroom.drawing.strokes.layers import is_cut
 
-
+_NEAR_SHARE, _NEARLY = 0.01, 1.0
+"""An open line whose ends are nearer to each other than this [share of its length, mm] was to be closed, perhaps."""
 _CRUMB = 0.01
 """Faces that are smaller than this share of the one beside them, ..."""
 _ALIKE = 0.02
@@ -258,9 +259,28 @@ def _say_dangles(
         found.note(
             f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm"
         )
+    _say_around(found, dangles)
     found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(line) for line in dangles)))
     tips = [lines[k].corners[[0, -1]] for k in np.flatnonzero(whole).tolist()]
     found.remarks += [Remark("open end", (point[None],)) for pair in tips for point in pair]
+
+
+def _say_around(found: Traced, dangles: Sequence[shapely.Geometry]) -> None:
+    """Note open lines that run round outlines: these are holes, perhaps, of a part whose edge is not closed."""
+    polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
+    grid = max(found.tolerance * 1e-3, 1e-9)
+    merged = shapely.line_merge(shapely.union_all(shapely.set_precision(np.array(dangles, dtype=object), grid)))
+    for line in shapely.get_parts(merged):
+        held = int(shapely.contains(line.convex_hull, polygons).sum()) if len(polygons) else 0
+        if held < 2:
+            continue
+        start, end = shapely.get_coordinates(line)[[0, -1]]
+        apart = float(np.hypot(*(start - end)))
+        closing = f" (--join {1.1 * apart:.2g} closes it)" if apart < min(_NEAR_SHARE * line.length, _NEARLY) else ""
+        found.note(
+            f"open lines from ({start[0]:.6g}, {start[1]:.6g}) to ({end[0]:.6g}, {end[1]:.6g}) mm, {apart:.3g} mm apart, run round "
+            f"{held} outlines, which are read without them; if they are the edge of a part, close it{closing}"
+        )
 
 
 def _open_name(line: OpenLine) -> str:

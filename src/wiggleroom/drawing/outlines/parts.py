@@ -220,8 +220,10 @@ def _claims(
         parent = found.outlines[around[i]].stroke if i in around else None
         own = parent is not stroke
         white = is_light(stroke.fill) and parent is not None and parent.fill and not is_light(parent.fill)
-        named = inside[i] and parent is not None and bool(given[around[i]])
+        # One label on an outline and on what is in it says nothing, nor does a text in both.
+        named = inside[i] and parent is not None and given[around[i]] not in ("", given[i])
         filled = stroke.fill and not white and (stroke.styled or has_own_name(stroke))
+        labelled = stroke.label and (parent is None or stroke.label != parent.label)
         words = {word.casefold() for word in (given[i], stroke.name) if word}
         marks = {word.casefold() for word in (stroke.label, stroke.name, stroke.layer, *_group_marks(stroke)) if word}
         unknown -= words | marks
@@ -230,7 +232,7 @@ def _claims(
         claims.solid.append(
             "all" in solid_names or i in solid_rows or bool(solid_names & words) or told or (own and stroke.fixed)
         )
-        claims.marked.append(own and not outline.face and bool(filled or stroke.label or named))
+        claims.marked.append(own and not outline.face and bool(filled or labelled or named))
         claims.cut.append(
             "option" if chosen
             else "layer" if stroke.hole
