@@ -35,6 +35,9 @@ _ROUNDING = 1e-10
 _CRUMB = 0.01
 """What a cut leaves loose of a part falls out where it is smaller than this share of the largest piece."""
 
+_LETTER, _LETTERS = 2e-3, 3
+"""So many parts, each smaller than this share of the largest one, are letters or marks, perhaps."""
+
 
 def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None, gap: float | None) -> Reading:
     """Parts of a drawing, with everything that was assumed and all that is wrong.
@@ -126,6 +129,7 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     _say_divided(found, dict(reversed([*zip(first, names, strict=True)])), divided, claims, given)
     _say_pieces(found, outlines, groups)
     _say_mended(found)
+    _say_tiny(found, names, bodies)
     kinds = [*((tag, n) for tag, n in artwork.left_out if tag != NO_SIZE), *([("text", unnamed)] if unnamed else [])]
     found.notes += [
         f"{artwork.file}: {count} {tag} elements are left out; only outlines are parts" for tag, count in kinds
@@ -470,6 +474,17 @@ def _say_mended(found: Traced) -> None:
         x, y = next(remark.lines[0][0] for remark in mended if remark.kind == kind)
         plural = words[kind].replace("place", "places", 1) if " " in words[kind] else f"{words[kind]}s"
         found.note(f"mended: {n} {words[kind] if n == 1 else plural} of outlines, the first at ({x:.6g}, {y:.6g}) mm")
+
+
+def _say_tiny(found: Traced, names: Sequence[str], bodies: Sequence[tuple[list[int], list[Region]]]) -> None:
+    """Note parts that are tiny beside the largest one: letters, perhaps, that are drawn as outlines."""
+    areas = np.array([sum(shapely.Polygon(region.outer).area for region in own) for _, own in bodies])
+    tiny = [name for name, area in zip(names, areas, strict=True) if area < _LETTER * areas.max()]
+    if len(tiny) >= _LETTERS:
+        found.note(
+            f"{len(tiny)} parts are tiny beside the largest one ({', '.join(tiny[:3])}, ...); if they are letters or marks, "
+            "--skip them by a point in each, or by their layer or colour"
+        )
 
 
 def _glue(strokes: Sequence[Stroke], names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
