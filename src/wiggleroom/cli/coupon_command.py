@@ -70,6 +70,7 @@ def coupon(
         Write over a file that was not made by this program, or was changed since.
     """
     from wiggleroom.assembly import coupon as make
+    from wiggleroom.assembly.inventory import size_lines
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing, write_drawing
     from wiggleroom.drawing.units import unit_of
@@ -88,7 +89,7 @@ def coupon(
         sheet = make.comb(joint or "tee", gaps, 20.0 if pitch is None else pitch, **sizes)
     else:
         drawing = read_drawing(file, unit=unit_of(unit, dpi), flatten=flatten)
-        for line in drawing.notes:
+        for line in (*size_lines(drawing), *drawing.notes):
             note(line)
         names = [part.name for part in drawing.parts]
         if holder is None and len(names) == 2:

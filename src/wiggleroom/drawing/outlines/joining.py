@@ -18,6 +18,8 @@ JOIN_DISTANCE = 0.05
 """Open ends nearer than this [mm] are joined, ..."""
 JOIN_SHARE = 0.01
 """... and nearer than this share of the shortest line."""
+PAIR_SHARE = 0.02
+"""Two ends with no other one near are joined over this share of the shorter of their lines."""
 CLOSING_SHARE = 1e-3
 """The two ends of one line nearer than this share of its size are one, if no other end is near; ..."""
 ALONE = 3.0
@@ -58,7 +60,7 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float, *, further
     size : float [mm]
         Of the drawing.
     further : bool
-        Whether two ends with no other one near are joined over more than `tolerance`: up to `JOIN_DISTANCE` and `JOIN_SHARE` of
+        Whether two ends with no other one near are joined over more than `tolerance`: up to `JOIN_DISTANCE` and `PAIR_SHARE` of
         the shorter of their lines, the two ends of one line up to `CLOSING_SHARE` of its size.
 
     Examples
@@ -121,7 +123,7 @@ def _pairs_alone(
             continue
         other, gap = int(near[1]), float(apart[1])
         closing = other // 2 == row // 2
-        most = CLOSING_SHARE * lengths[row] if closing else min(JOIN_DISTANCE, JOIN_SHARE * lengths[[row, other]].min())
+        most = CLOSING_SHARE * lengths[row] if closing else min(JOIN_DISTANCE, PAIR_SHARE * lengths[[row, other]].min())
         third = (
             np.hypot(*(ends[near[2:], None] - ends[[row, other]]).transpose(2, 0, 1)).min() if len(near) > 2 else np.inf
         )

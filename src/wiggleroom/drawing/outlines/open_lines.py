@@ -19,6 +19,13 @@ from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remar
 from wiggleroom.drawing.strokes.elements import Stroke
 from wiggleroom.drawing.strokes.layers import is_cut
 
+_NEAR_SHARE, _NEARLY = 0.01, 1.0
+"""An open line whose ends are nearer to each other than this [share of its length, mm] was to be closed, perhaps."""
+_CRUMB = 0.01
+"""Faces that are smaller than this share of the one beside them, ..."""
+_ALIKE = 0.02
+"""... and whose size differs by no more than this share from that of another such face, are slots over an edge."""
+
 
 def open_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View | None = None) -> None:
     """Outlines that open lines make one after the other, and faces that they cut, also of the page."""
@@ -38,7 +45,10 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View
         used |= {edge for edge, _ in loop}
         if len(clean_ring(ring)) >= 3:
             found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
-    for chain in open_chains(ends, [line.stroke.hole or is_cut(line.stroke) for line in lines]):
+    cut = {
+        id(line.stroke): line.stroke.hole or is_cut(line.stroke) for line in {id(x.stroke): x for x in lines}.values()
+    }
+    for chain in open_chains(ends, [cut[id(line.stroke)] for line in lines]):
         ring = np.vstack([corners[row][::-1] if back else corners[row] for row, back in chain])
         if len(clean_ring(ring)) >= 3:
             first = min(row for row, _ in chain)
@@ -71,11 +81,19 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     by_owner, outside = _owners(found, reached, net.faces)
     replaced = {k for k, faces in by_owner.items() if len(faces) > 1}
     made: list[Outline] = []
+    cut_out: list[shapely.Polygon] = []
+    replaced_whole = 0
     tree = shapely.STRtree([shapely.LineString(points) for points in corners])
     enclosed = _enclosed(found, reached, replaced, net.faces, by_owner)
     for k in sorted(replaced):
         outline = found.outlines[k]
-        own = _faces([net.faces[f] for f in by_owner[k]], outline.stroke, outline.row, outline.region)
+        left, slots = _without_slots([net.faces[f] for f in by_owner[k]])
+        if slots:
+            cut_out += slots
+            replaced_whole += len(left) == 1
+        own = _faces(left, outline.stroke, outline.row, outline.region)
+        if slots and len(left) == 1:  # still one part, with its name
+            own = [Outline(own[0].region, outline.stroke, outline.row)]
         made += [replace(face, enclosed=k in enclosed) for face in own]
     alone = []
     faces = np.array(net.faces, dtype=object)
@@ -90,11 +108,18 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
         else:  # nothing is cut: the outline of one part, whose ends overshoot
             ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
-    found.divided = len(replaced)
+    found.divided = len(replaced) - replaced_whole
     found.outlines = [
         replace(outline, enclosed=k in enclosed) for k, outline in enumerate(found.outlines) if k not in replaced
     ]
     found.outlines += [*made, *alone]
+    if cut_out:
+        at = cut_out[0].representative_point()
+        found.note(
+            f"{len(cut_out)} small faces that open lines cut off the edge of an outline are slots, and fall out "
+            f"(the first at ({at.x:.6g}, {at.y:.6g}) mm)"
+        )
+        found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(face.exterior) for face in cut_out)))
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
     _say_dangles(found, lines, tree, net.dangles)
@@ -140,6 +165,29 @@ def _owners(
         if not any(shapely.Polygon(hole).contains(points[f]) for hole in holes):
             owner.setdefault(reached[k], []).append(f)
     return owner, [f for f in range(len(faces)) if f not in smallest]
+
+
+def _without_slots(faces: Sequence[shapely.Polygon]) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
+    """Faces of an outline without what falls out where lines cut slots over its edge, and these slots.
+
+    A slot is small beside its only neighbour, and one of several that are alike; a part that was cut off is not.
+    """
+    all_faces = np.array(faces, dtype=object)
+    area = shapely.area(all_faces)
+    small = np.flatnonzero(area < _CRUMB * area.max())
+    if len(small) < 2:
+        return list(faces), []
+    first, second = shapely.STRtree(all_faces).query(all_faces[small], predicate="intersects")
+    first = small[first]
+    long = (first != second) & (shapely.length(shapely.intersection(all_faces[first], all_faces[second])) > 0)
+    first, second = first[long], second[long]
+    single = np.flatnonzero(np.bincount(first, minlength=len(faces)) == 1)
+    beside = dict(zip(first.tolist(), second.tolist(), strict=True))
+    single = np.array([k for k in single.tolist() if area[k] < _CRUMB * area[beside[k]]], dtype=int)
+    size = np.column_stack([area, shapely.length(all_faces)])[single]
+    near = (np.abs(size[:, None] - size) <= _ALIKE * size[:, None]).all(axis=2).sum(axis=1) > 1
+    slots = set(single[near].tolist())
+    return [face for k, face in enumerate(faces) if k not in slots], [faces[k] for k in sorted(slots)]
 
 
 def _enclosed(
@@ -211,9 +259,28 @@ def _say_dangles(
         found.note(
             f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm"
         )
+    _say_around(found, dangles)
     found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(line) for line in dangles)))
     tips = [lines[k].corners[[0, -1]] for k in np.flatnonzero(whole).tolist()]
     found.remarks += [Remark("open end", (point[None],)) for pair in tips for point in pair]
+
+
+def _say_around(found: Traced, dangles: Sequence[shapely.Geometry]) -> None:
+    """Note open lines that run round outlines: these are holes, perhaps, of a part whose edge is not closed."""
+    polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
+    grid = max(found.tolerance * 1e-3, 1e-9)
+    merged = shapely.line_merge(shapely.union_all(shapely.set_precision(np.array(dangles, dtype=object), grid)))
+    for line in shapely.get_parts(merged):
+        held = int(shapely.contains(line.convex_hull, polygons).sum()) if len(polygons) else 0
+        if held < 2:
+            continue
+        start, end = shapely.get_coordinates(line)[[0, -1]]
+        apart = float(np.hypot(*(start - end)))
+        closing = f" (--join {1.1 * apart:.2g} closes it)" if apart < min(_NEAR_SHARE * line.length, _NEARLY) else ""
+        found.note(
+            f"open lines from ({start[0]:.6g}, {start[1]:.6g}) to ({end[0]:.6g}, {end[1]:.6g}) mm, {apart:.3g} mm apart, run round "
+            f"{held} outlines, which are read without them; if they are the edge of a part, close it{closing}"
+        )
 
 
 def _open_name(line: OpenLine) -> str:

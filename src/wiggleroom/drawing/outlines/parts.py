@@ -35,6 +35,9 @@ _ROUNDING = 1e-10
 _CRUMB = 0.01
 """What a cut leaves loose of a part falls out where it is smaller than this share of the largest piece."""
 
+_LETTER, _LETTERS = 2e-3, 3
+"""So many parts, each smaller than this share of the largest one, are letters or marks, perhaps."""
+
 
 def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None, gap: float | None) -> Reading:
     """Parts of a drawing, with everything that was assumed and all that is wrong.
@@ -126,6 +129,7 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     _say_divided(found, dict(reversed([*zip(first, names, strict=True)])), divided, claims, given)
     _say_pieces(found, outlines, groups)
     _say_mended(found)
+    _say_tiny(found, names, bodies)
     kinds = [*((tag, n) for tag, n in artwork.left_out if tag != NO_SIZE), *([("text", unnamed)] if unnamed else [])]
     found.notes += [
         f"{artwork.file}: {count} {tag} elements are left out; only outlines are parts" for tag, count in kinds
@@ -220,8 +224,10 @@ def _claims(
         parent = found.outlines[around[i]].stroke if i in around else None
         own = parent is not stroke
         white = is_light(stroke.fill) and parent is not None and parent.fill and not is_light(parent.fill)
-        named = inside[i] and parent is not None and bool(given[around[i]])
+        # One label on an outline and on what is in it says nothing, nor does a text in both.
+        named = inside[i] and parent is not None and given[around[i]] not in ("", given[i])
         filled = stroke.fill and not white and (stroke.styled or has_own_name(stroke))
+        labelled = stroke.label and (parent is None or stroke.label != parent.label)
         words = {word.casefold() for word in (given[i], stroke.name) if word}
         marks = {word.casefold() for word in (stroke.label, stroke.name, stroke.layer, *_group_marks(stroke)) if word}
         unknown -= words | marks
@@ -230,7 +236,7 @@ def _claims(
         claims.solid.append(
             "all" in solid_names or i in solid_rows or bool(solid_names & words) or told or (own and stroke.fixed)
         )
-        claims.marked.append(own and not outline.face and bool(filled or stroke.label or named))
+        claims.marked.append(own and not outline.face and bool(filled or labelled or named))
         claims.cut.append(
             "option" if chosen
             else "layer" if stroke.hole
@@ -468,6 +474,17 @@ def _say_mended(found: Traced) -> None:
         x, y = next(remark.lines[0][0] for remark in mended if remark.kind == kind)
         plural = words[kind].replace("place", "places", 1) if " " in words[kind] else f"{words[kind]}s"
         found.note(f"mended: {n} {words[kind] if n == 1 else plural} of outlines, the first at ({x:.6g}, {y:.6g}) mm")
+
+
+def _say_tiny(found: Traced, names: Sequence[str], bodies: Sequence[tuple[list[int], list[Region]]]) -> None:
+    """Note parts that are tiny beside the largest one: letters, perhaps, that are drawn as outlines."""
+    areas = np.array([sum(shapely.Polygon(region.outer).area for region in own) for _, own in bodies])
+    tiny = [name for name, area in zip(names, areas, strict=True) if area < _LETTER * areas.max()]
+    if len(tiny) >= _LETTERS:
+        found.note(
+            f"{len(tiny)} parts are tiny beside the largest one ({', '.join(tiny[:3])}, ...); if they are letters or marks, "
+            "--skip them by a point in each, or by their layer or colour"
+        )
 
 
 def _glue(strokes: Sequence[Stroke], names: Sequence[str]) -> tuple[tuple[str, ...], ...]:

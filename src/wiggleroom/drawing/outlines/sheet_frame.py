@@ -65,12 +65,13 @@ def page_edge(found: Traced, lines: Sequence[OpenLine], view: View | None) -> Ou
     owner = np.repeat(np.arange(len(lines)), 2)
     crossings = shapely.intersection(np.array(drawn, dtype=object), page.exterior)
     beyond = ~shapely.covers(page.buffer(near), tips)
-    over = (shapely.distance(crossings, bare) <= 3 * near)[owner] & beyond
-    at_edge = over | ((shapely.distance(tips, page.exterior) <= near) & (shapely.distance(tips, bare) <= 3 * near))
     tree = shapely.STRtree([*drawn, *rings])
     k, other = tree.query(tips, predicate="dwithin", distance=near)
     held = np.zeros(len(tips), dtype=bool)
     held[k[other != owner[k]]] = True
+    # A line that goes on beyond the page belongs to something larger than the page.
+    over = (shapely.distance(crossings, bare) <= 3 * near)[owner] & beyond & ~held
+    at_edge = over | ((shapely.distance(tips, page.exterior) <= near) & (shapely.distance(tips, bare) <= 3 * near))
     through = [
         np.hypot(*(line.corners[0] - line.corners[-1])) > _NEARLY_CLOSED * np.ptp(line.corners, axis=0).max()
         for line in lines
