@@ -50,7 +50,10 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
         return markdown
     if source in TYPED:
         markdown = re.sub(
-            r"^\| `.*$", lambda m: m[0].replace("[", "&#91;").replace("]", "&#93;"), tables(markdown), flags=re.MULTILINE
+            r"^\| `.*$",
+            lambda m: m[0].replace("[", "&#91;").replace("]", "&#93;"),
+            tables(markdown),
+            flags=re.MULTILINE,
         )
     if source == "gallery.md":
         markdown = PICTURE.sub(live, markdown)
