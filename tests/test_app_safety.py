@@ -164,7 +164,7 @@ BOMB = (
         ("nan.json", b'{"format": "wiggleroom/1", "parts": [{"name": "a", "outline": [[NaN, 0], [1, 0], [1, 1]]}]}', "JSON"),
         ("huge.json", b'{"format": "wiggleroom/1", "parts": [{"name": "a", "outline": [[0, 0], [1e300, 0], [1, 1]]}]}', "beyond"),
         ("deep.json", b"[" * 100_000, "nested"),
-        ("line.svg", b'<svg><path d="M0 0L1 1Z"/></svg>', "corners"),
+        ("line.svg", b'<svg><path d="M0 0L1 1Z"/></svg>', "no closed outline, but 1 open"),
         ("empty.svg", b"", "empty"),
         ("noise.dxf", bytes(range(256)) * 40, "noise.dxf"),
         ("program.exe", b"MZ", '".exe" files are not read'),

@@ -368,11 +368,8 @@ def test_both_sides_of_the_border_of_the_jigsaw_are_known_to_a_thousandth(gap, v
 
 
 @pytest.mark.parametrize("joint", ["swallowtail", "tee"])
-def test_interlocked_says_how_far_at_most(joint, monkeypatch):
+def test_interlocked_says_how_far_at_most(joint):
     """The distance that is stated lies above every motion that is found, in any direction and at any corner."""
-    monkeypatch.setattr(
-        "wiggleroom.disassembly.interlock.MIN_BOUND_SECONDS", 60.0
-    )  # it ends by itself, on a busy machine later
     made = wr.patterns.chain(4, joint=joint, gap=0.02)
     found = wr.check(made)
     assert (found.verdict, found.certainty) == ("interlocked", "proven")

@@ -352,7 +352,7 @@ def test_the_dual_program_says_what_another_solver_says(most_iterations, monkeyp
     last, worth = rng.standard_normal(6), float(rng.standard_normal(6) @ x) - 5
     for more in (False, True):
         if more:
-            program = program.with_row(last, worth)
+            program = program.with_row(last, worth, WorkBudget())
             sides, most = np.vstack([sides, -last]), np.append(most, -worth)
         for cost in rng.standard_normal((5, 6)):
             y = program.ask(cost)

@@ -258,6 +258,8 @@ class Session:
                     return self._after(job, said)
                 if not job.stopped or job.again:  # it may have been about to say its last word
                     job.replied = True
+                    if job.kind == "open" and head(said.text)[1] == "opened":  # the page may ask about it at once
+                        self._drawing, self._loaded = job.text, True
                     await self._send(said.frames, said.text)
                     if job.kind in ("drag", "flex") and job.kind in self._pending:
                         self._halt(job)  # the hand is elsewhere already
@@ -267,9 +269,7 @@ class Session:
 
     def _after(self, job: Job, done: Done) -> None:
         """What follows when the process is done with a job."""
-        if job.kind == "open" and done.good and job.replied:
-            self._drawing, self._loaded = job.text, True
-        elif job.kind == "open" and job.stopped:
+        if job.kind == "open" and job.stopped and not (done.good and job.replied):
             self._loaded = False  # it may have got far enough to have taken the place of the drawing
         if job.stopped and job.again:
             if not done.good:

@@ -29,6 +29,8 @@ ONE_BODY = 0.5
 
 DEFAULT_STARTS, FEW_BODIES = 6, 6
 """Climbs beside the one from rest where none are asked for: with at most so many free bodies, and as long as work is left."""
+NEAR = 0.07
+"""These begin at most this share of the assembly's size away from rest."""
 WORK_BUDGET = 1e5
 """Work that these climbs may take, in iterations times rows of the program; or what the climb from rest took, if that is more."""
 
@@ -96,7 +98,8 @@ def _held(end: SearchEnd) -> bool:
 def random_leads(first: SpatialSearch, starts: int | None) -> Iterator[Floats]:
     """Paths (k, n, 6) from rest to somewhere on those of random pulls, from as many pulls as asked for, until it is asked to stop.
 
-    By default a few, of assemblies of few free bodies, as long as the work of the climbs is within a budget.
+    By default a few, of assemblies of few free bodies, as long as the work of the climbs is within a budget. These stay near rest: what a
+    part can do once it was taken out of its place is left to `check`, and to starts that are asked for.
     """
     ready = first.ready
     few = int(ready.grouping.bodies.moves.sum()) <= FEW_BODIES
@@ -108,7 +111,7 @@ def random_leads(first: SpatialSearch, starts: int | None) -> Iterator[Floats]:
         pull = SpatialSearch(ready, _random_pull(ready.grouping.bodies, rng), first.stop, None, once=True)
         path = pull.run().path
         first.work += pull.work
-        near = np.abs(path[:, :, :3]).max(axis=(1, 2)) <= ready.size
+        near = np.abs(path[:, :, :3]).max(axis=(1, 2)) <= (NEAR if starts is None else 1.0) * ready.size
         last = int(rng.integers(1, max(2, int(near.sum()))))
         if len(path) > 1 and near[:last].all():
             yield path[: last + 1]

@@ -32,6 +32,8 @@ _HAIR = 2e-4
 """Overlaps thinner than this share of the distance below which outlines touch are rounding."""
 _ROUNDING = 1e-10
 """Overlaps thinner than this share of the drawing's size are none."""
+_SAME = 1e-9
+"""Areas that differ by less than this share are the same."""
 _CRUMB = 0.01
 """What a cut leaves loose of a part falls out where it is smaller than this share of the largest piece."""
 
@@ -186,14 +188,20 @@ def _layer_holes(found: Traced) -> None:
     alone = (np.bincount(first, minlength=len(holes)) == 1) & shapely.is_valid(holes)
     drawn = [(found.outlines[k].region.outer, *found.outlines[k].region.holes) for k in others]
     edges = np.array([shapely.MultiLineString([shapely.LinearRing(ring) for ring in rings]) for rings in drawn])
-    near, _ = shapely.STRtree(edges).query(rims, predicate="dwithin", distance=touch)
-    alone[near] = False
+    near, other = shapely.STRtree(edges).query(rims, predicate="dwithin", distance=touch)
+    fits = alone[near] & shapely.is_valid(parts[other])
+    rest = shapely.area(shapely.difference(parts[other[fits]], holes[near[fits]]))
+    fits[fits] = rest <= _SAME * area[other[fits]]  # a part in the hole, which touches it or has its form
+    alone[near[~fits]] = False
+    fitted = set(zip(near[fits].tolist(), other[fits].tolist(), strict=True))
     smallest: dict[int, int] = {}
     for h, k in zip(*shapely.STRtree(parts).query(holes, predicate="within").tolist(), strict=True):
+        if (h, k) in fitted:
+            continue
         if alone[h] and (h not in smallest or area[k] < area[smallest[h]]):
             smallest[h] = k
     for h, k in zip(*shapely.STRtree(holes).query(holes, predicate="within").tolist(), strict=True):
-        if h != k and h in smallest and holes[k].area < area[smallest[h]]:
+        if h != k and h in smallest and holes[k].area < (1 - _SAME) * area[smallest[h]]:
             del smallest[h]  # in another hole, where there is no material
     cut: dict[int, list[np.ndarray]] = {}
     for h, k in smallest.items():

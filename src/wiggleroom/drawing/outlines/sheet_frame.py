@@ -78,7 +78,8 @@ def page_edge(found: Traced, lines: Sequence[OpenLine], view: View | None) -> Ou
     ]
     at_edge &= np.repeat(through, 2)  # else it is an outline that is almost closed
     count = int(at_edge.sum())
-    if count < 2 or _LOOSE_ENDS * int((~held & ~at_edge & ~beyond).sum()) > count:
+    into = ~shapely.covers(page.exterior.buffer(near), np.array(drawn, dtype=object))  # not along the edge alone
+    if count < 2 or not into[owner[at_edge]].any() or _LOOSE_ENDS * int((~held & ~at_edge & ~beyond).sum()) > count:
         return None
     found.note(
         f"{count} lines end on the page's edge, which is taken as the edge of the board (--skip {PAGE} leaves it out)"
