@@ -28,8 +28,8 @@ def millimetres(unit: str) -> float:
 
     Examples
     --------
-    >>> millimetres("in"), millimetres("254dpi")
-    (25.4, 0.1)
+    >>> millimetres("in"), millimetres("100dpi")
+    (25.4, 0.254)
     """
     if unit.endswith(PER_INCH):
         try:
