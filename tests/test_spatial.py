@@ -227,7 +227,9 @@ def test_glued_parts_move_as_one_and_ignored_ones_pass() -> None:
     one = {"name": "one", "boxes": [[2, 0, 0, 4, 10, 10]], "lock": []}
     two = {"name": "two", "boxes": [[4, 0, 0, 7, 10, 10]]}
     glued = spatial(wall, stop, one, two, glue=[["one", "two"]])
-    answer = sound(flex_spatial(glued, SpatialPull("one", (-1, 0, 0)), search=0))  # further climbs turn them round the wall
+    answer = sound(
+        flex_spatial(glued, SpatialPull("one", (-1, 0, 0)), search=0)
+    )  # further climbs turn them round the wall
     assert np.allclose(answer.motion[2], answer.motion[3])
     free = spatial(wall, stop, one, two, glue=[["one", "two"]], ignore=[["wall", "one"], ["wall", "two"]])
     assert flex_spatial(free, SpatialPull("one", (-1, 0, 0))).verdict == "unbounded"
