@@ -23,14 +23,14 @@ from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on, together
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
-from wiggleroom.search.moves import THOROUGH
+from wiggleroom.search.moves import REFINEMENT, THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion
 from wiggleroom.search.prepare import Prepared, prepare_as_drawn
 from wiggleroom.search.prepare_walls import contact_places, prepare_simplified
 from wiggleroom.search.progress import Progress
 from wiggleroom.search.separated_bodies import without_separated
-from wiggleroom.search.turn_in_place import better_climb, turned_in_place
+from wiggleroom.search.turn_in_place import better_climb, start_after, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import Verdict
@@ -94,20 +94,22 @@ def flex_walls(ready: Prepared, query: MotionQuery) -> Answer:
 
 
 def _refined(ready: Prepared, query: MotionQuery) -> Answer:
-    """Answer for outlines of many corners: fewer corners first, more where parts touch, as long as that gains."""
+    """Answer for outlines of many corners: fewer corners first, more where parts touch, as long as that gains.
+
+    What is searched is the first of these problems; later ones begin where the one before ended.
+    """
     answer = _climbed(ready, query)
     places, climbs = contact_places(answer), [answer]
     for _ in range(MAX_REFINEMENTS if query.start is None else 0):
         if answer.verdict is Verdict.PROVEN:
             return _with_work(answer, climbs, query)
-        again_from_rest = replace(query, start=None, began=time.perf_counter())
         finer = prepare_simplified(ready.assembly, places, query.stop) if answer.verdict.ends and len(places) else None
         if finer is None or query.stopped:
             break
-        again = _climbed(finer, again_from_rest)
+        again = _climbed(finer, replace(query, start=None, began=time.perf_counter()), _near_end(finer, answer))
         climbs.append(again)
         places = np.concatenate([places, contact_places(again)])
-        before, answer = answer, _better(answer, again)
+        before, answer = answer, _better(answer, replace(again, search=answer.search))
         if answer.objective is None or before.objective is None or answer is before:
             break
         if answer.objective < before.objective * (1 + MIN_REFINEMENT):
@@ -117,6 +119,17 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
     verdict = Verdict.STATIONARY if answer.verdict.ends else answer.verdict
     bound = replace(answer.bound or Bound(None, None, 0.0), why=why)
     return _with_work(replace(answer, verdict=verdict, bound=bound), climbs, query)
+
+
+def _near_end(finer: Prepared, answer: Answer) -> Start | None:
+    """The start near the end of an answer for other outlines of the same assembly; None where these leave no room there."""
+    found = answer.warm_start
+    if found is None:
+        return None
+    near = found.start()
+    path = np.array([segment.program.motion(point) for segment in near.segments for point in segment.points])
+    start = start_after(finer, path)
+    return None if start is None else replace(start, mu=near.mu, tolerance=found.tolerance)
 
 
 def _with_work(answer: Answer, climbs: Sequence[Answer], query: MotionQuery) -> Answer:
@@ -166,11 +179,16 @@ def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
     return replace(answer, warm_start=carried_incumbent(ready, goal, query.solve, found, frame, answer.waypoints))
 
 
-def _climbed(ready: Prepared, query: MotionQuery) -> Answer:
-    """The answer, searched for in the frame of the assembly that was prepared."""
+def _climbed(ready: Prepared, query: MotionQuery, near: Start | None = None) -> Answer:
+    """The answer, searched for in the frame of the assembly that was prepared; where a start near an end is known, climbed from there."""
     goal, search, from_rest = ready.objective(query.goals), query.search, query.start is None
     climb = LocalSearch(ready, goal, query.solve, THOROUGH, query.stop, query.tell)
     climb.seconds["freespace"] += time.perf_counter() - query.began
+    if near is not None:
+        climb.policy = REFINEMENT
+        climb.improve(near)
+        climb, repeats = periodic_motion(climb, query.goals) if query.periods else (climb, None)
+        return _answer(climb, query, repeats)
     first = pulls(ready.bodies, goal, ready.clearance) if from_rest else ()
     if first:
         return _from_several(climb, first, query)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -14,7 +13,6 @@ from wiggleroom.drawing.dimension import is_spatial_file
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock import Interlock
@@ -153,19 +151,11 @@ def flex(
     0.0261
     """
     if isinstance(assembly, SpatialAssembly):
-        from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
-        from wiggleroom.spatial.spatial_bodies import grouped
         from wiggleroom.spatial.spatial_flex import flex_spatial
-        from wiggleroom.spatial.spatial_starts import FEW_BODIES
 
         refuse_planar_options("flex", model=model, start=start, prove=prove, seconds=seconds)
-        solve = partial(flex_spatial, assembly, spatial_goals(goals), solver=solver, stop=stop, progress=progress)
-        first = with_cross_section_bound(solve(search=search or 0), stop)
-        few = int(grouped(assembly).bodies.moves.sum()) <= FEW_BODIES
-        if search is not None or not few or not first.verdict.ends or first.verdict is Verdict.PROVEN:
-            return first  # where the climb from rest is proven, further ones are of no use
-        more = with_cross_section_bound(solve(search=None), stop)
-        return first if more.verdict is Verdict.STOPPED else more
+        asked = spatial_goals(goals)
+        return flex_spatial(assembly, asked, solver=solver, search=search, bound=True, stop=stop, progress=progress)
     from wiggleroom.maximise import flex as flex_planar
 
     options = given(seconds=seconds) | {"stop": stop, "progress": progress}

@@ -34,14 +34,12 @@ from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.search.answer import Answer, Bound, with_bound
+from wiggleroom.search.answer import MAX_BOUND_RATIO, Answer, Bound, with_bound
 from wiggleroom.search.incumbent import Incumbent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MAX_BOUND_RATIO = 2.0
-"""A bound of more than this many times the motion found says too little to be stated."""
 ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
 MANY_JOINTS = 60

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 PROVEN_WITHIN = 1.001
 """An answer is proven where no motion is worth more than this multiple of it."""
+MAX_BOUND_RATIO = 2.0
+"""A bound of more than this many times the motion found says too little to be stated."""
 
 
 @dataclass(frozen=True)

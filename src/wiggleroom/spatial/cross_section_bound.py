@@ -14,12 +14,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.build import assemble
-from wiggleroom.bound.dual_bound import MAX_BOUND_RATIO, with_bound_by_work
 from wiggleroom.drawing.model import Drawing, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.maximise import flex
-from wiggleroom.search.answer import PROVEN_WITHIN
+from wiggleroom.search.answer import MAX_BOUND_RATIO, PROVEN_WITHIN
 from wiggleroom.spatial.rotations import unit_vector
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
@@ -52,16 +49,27 @@ def with_cross_section_bound(answer: SpatialAnswer, stop: Stop | None = None) ->
     most = cross_section_bound(answer.assembly, answer.goals, axis, stop)
     spent = time.perf_counter() - began
     seconds = answer.seconds | {"bound": spent, "total": answer.seconds["total"] + spent}
-    if most is None or not value <= most <= MAX_BOUND_RATIO * value:
-        return replace(answer, seconds=seconds)
+    return with_known_bound(replace(answer, seconds=seconds), most)
+
+
+def with_known_bound(answer: SpatialAnswer, most: float | None) -> SpatialAnswer:
+    """The answer with a bound that holds, where one is known that says something; `proven` where it is near enough."""
+    value = answer.objective
+    if most is None or not value or not answer.verdict.ends or not value <= most <= MAX_BOUND_RATIO * value:
+        return answer
     near = most <= PROVEN_WITHIN * value and answer.path == PathState.CHECKED
-    return replace(answer, at_most=most, seconds=seconds, verdict=Verdict.PROVEN if near else answer.verdict)
+    return replace(answer, at_most=most, verdict=Verdict.PROVEN if near else answer.verdict)
 
 
 def cross_section_bound(
     assembly: SpatialAssembly, goals: Sequence[SpatialGoal], axis: int, stop: Stop | None = None
 ) -> float | None:
     """Value that no motion in the plane across an axis exceeds; None where no cross-section says anything."""
+    # all that answers in the plane takes longer to import than most questions in space take
+    from wiggleroom.assembly.build import assemble
+    from wiggleroom.bound.dual_bound import with_bound_by_work
+    from wiggleroom.maximise import flex
+
     across = [(axis + 1) % 3, (axis + 2) % 3]
     asked = _in_plane(assembly, goals, axis, across)
     if not asked:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.assembly.statements import given_goals, missing_roles
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
+from wiggleroom.spatial.cross_section_bound import with_cross_section_bound, with_known_bound
 from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.solids.spatial_assembly import goal_findings
@@ -34,6 +36,7 @@ def flex_spatial(
     solver: str = "interior-point",
     search: int | None = None,
     lead: Floats | None = None,
+    bound: bool = False,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> SpatialAnswer:
@@ -42,9 +45,12 @@ def flex_spatial(
     Parameters
     ----------
     search : int, optional
-        Number of climbs beside the one from rest; by default a few, of up to six free bodies and within a fixed amount of work.
+        Number of climbs beside the one from rest; by default a few, of up to six free bodies and within a fixed amount of work,
+        where that one came to an end.
     lead : (k, n, 6) float64, optional [mm, rad]
         First part of the path of an answer to nearly the same question (`SpatialAnswer.lead`): one climb begins at its end, too.
+    bound : bool
+        Whether an upper bound is looked for. Where it proves the climb from rest, no other follows.
 
     Raises
     ------
@@ -65,22 +71,37 @@ def flex_spatial(
     ready = assembly if isinstance(assembly, SpatialPrepared) else prepare_spatial(assembly)
     prepared = time.perf_counter()
     climb = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
-    first = climb.run()
+    end = climb.run()
+    alone = BestOfStarts(end, None, climb.iterations, climb.rounds, end.path[:1])
+    first = _answer(climb, alone, asked, began, prepared)
+    if bound:
+        first = with_cross_section_bound(first, stop)
+    if first.verdict is Verdict.PROVEN or (search is None and lead is None and not first.verdict.ends):
+        return first
     if lead is not None and len(lead) > 1 and is_free(ready, lead):
-        best = best_of_starts(climb, first, [lead], once=False)
+        best = best_of_starts(climb, end, [lead], once=False)
     else:
-        best = best_of_starts(climb, first, random_leads(climb, search), once=True)
-    verdict, leaves, turns = _verdict(ready, climb.objective, best.end)
-    if first.good and best.end is not first and verdict is Verdict.STOPPED:  # what seemed to leave may not
-        best = BestOfStarts(first, None, climb.iterations, climb.rounds, first.path[:1])
-        verdict, leaves, turns = _verdict(ready, climb.objective, first)
-    done = best.end
+        best = best_of_starts(climb, end, random_leads(climb, search), once=True)
+    if best.end is end:
+        spent = time.perf_counter() - began
+        return replace(first, search=best.effort, seconds=first.seconds | {"total": spent})
+    further = _answer(climb, best, asked, began, prepared)
+    if end.good and further.verdict is Verdict.STOPPED:  # what seemed to leave may not
+        return first
+    return with_known_bound(further, first.at_most)
+
+
+def _answer(
+    climb: SpatialSearch, best: BestOfStarts, asked: tuple[SpatialGoal, ...], began: float, prepared: float
+) -> SpatialAnswer:
+    """What a climb has come to, as an answer."""
+    ready, its, done = climb.ready, climb.ready.assembly, best.end
+    verdict, leaves, turns = _verdict(ready, climb.objective, done)
     solved = time.perf_counter()
     found, path = done.found, done.path  # free as far as it goes, which may be short of the solution
     motion = path[-1]
     deepest = deepest_overlap(its, motion)
-    at_end = _at_end(ready, done)
-    held = at_end and found.status is SolverStatus.CONVERGED
+    held = _at_end(ready, done) and found.status is SolverStatus.CONVERGED
     contacts = spatial_contacts(its, ready.grouping, done.program, found) if held else ()
     ended = time.perf_counter()
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
@@ -88,7 +109,7 @@ def flex_spatial(
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
         path=PathState.CHECKED, collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
-        deepest_overlap=deepest, solver=solver, rounds=best.rounds, iterations=best.iterations, search=best.effort,
+        deepest_overlap=deepest, solver=climb.solver, rounds=best.rounds, iterations=best.iterations, search=best.effort,
         lead=best.lead, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip

@@ -13,7 +13,6 @@ from wiggleroom.assembly.statements import unknown
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.live.drag_target import target_in_sight
-from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram, build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
@@ -151,9 +150,7 @@ class SpatialLive:
         StoppedError
             If it was asked to stop.
         """
-        answer = with_cross_section_bound(
-            flex_spatial(self.ready, tuple(goals), search=0, stop=stop, progress=progress), stop
-        )
+        answer = flex_spatial(self.ready, tuple(goals), search=0, bound=True, stop=stop, progress=progress)
         go_on(stop)
         if answer.path == PathState.CHECKED and answer.collision_free:
             self._end = (self.ready, tuple(goals), answer.motion)
