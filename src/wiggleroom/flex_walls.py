@@ -127,9 +127,8 @@ def _near_end(finer: Prepared, answer: Answer) -> Start | None:
     if found is None:
         return None
     near = found.start()
-    path = np.array([segment.program.motion(point) for segment in near.segments for point in segment.points])
-    start = start_after(finer, path)
-    return None if start is None else replace(start, mu=near.mu, tolerance=found.tolerance)
+    start = start_after(finer, near.inner[None])
+    return None if start is None else replace(start, segments=near.segments, mu=near.mu, tolerance=found.tolerance)
 
 
 def _with_work(answer: Answer, climbs: Sequence[Answer], query: MotionQuery) -> Answer:

@@ -374,6 +374,8 @@ class LocalSearch:
         segment = kept[-1]
         if not isinstance(segment.program.cells, Cells):  # the climb before there were cells
             return self._begun_with(start_at_rest(self.ready), best, a, b)
+        if segment.program.bodies is not self.ready.bodies or not len(segment.program.cells.a):  # led to the start
+            return self._begun_with(start, best, a, b)
         inner = segment.program.motion(segment.points[-1])
         grown, good = self._grown(a, b, inner, best.motion)
         if (len(kept) == 1 and len(segment.points) == 1) or not good.all():
