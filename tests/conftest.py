@@ -45,31 +45,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.xfail(reason=reason, raises=AssertionError, strict=True))
 
 
-@pytest.fixture(scope="session", autouse=True)
-def from_rest_only() -> Iterator[dict[str, Any]]:
-    """Climb from rest alone, also in what modules work out once: going on beyond the nearest optimum would take most of the time.
-
-    What does go on, by its name.
-    """
-    from wiggleroom import flex_walls
-
-    searching = {name: getattr(flex_walls, name) for name in ("_in_own_frame", "_searched")}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(flex_walls, "_in_own_frame", lambda *_: None)
-        patch.setattr(flex_walls, "_searched", lambda climb, query, _: flex_walls._answer(climb, query))
-        yield searching
-
-
-@pytest.fixture(autouse=True)
-def searches_where_marked(
-    request: pytest.FixtureRequest, from_rest_only: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Search as `flex` does in tests that are marked `searches`."""
-    if "searches" in request.keywords:
-        for name, search in from_rest_only.items():
-            monkeypatch.setattr(f"wiggleroom.flex_walls.{name}", search)
-
-
 @pytest.fixture
 def command(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     """The command line: its words, and its exit code."""

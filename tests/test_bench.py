@@ -184,7 +184,6 @@ def test_methods_against_the_true_optimum() -> None:
 # interlock
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize("puzzle", [p for p in PUZZLES if p.truth == APART], ids=lambda p: p.name)
 def test_what_comes_apart_does_so_along_a_path_without_overlap(puzzle) -> None:
     assembly = puzzle.assembly()
@@ -206,7 +205,6 @@ def _placed(points: np.ndarray, at: tuple[float, float, float]) -> np.ndarray:
     return points @ turn(at[2]).T + at[:2]
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize("method", [pytest.param("check", marks=pytest.mark.slow), "walls"])
 def test_both_truths_are_told_apart(method: str) -> None:
     assert {p.truth for p in PUZZLES} == {LOCKED, APART}

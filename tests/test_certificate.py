@@ -37,14 +37,16 @@ def sealed(content):
 @pytest.fixture(scope="module")
 def proven():
     """A chain of three swallowtails, its answer with a proof, and the certificate as read from a file."""
-    answer = wr.prove(wr.flex(assemble(row_of([blocks.block("swallowtail", 0.02)] * 3), gap=0.0)), 0.02, certify=True)
+    answer = wr.prove(
+        wr.flex(assemble(row_of([blocks.block("swallowtail", 0.02)] * 3), gap=0.0), search=0), 0.02, certify=True
+    )
     return answer, json.loads(json.dumps(answer.bound.certificate))
 
 
 @pytest.mark.parametrize(("joint", "n"), [("swallowtail", 10), ("tee", 3)])
 def test_chains_verify_and_hold_the_true_optimum(joint, n):
     assembly = assemble(row_of([blocks.block(joint, 0.03)] * n), gap=0.0)
-    answer = wr.prove(wr.flex(assembly), 0.01, certify=True)
+    answer = wr.prove(wr.flex(assembly, search=0), 0.01, certify=True)
     content = json.loads(json.dumps(answer.bound.certificate))
     found = verify(content)
     assert found.proven, found.why
@@ -55,7 +57,6 @@ def test_chains_verify_and_hold_the_true_optimum(joint, n):
         assert found.at_most >= value - accuracy
 
 
-@pytest.mark.searches
 def test_a_certificate_takes_no_nearer_bound_away():
     answer = wr.flex(assemble(row_of([blocks.block("swallowtail", 0.02)] * 2), gap=0.0))
     assert answer.verdict == "proven"
@@ -80,7 +81,7 @@ def test_more_certificates_verify(kind):
     else:
         made = wr.patterns.chain(4, joint=kind, gap=0.02)
         assembly = assemble(made.drawing, goals=[wr.Pull(made.names[-1], (0, 1))])
-    answer = wr.prove(wr.flex(assembly), 0.02, certify=True, seconds=300)
+    answer = wr.prove(wr.flex(assembly, search=0), 0.02, certify=True, seconds=300)
     found = verify(answer.bound.certificate)
     assert found.proven, found.why
     assert answer.at_most <= 1.021 * answer.objective

@@ -366,7 +366,6 @@ def test_a_missing_extra_is_said_before_the_long_work(
     assert not (folder / "a.mp4").exists()
 
 
-@pytest.mark.searches
 def test_flex_says_what_other_starts_came_to(run, folder: Path) -> None:
     code, out, _ = run("flex", "peg.json", "--pull", "peg:+y", "--search", "3")
     assert code == 0

@@ -25,7 +25,7 @@ SAME["thousandfold"] = (lambda d: scaled(d, 1e3), 1e3)
 @cache
 def ask(seed, most=3):
     assembly = random_assembly(seed)
-    return wr.flex(assembly, random_goals(assembly, seed, most))
+    return wr.flex(assembly, random_goals(assembly, seed, most), search=0)
 
 
 def look(answer):
@@ -62,7 +62,7 @@ def test_many_random_questions(seed):
 @pytest.mark.parametrize("seed", range(8))
 def test_thirty_parts(seed):
     assembly = random_puzzle(seed)
-    look(wr.flex(assembly, random_goals(assembly, seed, 2)))
+    look(wr.flex(assembly, random_goals(assembly, seed, 2), search=0))
 
 
 @pytest.mark.parametrize("seed", SMALL)
@@ -71,7 +71,7 @@ def test_same_question_otherwise(seed, how):
     change, length = SAME[how]
     answer = ask(seed, most=1)
     drawing = replace(answer.assembly.drawing, goals=answer.goals)
-    other = wr.flex(assemble(change(drawing)))
+    other = wr.flex(assemble(change(drawing)), search=0)
     check_safe(other)
     if answer.objective is None:
         assert other.objective is None

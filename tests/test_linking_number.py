@@ -123,5 +123,8 @@ def test_a_link_that_is_open_wide_enough_comes_off():
 def test_small_pieces_do_not_go_through_each_other_in_one_step():
     answer = flex_spatial(chain(), (SpatialPull("link3", (1.0, 0.0, 0.0)),))
     assert answer.verdict == "optimal"
-    straight, bar = 3 * 2.2, 4.0  # links that tilt reach further than straight ones; a bar that went through would gain its width
+    straight, bar = (
+        3 * 2.2,
+        4.0,
+    )  # links that tilt reach further than straight ones; a bar that went through would gain its width
     assert straight - 1e-6 <= answer.objective < straight + bar / 2

@@ -97,9 +97,9 @@ def test_nothing_holds_where_the_target_is_reached():
 
 
 def test_the_public_goal_agrees_with_the_closed_form():
-    answer = wr.flex(peg(), wr.Towards("peg", (7.0, 7.0), (0.0, 0.0)))
+    answer = wr.flex(peg(), wr.Towards("peg", (7.0, 7.0), (0.0, 0.0)), search=0)
     assert answer.objective == pytest.approx(7**2 * 2 - 6**2 * 2, rel=1e-6)
-    inside = wr.flex(peg(), wr.Towards("peg", (0.4, -0.7)))
+    inside = wr.flex(peg(), wr.Towards("peg", (0.4, -0.7)), search=0)
     assert inside.objective == pytest.approx(0.4**2 + 0.7**2, rel=1e-4)
 
 
@@ -216,7 +216,7 @@ def test_the_slider_finds_what_flex_finds(gaps):
         made = live.design(gap=gap)
         assert made.gap == gap
         shot = live.flex(goal, seconds=30)
-        assert shot.objective == pytest.approx(wr.flex(assemble(drawing, gap=gap), goal).objective, rel=2e-3)
+        assert shot.objective == pytest.approx(wr.flex(assemble(drawing, gap=gap), goal, search=0).objective, rel=2e-3)
         assert overlap(made, shot.motion) < 1e-12
         exact = assemble(drawing, gap=gap)
         for one, other in zip(made.parts, exact.parts, strict=True):
@@ -236,7 +236,9 @@ def test_many_small_slides_do_not_lead_astray(joint):
         shot = live.flex(goal, seconds=60)
         assert overlap(made, shot.motion) < 1e-12
         if k % 10 == 9:
-            assert shot.objective == pytest.approx(wr.flex(assemble(drawing, gap=gap), goal).objective, rel=3e-3)
+            assert shot.objective == pytest.approx(
+                wr.flex(assemble(drawing, gap=gap), goal, search=0).objective, rel=3e-3
+            )
 
 
 @pytest.mark.parametrize("joint", ["jigsaw", "swallowtail"])
@@ -258,7 +260,7 @@ def test_extra_gap_round_one_part_is_that_of_its_outline():
     before = live.flex(goal, seconds=30).objective
     live.design(extra={"b2": 0.01})
     shot = live.flex(goal, seconds=30)
-    truth = wr.flex(assemble(drawing, offset={"b2": -0.005}), goal).objective
+    truth = wr.flex(assemble(drawing, offset={"b2": -0.005}), goal, search=0).objective
     assert shot.objective == pytest.approx(truth, rel=2e-3)
     assert truth > 1.05 * before
 
@@ -269,7 +271,7 @@ def test_settle_is_the_answer_of_flex_and_helps_the_next_one():
     live.design()
     live.design(gap=0.021)
     answer = live.settle(goal)
-    truth = wr.flex(assemble(drawing, gap=0.021), goal)
+    truth = wr.flex(assemble(drawing, gap=0.021), goal, search=0)
     assert answer.objective == pytest.approx(truth.objective, rel=1e-9)
     assert answer.path == "checked"
     shot = live.flex(goal, seconds=30)
@@ -283,7 +285,7 @@ def test_other_parts_are_fixed_and_glued():
     long = live.flex(goal, seconds=30).objective
     live.design(fixed=["b1", "b3"])
     short = live.flex(goal, seconds=30).objective
-    assert short == pytest.approx(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02)).objective, rel=2e-3)
+    assert short == pytest.approx(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), search=0).objective, rel=2e-3)
     live.design(glue=[["b2", "b3"]])
     assert short < live.flex(goal, seconds=30).objective < long
 
@@ -392,7 +394,7 @@ def test_a_full_answer_that_was_stopped_can_be_asked_for_again() -> None:
     with pytest.raises(wr.StoppedError):
         live.settle(goal, stop=After(0))
     full = live.settle(goal)
-    assert full.objective == pytest.approx(wr.flex(live.assembly, goal).objective, rel=1e-6)
+    assert full.objective == pytest.approx(wr.flex(live.assembly, goal, search=0).objective, rel=1e-6)
     assert quick.objective is not None
     assert full.objective is not None
     assert quick.objective <= full.objective * (1 + 1e-6)

@@ -57,7 +57,6 @@ def test_the_work_of_all_climbs_is_told(tmp_path):
 BENDS = ((0.0, 0.0), (-0.6, 0.0), (-0.6, 0.7), (0.8, 0.7))
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize(
     ("corners", "chords", "point"),
     [(240, 60, None), (240, 60, (0.1, -0.15)), (48, 60, None), (40, 8, (-0.05, 0.1)), (240, 8, None)],
@@ -112,7 +111,6 @@ def carved(seed: int) -> tuple[np.ndarray, shapely.Polygon]:
     return np.array(piece.exterior.coords)[:-1], room
 
 
-@pytest.mark.searches
 def test_what_is_found_in_a_carved_channel_of_many_corners_is_the_largest_motion(tmp_path):
     """Climbs end at less than half of it."""
     piece, room = carved(9)

@@ -139,7 +139,8 @@ def test_the_worst_of_a_joint_on_slanted_edges_is_that_of_its_widest_gap() -> No
     drawing = Drawing(parts, gap=0.4, gaps=(JointGap(("a", "b"), 0.2),), goals=(wr.Pull("b", (0, -1)),))
     found = wr.worst_case(assemble(drawing), [Tolerance(("a", "b"), plus=0.05, minus=0.1, nominal=0.2)])
     within = [
-        wr.flex(assemble(replace(drawing, gaps=(JointGap(("a", "b"), gap),)))).objective for gap in (0.1, 0.15, 0.25)
+        wr.flex(assemble(replace(drawing, gaps=(JointGap(("a", "b"), gap),))), search=0).objective
+        for gap in (0.1, 0.15, 0.25)
     ]
     assert found.loosest.objective is not None
     assert found.loosest.objective >= max(within) - 1e-9

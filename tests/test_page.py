@@ -84,7 +84,7 @@ def test_a_dragged_part_stops_where_it_must_and_what_holds_it_lights_up(browser:
 
 def test_the_arrow_can_be_turned_and_taken_to_another_part(browser: Any) -> None:
     path = EXAMPLES / "02_chain_of_tees" / "chain.json"
-    truth = wr.flex(wr.read(str(path)), wr.Pull("b10", (1, 0))).objective
+    truth = wr.flex(wr.read(str(path)), wr.Pull("b10", (1, 0)), search=0).objective
     with serving(path) as served, visiting(browser, served) as page:
         answered(page, "b10 moves")
         x, y = still(page)
@@ -260,7 +260,7 @@ def test_what_is_saved_says_the_same(browser: Any, peg: Served, tmp_path: Path) 
                 page.get_by_role("menuitem", name=words).click()
             kept[ending] = tmp_path / f"saved.{ending}"
             coming.value.save_as(kept[ending])
-        assert wr.flex(wr.read(str(kept["json"]))).objective == pytest.approx(2)
+        assert wr.flex(wr.read(str(kept["json"])), search=0).objective == pytest.approx(2)
         assert "peg moves 2 mm in +x" in kept["svg"].read_text()
         assert "peg moves 2 mm in +x" in kept["html"].read_text()
 
@@ -324,7 +324,7 @@ def test_without_its_server_a_page_keeps_its_answer_and_says_what_to_do(browser:
 def test_two_pages_have_drawings_of_their_own(browser: Any, peg: Served, tmp_path: Path) -> None:
     other = tmp_path / "chain.json"
     other.write_text(write_assembly(wr.patterns.chain(3, joint="tee", gap=0.02).drawing))
-    truth = wr.flex(wr.read(str(other))).objective
+    truth = wr.flex(wr.read(str(other)), search=0).objective
     with visiting(browser, peg) as one, visiting(browser, peg) as two:
         answered(one, "peg moves 1 mm")
         two.locator("#file").set_input_files(str(other))

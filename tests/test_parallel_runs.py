@@ -101,7 +101,6 @@ def test_progress_counts_up(processes: ParallelRun) -> None:
     assert told == [(1, 3), (2, 3), (3, 3)]
 
 
-@pytest.mark.searches
 def test_processes_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     one, two = (wr.sample(wr.patterns.chain(4, gap=0.02), 0.002, draws=12, workers=w) for w in (1, 2))

@@ -63,14 +63,14 @@ def test_a_box_stops_at_the_wall():
 def test_a_pulled_corner_turns_the_box_as_far_as_flex_finds():
     corner = wr.Pull("plug", (0.0, 1.0), point=(501.0, -300.0))
     assembly = boxes(corner)
-    assert pulled_to_rest(assembly).objective == pytest.approx(wr.flex(assembly).objective, rel=0.01)
+    assert pulled_to_rest(assembly).objective == pytest.approx(wr.flex(assembly, search=0).objective, rel=0.01)
 
 
 def test_glued_parts_move_as_one():
     chain = wr.patterns.chain(4, "tee", 0.02)
     glued = wr.assemble(wr.Drawing(chain.drawing.parts, 0.02, glue=(("b2", "b3"),), goals=chain.goals))
     found = pulled_to_rest(glued)
-    assert found.objective == pytest.approx(wr.flex(glued).objective, rel=0.01)
+    assert found.objective == pytest.approx(wr.flex(glued, search=0).objective, rel=0.01)
     assert found.motion[1, 2] == found.motion[2, 2]
 
 

@@ -80,7 +80,7 @@ def look(seed, most=3):
     """A bound that is asked for far too little has to stay above a motion that was found and checked."""
     assembly = random_assembly(seed)
     goals = random_goals(assembly, seed, most)
-    answer = wr.flex(assembly, goals)
+    answer = wr.flex(assembly, goals, search=0)
     if answer.objective is None:
         assert bound_of(assembly, goals, 1.0, WHILE) == math.inf
         return
@@ -106,7 +106,7 @@ def test_closed_forms(name):
     low = bound_of(assembly, assembly.goals, 0.5 * case.value, 1.0)
     assert low >= case.value * (1 - ROUNDING)
     loose = name.split(" ", 1)[1].startswith(LOOSE)
-    answer = wr.prove(wr.flex(assembly), 0.001, seconds=1 if loose else 600)
+    answer = wr.prove(wr.flex(assembly, search=0), 0.001, seconds=1 if loose else 600)
     if loose:
         assert answer.at_most is None or answer.at_most >= case.value
     else:
@@ -117,7 +117,7 @@ def test_closed_forms(name):
 def test_chains_against_the_dynamic_programme(joint, gap, n):
     value, accuracy = chain.stored(joint, gap, n)
     assembly = assemble(row_of([blocks.block(joint, gap)] * n), gap=0.0)
-    answer = wr.prove(wr.flex(assembly), 0.01, seconds=600)
+    answer = wr.prove(wr.flex(assembly, search=0), 0.01, seconds=600)
     assert value - accuracy <= answer.at_most <= 1.011 * value
 
 
@@ -211,7 +211,7 @@ def test_any_multipliers_give_a_bound(seed, wide):
     """Weak duality: whatever the multipliers, the bound stays above a motion that was found and checked."""
     rng = np.random.default_rng(seed)
     assembly = wr.patterns.grid(3, 2, joint="tee", gap=0.02)
-    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], rng.standard_normal(2)))
+    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], rng.standard_normal(2)), search=0)
     surveyed = survey(assembly)
     them = surveyed.bodies
     joints, regions = outer_regions(surveyed, WorkBudget())
@@ -295,7 +295,7 @@ def test_neighbourhoods_cut_no_motion_that_is_worth_enough(reach, monkeypatch):
 
     monkeypatch.setattr(neighbourhood_tightening, "REACH", reach)
     assembly = wr.patterns.grid(4, 3, joint="tee", gap=0.02)
-    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)))
+    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)), search=0)
     surveyed = survey(assembly)
     them = surveyed.bodies
     joints, regions = outer_regions(surveyed, WorkBudget())
@@ -377,14 +377,14 @@ def test_same_chain_otherwise(how):
     change, length = OTHERWISE[how]
     value, _ = chain.stored("swallowtail", 0.02, 5)
     assembly = assemble(change(row_of([blocks.block("swallowtail", 0.02)] * 5)), gap=0.0)
-    answer = wr.prove(wr.flex(assembly), 0.01, seconds=600)
+    answer = wr.prove(wr.flex(assembly, search=0), 0.01, seconds=600)
     assert value * length * (1 - 1e-10) <= answer.at_most <= 1.0101 * value * length
 
 
 def test_a_turn_beyond_a_quarter():
     """Two loose pegs in line turn more than a quarter together; the bound holds and is near."""
     assembly = wr.patterns.chain(12, joint="swallowtail", gap=0.03)
-    answer = wr.flex(assembly, wr.Turn("b12", "ccw"))
+    answer = wr.flex(assembly, wr.Turn("b12", "ccw"), search=0)
     assert answer.objective > math.pi / 4
     proven = wr.prove(answer, 0.01, seconds=600)
     assert answer.objective <= proven.at_most <= 1.01 * answer.objective
@@ -395,9 +395,9 @@ def test_a_turn_beyond_a_quarter():
 
 def test_flex_proves_when_asked():
     assembly = wr.patterns.chain(3, joint="tee", gap=0.02)
-    plain = wr.flex(assembly)
+    plain = wr.flex(assembly, search=0)
     assert plain.bound is None or plain.bound.kind == "quick"
-    answer = wr.flex(assembly, prove=0.01)
+    answer = wr.flex(assembly, prove=0.01, search=0)
     assert answer.bound.kind == "proven"
     assert answer.objective == plain.objective
     assert answer.bound.at_most == answer.at_most
@@ -407,14 +407,14 @@ def test_flex_proves_when_asked():
 
 def test_what_flies_away_has_no_bound():
     case = next(iter(closed_forms.unbounded()))
-    answer = wr.prove(wr.flex(case_assembly(case)), 0.01)
+    answer = wr.prove(wr.flex(case_assembly(case), search=0), 0.01)
     assert answer.at_most is None
     assert answer.bound.why == "nothing stops the motion"
 
 
 def test_open_joints_are_said():
     parts = wr.patterns.chain(2, joint="finger", gap=0.02)
-    answer = wr.flex(parts, wr.Pull("b2", (0, 1)))
+    answer = wr.flex(parts, wr.Pull("b2", (0, 1)), search=0)
     if answer.objective is not None:
         proven = wr.prove(answer, 0.01)
         assert proven.at_most is None
@@ -449,7 +449,7 @@ def test_parts_that_fly_off_together_do_not_spoil_the_bound_of_others():
 
 @pytest.mark.parametrize(("within", "seconds"), [(0, 1), (-1, 1), (math.nan, 1), (0.1, 0), (0.1, math.inf)])
 def test_numbers_that_make_no_sense(within, seconds):
-    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02))
+    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), search=0)
     with pytest.raises(wr.InputError, match="it must be"):
         wr.prove(answer, within, seconds=seconds)
 
@@ -457,12 +457,12 @@ def test_numbers_that_make_no_sense(within, seconds):
 def test_sums_of_squares_are_refused():
     assembly = wr.patterns.chain(2, joint="tee", gap=0.02)
     with pytest.raises(wr.InputError, match="sums of squares"):
-        wr.flex(assembly, wr.Translation(), prove=0.01)
+        wr.flex(assembly, wr.Translation(), prove=0.01, search=0)
 
 
 def test_a_short_time_gives_the_best_so_far():
     assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
-    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)), prove=1e-6, seconds=3)
+    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)), prove=1e-6, seconds=3, search=0)
     assert answer.bound.seconds < 10
     assert answer.at_most is None or answer.at_most >= answer.objective
 
@@ -486,7 +486,7 @@ def test_command(tmp_path, capsys, command):
 def test_words_round_outwards():
     from wiggleroom.report.results.answer_words import proven
 
-    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
+    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)), search=0)
     assert proven(replace(answer, at_most=None, bound=None)) == ""
     shown = replace(answer, objective=1.37238, at_most=1.37901, bound=Bound(1.37901, 0.005, 0.1))
     assert proven(shown) == "between 1.3723 and 1.3791 mm, proven"
@@ -499,7 +499,7 @@ def test_words_round_outwards():
 )
 def test_published_fasteners(file, play, made, published):
     """Float of fasteners in clearance holes: the extremes that are published hold, proven."""
-    answer = wr.prove(wr.flex(wr.read(f"examples/22_fasteners/{file}.json")), 0.01, seconds=600)
+    answer = wr.prove(wr.flex(wr.read(f"examples/22_fasteners/{file}.json"), search=0), 0.01, seconds=600)
     assert answer.objective == pytest.approx(play, abs=1e-6)
     assert play - 1e-6 <= answer.at_most <= 1.0101 * play
     low, high = made[0] - answer.objective, made[1] + answer.objective
@@ -509,14 +509,14 @@ def test_published_fasteners(file, play, made, published):
 @pytest.mark.parametrize(("joint", "n", "gap"), [("swallowtail", 12, 0.03), ("revolute", 8, 0.05)])
 def test_chains_that_turn_beyond_a_quarter(joint, n, gap):
     made = wr.patterns.chain(n, joint=joint, gap=gap)
-    answer = wr.flex(made, wr.Turn(made.names[-1], "ccw"))
+    answer = wr.flex(made, wr.Turn(made.names[-1], "ccw"), search=0)
     assert answer.objective > math.pi / 2
     proven = wr.prove(answer, 0.02, seconds=600)
     assert answer.objective <= proven.at_most <= 1.0201 * answer.objective
 
 
 def test_a_quick_bound_that_is_near_enough_needs_no_excuse():
-    answer = wr.flex(wr.patterns.chain(3, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
+    answer = wr.flex(wr.patterns.chain(3, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)), search=0)
     assert answer.verdict == "proven"
     proven = wr.prove(answer, 0.01)
     assert proven.at_most == answer.at_most

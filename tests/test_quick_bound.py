@@ -94,7 +94,7 @@ def test_parts_that_catch_on_both_shoulders_have_a_pocket():
     found = local_outer_region(around(a, b, np.array([0.5, 0.0]), float(shapely.distance(a, b))))
     assert found is not None
     assert found.turns[1] <= 0.17  # outer slices end at 0.1506
-    answer = wr.flex(made, wr.Turn("b2", "ccw"))
+    answer = wr.flex(made, wr.Turn("b2", "ccw"), search=0)
     assert found.turns[1] >= answer.objective
 
 
@@ -112,14 +112,14 @@ def bound_at_any_cost(answer):
 @pytest.mark.parametrize("n", [2, 10])
 def test_chains_against_the_dynamic_programme(joint, n):
     value, accuracy = chain.stored(joint, 0.01, n)
-    answer = wr.flex(assemble(row_of([blocks.block(joint, 0.01)] * n), gap=0.0))
+    answer = wr.flex(assemble(row_of([blocks.block(joint, 0.01)] * n), gap=0.0), search=0)
     assert value - accuracy <= bound_at_any_cost(answer) <= 1.1 * value
 
 
 @pytest.mark.parametrize("name", [f"{k} {c.name}" for k, c in enumerate(closed_forms.bounded())])
 def test_closed_forms(name):
     case = list(closed_forms.bounded())[int(name.split()[0])]
-    answer = wr.flex(case_assembly(case))
+    answer = wr.flex(case_assembly(case), search=0)
     assert answer.at_most is None or answer.at_most >= case.value * (1 - ROUNDING)
     assert bound_at_any_cost(answer) >= case.value * (1 - ROUNDING)
 
@@ -127,7 +127,7 @@ def test_closed_forms(name):
 def look(seed):
     """No bound lies below a motion that was found and checked, and wrong forces give worse bounds, not wrong ones."""
     assembly = random_assembly(seed)
-    answer = wr.flex(assembly, random_goals(assembly, seed))
+    answer = wr.flex(assembly, random_goals(assembly, seed), search=0)
     if answer.objective is None or answer.path != "checked":
         assert answer.at_most is None or answer.objective is not None
         return
@@ -151,7 +151,6 @@ def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize("how", [mirrored, lambda d: scaled(d, 100.0), lambda d: displaced(d, 0.7, (300.0, -200.0))])
 def test_same_chain_otherwise(how):
     drawing = row_of([blocks.block("swallowtail", 0.02)] * 5)
@@ -161,7 +160,6 @@ def test_same_chain_otherwise(how):
     )  # how far it is tightened hangs on the iterations of the search
 
 
-@pytest.mark.searches
 def test_stated_in_json_terminal_and_picture(tmp_path, capsys, command):
     file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
     assert command("make", "chain", "10", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
@@ -177,7 +175,6 @@ def test_stated_in_json_terminal_and_picture(tmp_path, capsys, command):
     assert "at most" in picture.read_text()
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize(
     ("nx", "ny", "joint", "gap"),
     [(2, 2, "tee", 0.01), (4, 3, "tee", 0.02), (6, 5, "tee", 0.01), (6, 5, "swallowtail", 0.01)],
@@ -189,7 +186,6 @@ def test_grids_within_a_tenth(nx, ny, joint, gap):
     assert answer.objective <= answer.at_most <= 1.1 * answer.objective
 
 
-@pytest.mark.searches
 def test_many_corners_are_bounded_as_drawn():
     """Outlines were searched a little too large; the bound is about those that were drawn, which move further."""
     made = wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"])
@@ -200,7 +196,7 @@ def test_many_corners_are_bounded_as_drawn():
 
 def test_null_where_it_would_cost_more_or_say_too_little():
     for made in (wr.patterns.jigsaw(5, 4, gap=0.02, seed=1), wr.patterns.grid(14, 14, joint="swallowtail", gap=0.01)):
-        answer = wr.flex(made, wr.Pull(made.names[-1], (1, 0)))
+        answer = wr.flex(made, wr.Pull(made.names[-1], (1, 0)), search=0)
         assert answer.at_most is None
         assert answer.bound is None
 
@@ -210,7 +206,6 @@ def test_studies_ask_for_none():
     assert answer.at_most is None
 
 
-@pytest.mark.searches
 def test_a_proof_that_finds_nothing_leaves_the_quick_bound():
     answer = wr.flex(wr.patterns.chain(10, joint="tee", gap=0.01))
     done = wr.prove(answer, 0.001, seconds=1e-6)

@@ -49,7 +49,7 @@ def of(ranking: wr.Ranking, name: str) -> tuple[float, float]:
 
 def again(drawing: Drawing, name: str, h: float) -> float:
     """Central difference by the gap round one part, everything worked out from nothing."""
-    high, low = (wr.flex(assemble(drawing, offset={name: -s * h / 2})).objective for s in (1, -1))
+    high, low = (wr.flex(assemble(drawing, offset={name: -s * h / 2}), search=0).objective for s in (1, -1))
     assert high is not None
     assert low is not None
     return (high - low) / (2 * h)
@@ -100,7 +100,7 @@ def seesaw(foot: float) -> Drawing:
 
 def again_one_sided(drawing: Drawing, name: str, h: float) -> float:
     """Difference on one side by the gap round one part, everything worked out from nothing."""
-    at, beside = (wr.flex(assemble(drawing, offset={name: -x / 2})).objective for x in (0.0, h))
+    at, beside = (wr.flex(assemble(drawing, offset={name: -x / 2}), search=0).objective for x in (0.0, h))
     assert at is not None
     assert beside is not None
     return (beside - at) / abs(h)
@@ -135,13 +135,12 @@ def three_stops() -> Drawing:
 def joint_again(drawing: Drawing, joint: tuple[str, str], h: float) -> float:
     """Difference on one side by the gap of one joint, everything worked out from nothing."""
     own = replace(drawing, gaps=(JointGap(joint, drawing.gap + h),))
-    at, beside = (wr.flex(assemble(each)).objective for each in (drawing, own))
+    at, beside = (wr.flex(assemble(each), search=0).objective for each in (drawing, own))
     assert at is not None
     assert beside is not None
     return (beside - at) / h
 
 
-@pytest.mark.searches
 def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_worth_most() -> None:
     """With less gap it lies where the largest force of that joint loses least; the best place for the left one lies between those met."""
     ranking = wr.rank(assemble(three_stops()))
@@ -166,7 +165,6 @@ def table_on_humps() -> Drawing:
     return Drawing((table, *humps, part_at("tray", tray, fixed=True)), 0.2, goals=(goal,))
 
 
-@pytest.mark.searches
 def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
     """Then the left hump need not carry anything, and at most what it does where the table lies furthest to the right."""
     ranking = wr.rank(assemble(table_on_humps()))
@@ -179,7 +177,6 @@ def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
         assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3, abs=1e-4)
 
 
-@pytest.mark.searches
 def test_other_optima_are_in_balance() -> None:
     """The forces there hold the table against its pull, and against turning about where it lies now."""
     found = ended(wr.flex(assemble(table_on_humps())))
@@ -202,7 +199,6 @@ def block_at_a_wall() -> Drawing:
     return Drawing(parts, 0.1, goals=(Pull("block", (-1.0, 0.0)),))
 
 
-@pytest.mark.searches
 def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_that_it_faced() -> None:
     """A step stands up below the block there: all of the gap is lost, wherever it lies."""
     ranking = wr.rank(assemble(block_at_a_wall()))
@@ -213,7 +209,6 @@ def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_
     assert ranking.joint_looser[0] <= 1 + 1e-6
 
 
-@pytest.mark.searches
 def test_a_ranking_is_that_of_the_answer_not_of_the_border_of_a_cell(tmp_path: Path) -> None:
     """A wedge that turns until it jams between others: one round in new cells ended lower, held by nothing that touches."""
     made = draw(2505)[1]
@@ -302,7 +297,7 @@ def test_multipliers_agree_with_asking_again_from_nothing(name: str) -> None:
 def test_all_parts_together_are_worth_what_the_gap_is() -> None:
     drawing = wr.patterns.chain(5, joint="tee", gap=0.02).drawing
     ranking = wr.rank(assemble(drawing))
-    high, low = (wr.flex(assemble(drawing, gap=g)).objective for g in (0.0202, 0.0198))
+    high, low = (wr.flex(assemble(drawing, gap=g), search=0).objective for g in (0.0202, 0.0198))
     assert high is not None
     assert low is not None
     assert ranking.looser.sum() == pytest.approx((high - low) / 0.0004, rel=1e-3)
@@ -332,7 +327,7 @@ def loosened_joint(drawing: Drawing, pair: tuple[str, str], more: float) -> floa
     gaps = {frozenset(j.parts): j for j in drawing.gaps}
     own = gaps.get(frozenset(pair), JointGap(pair, drawing.gap)).gap
     gaps[frozenset(pair)] = JointGap(pair, own + more)
-    return wr.flex(assemble(replace(drawing, gaps=tuple(gaps.values())))).objective
+    return wr.flex(assemble(replace(drawing, gaps=tuple(gaps.values()))), search=0).objective
 
 
 def offset_chain() -> Drawing:
@@ -382,7 +377,6 @@ def slid(direction: tuple[float, float], gap: float) -> Drawing:
     return Drawing(parts, gap=gap, goals=(Pull("block", direction),))
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize("direction", [(0.5, -1.0), (-0.2, 1.0), (0.1, 1.0)])
 def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direction: tuple[float, float]) -> None:
     """With more gap the floor keeps its height beyond the stretch, and the block rests on that step; with less it leaves it."""
@@ -397,7 +391,6 @@ def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direc
     assert ranking.ends == "whole"
 
 
-@pytest.mark.searches
 def test_what_lies_beside_makes_room_for_motions_as_large_as_the_largest() -> None:
     """A bolt jams in its channel at any height. Above the stretch that it faced at rest less gap takes less away; the latch gives way."""
     hole = [
@@ -428,7 +421,7 @@ def test_motions_as_large_as_the_largest_lead_through_no_part_that_is_far_away_a
     wall = box("wall", -2, -3, 0, 5, fixed=True)
     ends = box("floor", 0.2, -4, 1.5, -0.7, fixed=True), box("roof", 0.2, 3.2, 1.5, 4, fixed=True)
     made = Drawing((box("block", 0, 0.5, 1.5, 2.4), wall, *ends), gap=gap, goals=(Pull("block", (-1.0, 0.0)),))
-    found = ended(wr.flex(assemble(made)))
+    found = ended(wr.flex(assemble(made), search=0))
     program, u = found.program, found.solution.u
     active = touching(program, u, found.solution.lam)
     others = other_optima(program, u, active.row, found.solution.lam[active.row])
@@ -436,7 +429,6 @@ def test_motions_as_large_as_the_largest_lead_through_no_part_that_is_far_away_a
     assert (slid[0], slid[-1]) == pytest.approx((-1.2 - gap, 0.8 + gap), abs=2e-3)
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize("slide", [0.3, 0.05])
 def test_a_joint_counts_at_the_place_where_both_of_its_sides_face_each_other(slide: float) -> None:
     """A bar on two wide blocks: with more gap in one joint it lies on the way between the ends of where it may slide."""
@@ -495,7 +487,7 @@ def test_what_has_no_end_cannot_be_ranked() -> None:
 
 @pytest.mark.slow
 def test_a_grid_of_4096_blocks_is_ranked() -> None:
-    answer = wr.flex(wr.patterns.grid(64, 64, joint="tee", gap=0.01))
+    answer = wr.flex(wr.patterns.grid(64, 64, joint="tee", gap=0.01), search=0)
     ranking = wr.rank(answer)
     assert np.isfinite(ranking.looser).all()
     assert ranking.percent.sum() == pytest.approx(100)
@@ -503,7 +495,7 @@ def test_a_grid_of_4096_blocks_is_ranked() -> None:
 
 
 def test_a_ranking_at_once_is_the_same_where_it_is_unique_and_never_surer() -> None:
-    answer = wr.flex(wr.patterns.grid(8, 8, joint="tee", gap=0.01))
+    answer = wr.flex(wr.patterns.grid(8, 8, joint="tee", gap=0.01), search=0)
     whole, quick = wr.rank(answer), rank_at_once(answer)
     assert whole.ends == "whole"
     assert (~whole.unique).any()

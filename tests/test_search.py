@@ -32,8 +32,6 @@ from wiggleroom.search.state_tree import ClimbTree
 from wiggleroom.solve import interior_point
 from wiggleroom.verdict import Verdict
 
-pytestmark = pytest.mark.searches
-
 BENT = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
 """Room of a corridor with one bend, one unit wide."""
 

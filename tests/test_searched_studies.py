@@ -24,7 +24,6 @@ from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.verdict import Certainty
 
 
-@pytest.mark.searches
 def test_draws_in_which_a_way_out_opens_are_found() -> None:
     """The bolt leaves where both deviations are more than 0.1 mm together; without, it moves by the gap and half of them."""
     found = wr.sample(caged_bolt(), 0.06, draws=24, seed=4, limit=1.0, workers=1)
@@ -50,7 +49,6 @@ def shafts() -> wr.Assembly:
 
 
 @pytest.mark.slow
-@pytest.mark.searches
 def test_draws_in_which_a_passage_closes_still_move_as_far_as_the_tightest_of_them() -> None:
     found = wr.sample(shafts(), wr.Spread(0.005, "uniform", bias=-0.03), draws=6, seed=1, limit=0.5, workers=1)
     assert found.answer.objective == pytest.approx(2.05)
@@ -59,7 +57,6 @@ def test_draws_in_which_a_passage_closes_still_move_as_far_as_the_tightest_of_th
     assert (found.value >= found.tightest - 1e-9).all()
 
 
-@pytest.mark.searches
 def test_draws_that_are_not_decided_widen_the_yield(monkeypatch: pytest.MonkeyPatch) -> None:
     from wiggleroom.sensitivity import searched_draws
 
@@ -77,7 +74,6 @@ def test_draws_that_are_not_decided_widen_the_yield(monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.slow
-@pytest.mark.searches
 def test_the_largest_gap_for_a_motion_lies_below_the_gap_at_which_a_way_out_opens() -> None:
     """Straight on the bolt moves by the gap; from a gap of 0.1 mm on it leaves by the mouth."""
     found = wr.allowable_gap(caged_bolt(), at_most=0.5)
@@ -93,7 +89,6 @@ def test_the_largest_gap_for_a_motion_lies_below_the_gap_at_which_a_way_out_open
     assert kept.verdict != CLIMBED
 
 
-@pytest.mark.searches
 def test_what_was_climbed_is_not_called_optimal() -> None:
     found = wr.allowable_gap(wr.patterns.chain(2, joint="tee", gap=0.02), at_most=0.1)
     said = {trial.gap: trial.verdict for trial in gap_result(found).trials}
@@ -104,7 +99,6 @@ def test_what_was_climbed_is_not_called_optimal() -> None:
         assert searched or trial.verdict not in ("optimal", "proven", "stationary")
 
 
-@pytest.mark.searches
 def test_the_path_out_is_followed_to_the_gap_at_which_it_opens() -> None:
     wide = caged_bolt()
     loose = PlanarStudy(assemble(wide.drawing, gap=0.2), wide.goals)

@@ -29,7 +29,6 @@ def plate(hole: shapely.Geometry = ROOM) -> wr.Part:
     return part_at("plate", hole, fixed=True)
 
 
-@pytest.mark.searches
 def test_a_body_in_a_room_of_its_own_is_left_out() -> None:
     assembly = made(plate(), part_at("peg", PEG), part_at("pebble", PEBBLE))
     assert fixed_of(assembly) == {"plate": True, "peg": False, "pebble": True}

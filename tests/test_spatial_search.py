@@ -38,7 +38,6 @@ BLOCK = {"name": "block", "boxes": [[3, 1, 1, 5, 3, 3]], "lock": ["z", "rx", "ry
 UP = {"part": "block", "direction": [0, 1, 0]}
 
 
-@pytest.mark.searches
 def test_a_search_finds_the_deeper_of_two_slots() -> None:
     assembly = spatial(CASE, BLOCK)
     near = sound(wr.flex(assembly, wr.Pull("block", (0, 1, 0)), search=0))

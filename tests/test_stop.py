@@ -36,7 +36,7 @@ def jigsaw() -> wr.Assembly:
     wr.check(pair)
     wr.free_space(pair, "b1", "b2")
     for model in ("walls", "hull", "halfplane"):
-        wr.flex(pair, model=model)
+        wr.flex(pair, model=model, search=0)
     return fixed
 
 
@@ -48,10 +48,10 @@ ASKED: dict[str, Callable[[wr.Assembly, threading.Event], Any]] = {
     "largest gap": lambda a, stop: wr.largest_gap(a, stop=stop),
     "free space": lambda a, stop: wr.free_space(a, "p1", "p2", stop=stop),
     "prepare": lambda a, stop: wr.prepare(a, stop=stop),
-    "flex": lambda a, stop: wr.flex(a, PULL, stop=stop),
+    "flex": lambda a, stop: wr.flex(a, PULL, stop=stop, search=0),
     "hull": lambda a, stop: wr.flex(a, PULL, model="hull", stop=stop),
     "halfplane": lambda a, stop: wr.flex(a, PULL, model="halfplane", stop=stop),
-    "prove": lambda a, stop: wr.flex(a, PULL, prove=1e-4, stop=stop),
+    "prove": lambda a, stop: wr.flex(a, PULL, prove=1e-4, stop=stop, search=0),
     "rank": lambda a, stop: wr.rank(a, PULL, by="differences", workers=1, stop=stop),
     "tighten": lambda a, stop: wr.tighten(a, PULL, parts=3, workers=1, stop=stop),
     "sweep": lambda a, stop: wr.sweep(a, [0.5, 1.0, 1.5, 2.0], PULL, stop=stop),
@@ -100,9 +100,9 @@ def test_reading_a_large_drawing_stops(extension: str, tmp_path: Path) -> None:
 def test_a_climb_that_is_stopped_still_begins_at_rest() -> None:
     tees = wr.patterns.grid(30, 30, joint="tee", gap=0.01)
     goal = wr.Pull(tees.names[-1], (1, 0))
-    wr.flex(wr.patterns.grid(11, 11, joint="tee", gap=0.01), goals=wr.Pull("b11-11", (1, 0)))
+    wr.flex(wr.patterns.grid(11, 11, joint="tee", gap=0.01), goals=wr.Pull("b11-11", (1, 0)), search=0)
     for seconds in (0.1, 0.15, 0.2, 0.25):
-        answer = wr.flex(tees, goal, stop=AfterSeconds(seconds))
+        answer = wr.flex(tees, goal, stop=AfterSeconds(seconds), search=0)
         assert not answer.waypoints[0].any()
         assert answer.objective >= 0
 
@@ -131,12 +131,12 @@ def many_tees() -> wr.Assembly:
 @pytest.mark.parametrize("after", [0.2, 0.5, 0.8, 1.2, 1.6])
 def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly) -> None:
     stop = AfterSeconds(after)
-    answer = wr.flex(many_tees, stop=stop)
+    answer = wr.flex(many_tees, stop=stop, search=0)
     ended = time.process_time()
     assert not stop.seen or ended - stop.due < LATE
     assert answer.path == "checked"
     if answer.verdict != "stopped":  # the search had ended before the request was seen
-        assert answer.objective == pytest.approx(wr.flex(many_tees).objective, rel=1e-6)
+        assert answer.objective == pytest.approx(wr.flex(many_tees, search=0).objective, rel=1e-6)
 
 
 @pytest.mark.parametrize("after", [0.5, 2.0, 3.5])
@@ -168,7 +168,7 @@ def test_what_was_found_before_the_stop_is_kept(jigsaw: wr.Assembly) -> None:
         if len(seen) > 12:  # on the first climb
             stop.set()
 
-    answer = wr.flex(grid, stop=stop, progress=progress)
+    answer = wr.flex(grid, stop=stop, progress=progress, search=0)
     assert answer.verdict == "stopped"
     assert answer.path == "checked"
     assert answer.objective > 0.5 * max(seen)

@@ -39,14 +39,14 @@ def test_the_tightened_motion_is_that_of_parts_made_so() -> None:
     assembly = wr.patterns.chain(5, joint="tee", gap=0.01)
     found = wr.tighten(assembly, parts=2, gap=0.004, draws=0)
     made = assemble(assembly.drawing, offset=dict.fromkeys(found.chosen, 0.003))
-    assert found.after.objective == pytest.approx(wr.flex(made).objective, rel=1e-9)
+    assert found.after.objective == pytest.approx(wr.flex(made, search=0).objective, rel=1e-9)
 
 
 def everything(assembly: wr.Assembly, count: int, outward: float) -> dict[tuple[str, ...], float]:
     """Motion with every choice of so many parts made larger."""
     found = {}
     for chosen in combinations(assembly.names, count):
-        value = wr.flex(assemble(assembly.drawing, offset=dict.fromkeys(chosen, outward))).objective
+        value = wr.flex(assemble(assembly.drawing, offset=dict.fromkeys(chosen, outward)), search=0).objective
         assert value is not None
         found[chosen] = value
     return found
@@ -72,7 +72,7 @@ def test_of_parts_that_share_a_load_the_one_that_takes_most_is_chosen() -> None:
 
 def test_no_fewer_parts_keep_the_limit() -> None:
     assembly = wr.patterns.jigsaw(3, 2, gap=0.01, seed=2)
-    before = wr.flex(assembly).objective
+    before = wr.flex(assembly, search=0).objective
     assert before is not None
     found = wr.tighten(assembly, limit=0.5 * before, draws=0)
     assert found.reached
@@ -132,7 +132,7 @@ def test_sweep_is_what_flex_says_for_each_gap() -> None:
     found = wr.sweep(assemble(drawing), [0.03, 0.01, 0.02, 0.015])
     assert [s.gap for s in found.steps] == [0.01, 0.015, 0.02, 0.03]
     for step in found.steps:
-        assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap)).objective, rel=1e-6)
+        assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap), search=0).objective, rel=1e-6)
         assert step.checked
     assert found.lost is None
 
@@ -163,7 +163,7 @@ def test_sweep_of_joints_with_gaps_of_their_own() -> None:
     drawing = replace(wr.patterns.chain(3, gap=0.02).drawing, gaps=(JointGap(("b1", "b2"), 0.01),))
     found = wr.sweep(assemble(drawing), [0.01, 0.02])
     for step in found.steps:
-        assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap)).objective, rel=1e-6)
+        assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap), search=0).objective, rel=1e-6)
 
 
 def test_swallowtails_come_apart_where_they_are_known_to() -> None:
@@ -194,7 +194,6 @@ def caged_bolt(*others: wr.Part) -> wr.Assembly:
     return assemble(wr.Drawing((*parts, *others), 0.05, goals=(wr.Pull("bolt", (1, 0)),)))
 
 
-@pytest.mark.searches
 def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends() -> None:
     found = wr.sweep(caged_bolt(), [0.05, 0.09, 0.12, 0.2, 0.3, 0.5])
     assert [s.verdict == "unbounded" for s in found.steps] == [s.gap > 0.1 for s in found.steps]
@@ -204,7 +203,6 @@ def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends() -
     assert 0.1 * (1 - 1e-9) <= found.lost[1] < 0.1003
 
 
-@pytest.mark.searches
 def test_the_largest_gap_that_is_searched_is_one_at_which_parts_can_be_made() -> None:
     """A needle beside the bolt vanishes at a gap of 0.4 mm; where the bolt leaves, what cannot be made does not."""
     found = wr.sweep(caged_bolt(box("needle", 20, 0, 20.4, 5, fixed=True)), [0.05, 0.2, 0.3, 0.5])
@@ -225,7 +223,6 @@ class LaterStop:
         return self.asked > 1
 
 
-@pytest.mark.searches
 def test_a_sweep_that_is_stopped_where_it_searches_again_keeps_what_it_found() -> None:
     stop = LaterStop()
 
@@ -240,7 +237,6 @@ def test_a_sweep_that_is_stopped_where_it_searches_again_keeps_what_it_found() -
     assert 0.1 < found.lost[1] <= 0.2  # the path out may have been followed a little before it was stopped
 
 
-@pytest.mark.searches
 def test_every_gap_of_a_sweep_is_searched() -> None:
     found = wr.sweep(wr.patterns.chain(3, joint="tee", gap=0.02), [0.01, 0.02, 0.025])
     assert all(step.answer.search is not None for step in found.steps)
@@ -297,7 +293,7 @@ def test_draws_on_a_jigsaw_are_what_flex_says() -> None:
     found = wr.sample(assembly, wr.Spread(0.002, "truncated", sheet=0.4), draws=12, seed=5, workers=1)
     for value, extra in zip(found.value, found.extra, strict=True):
         offset = dict(zip(assembly.names, (-extra / 2).tolist(), strict=True))
-        assert value == pytest.approx(wr.flex(assemble(assembly.drawing, offset=offset)).objective, rel=1e-3)
+        assert value == pytest.approx(wr.flex(assemble(assembly.drawing, offset=offset), search=0).objective, rel=1e-3)
     assert not found.undecided.any()
     assert found.tightest <= found.value.min() <= found.value.max() <= found.loosest
 

@@ -32,8 +32,6 @@ ROOM = shapely.union_all([shapely.box(0, 0, 1, 1.1), shapely.box(0, 0, 3.1, 1), 
 SLIDER = shapely.box(0.05, 0.05, 0.95, 0.95)
 """Straight up it meets the roof of its pocket after 0.15 mm; along the corridor and up the shaft it gets 2.05 mm high."""
 
-pytestmark = pytest.mark.searches
-
 
 def corridor(gap: float = 0.0) -> Assembly:
     """A slider in a pocket beside a corridor to a shaft; its clearance is drawn."""
@@ -182,7 +180,6 @@ def test_draws_do_not_go_through_parts(tmp_path: Path) -> None:
     assert found.value == pytest.approx(found.answer.objective, rel=0.03)
 
 
-@pytest.mark.searches
 def test_a_draw_goes_on_from_an_optimum_that_is_the_lower_one_without_variation() -> None:
     """From rest and from the end of the answer alone this draw was 3.9 % low."""
     assembly = wr.patterns.chain(2, joint="swallowtail", gap=0.04)

@@ -47,7 +47,7 @@ def studies() -> dict[type, Any]:
     pair = named(wr.patterns.chain(2, joint="swallowtail", gap=0.02), "b2", NASTY)
     chain = wr.patterns.chain(4, joint="tee", gap=0.02)
     found = (
-        wr.rank(wr.flex(chain)),
+        wr.rank(wr.flex(chain, search=0)),
         wr.tighten(chain, parts=1, draws=6, workers=1),
         wr.sweep(pair, [0.01, 0.03, 0.05, 0.07]),
         wr.sample(pair, 0.002, draws=60, limit=0.07, workers=1),
@@ -134,7 +134,7 @@ def test_the_page_of_a_sweep_has_the_answer_at_every_gap(studies: dict[type, Any
     assert page["begin"] in (0.01, 0.03)  # next to the 0.02 of the drawing
     assert 0.0600 <= page["lost"][0] < page["lost"][1] <= 0.0606
     for one in page["answers"][:3]:
-        truth = wr.flex(named(wr.patterns.chain(2, joint="swallowtail", gap=one["gap"]), "b2", NASTY))
+        truth = wr.flex(named(wr.patterns.chain(2, joint="swallowtail", gap=one["gap"]), "b2", NASTY), search=0)
         assert one["flex"]["objective"] == pytest.approx(truth.objective, rel=1e-4)
         assert frames(one["path"])[-1, 1, 1] == pytest.approx(truth.motion[1, 1], rel=1e-3)
     free = page["answers"][3]["flex"]
@@ -264,7 +264,7 @@ def test_a_ranking_keeps_its_order_where_parts_are_called_by_numbers(opened: Any
     chain = wr.patterns.chain(4, joint="tee", gap=0.02)
     for part, name in zip(chain.names, ("4", "1", "3", "2"), strict=True):
         chain = named(chain, part, name)
-    found = wr.rank(wr.flex(chain))
+    found = wr.rank(wr.flex(chain, search=0))
     at = opened(pages.page_of_ranking(found))
     shown = at.locator("table.sorts").first.locator("tbody tr td:first-child").all_inner_texts()
     assert shown == [found.answer.assembly.names[k] for k in found.order]

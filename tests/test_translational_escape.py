@@ -19,8 +19,6 @@ from wiggleroom.search.incumbent import start_at_rest
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.translational_escape import translational_escape
 
-pytestmark = pytest.mark.searches
-
 TRAY = shapely.box(0, 0, 10, 10) - shapely.box(2, 2, 8, 11)
 
 

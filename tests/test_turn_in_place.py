@@ -25,7 +25,6 @@ def off_centre(count: int, seed: int, folder) -> tuple[wr.Assembly, float, Groun
     return wr.read(folder / "made.json"), reach, Ground(made)
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize(("count", "seed"), [(24, 1), (48, 2), (300, 3)])
 def test_an_off_centre_pull_turns_a_disc_as_far_as_a_circle(count, seed, tmp_path):
     assembly, reach, ground = off_centre(count, seed, tmp_path)
@@ -36,7 +35,6 @@ def test_an_off_centre_pull_turns_a_disc_as_far_as_a_circle(count, seed, tmp_pat
     assert ground.overlap_on(answer.waypoints) is None
 
 
-@pytest.mark.searches
 @pytest.mark.parametrize(("count", "seed"), [(700, 4), (1500, 5)])
 def test_so_it_does_with_very_many_corners(count, seed, tmp_path):
     assembly, reach, ground = off_centre(count, seed, tmp_path)
