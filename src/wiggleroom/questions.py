@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, overload
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.verdict import Verdict
 
@@ -32,7 +32,7 @@ def read(
     unit: str | None = None,
     flatten: float | None = None,
     fix: Sequence[str] = (),
-    goals: Sequence[AnyGoal] = (),
+    goals: Sequence[Goal] = (),
     only: Sequence[str] = (),
     skip: Sequence[str] = (),
     join: float | None = None,
@@ -78,16 +78,16 @@ def read(
         refuse_planar_options(
             "read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, hole=hole, dpi=dpi
         )
-        return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())
+        return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=goals)
     from wiggleroom.assembly.build import read as read_planar
 
-    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)  # type: ignore[arg-type]
+    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)
 
 
 @overload
 def flex(
     assembly: SpatialAssembly,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     solver: str = ...,
     search: int | None = ...,
@@ -97,7 +97,7 @@ def flex(
 @overload
 def flex(
     assembly: Assembly | Prepared,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     model: str | PairModel | None = ...,
     solver: str = ...,
@@ -110,7 +110,7 @@ def flex(
 ) -> Answer: ...
 def flex(
     assembly: Assembly | Prepared | SpatialAssembly,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     model: str | PairModel | None = None,
     solver: str = "interior-point",
@@ -159,7 +159,7 @@ def flex(
         from wiggleroom.spatial.spatial_starts import FEW_BODIES
 
         refuse_planar_options("flex", model=model, start=start, prove=prove, seconds=seconds)
-        solve = partial(flex_spatial, assembly, spatial_goals(goals), solver=solver, stop=stop, progress=progress)
+        solve = partial(flex_spatial, assembly, goals, solver=solver, stop=stop, progress=progress)
         first = with_cross_section_bound(solve(search=search or 0), stop)
         few = int(grouped(assembly).bodies.moves.sum()) <= FEW_BODIES
         if search is not None or not few or not first.verdict.ends or first.verdict is Verdict.PROVEN:
@@ -169,7 +169,7 @@ def flex(
     from wiggleroom.maximise import flex as flex_planar
 
     options = given(seconds=seconds) | {"stop": stop, "progress": progress}
-    return flex_planar(assembly, goals, model=model, solver=solver, start=start, search=search, prove=prove, **options)  # type: ignore[arg-type]
+    return flex_planar(assembly, goals, model=model, solver=solver, start=start, search=search, prove=prove, **options)
 
 
 @overload

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.writers.plain_json import json_bytes
 from wiggleroom.report.page.standalone_page import hashed, shipped
 from wiggleroom.report.pictures.text import escape
-from wiggleroom.report.results.answer_words import assembly_lines, certainty, few, number, short, spatial_towards
+from wiggleroom.report.results.answer_words import assembly_lines, certainty, few, number, short, towards
 from wiggleroom.report.results.table import fixed
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.solid_colours import Colour, part_colours
@@ -94,9 +94,7 @@ def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
     """How it comes apart as a page: which parts leave, in which order, along which path."""
     body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(check_sentence(found))}</p>'
     body += f"<p>gap {number(found.assembly.gap)} mm</p>"
-    rows = [
-        [f"{k + 1}. {few(e.parts)}", spatial_towards(last_direction(found, e))] for k, e in enumerate(found.escapes)
-    ]
+    rows = [[f"{k + 1}. {few(e.parts)}", towards(last_direction(found, e))] for k, e in enumerate(found.escapes)]
     if rows:
         body += _table("Leaves", ("parts", "last in"), rows)
     waypoints = (

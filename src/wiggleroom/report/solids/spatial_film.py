@@ -84,10 +84,10 @@ def drawn_frame(
 
 
 def _who(found: SpatialDisassembly, k: int) -> str:
-    from wiggleroom.report.results.answer_words import few, spatial_towards
+    from wiggleroom.report.results.answer_words import few, towards
 
     escape = found.escapes[k]
-    return f"{few(escape.parts)} in {spatial_towards(last_direction(found, escape))}"
+    return f"{few(escape.parts)} in {towards(last_direction(found, escape))}"
 
 
 def _frame(assembly: SpatialAssembly, motions: Sequence[Floats]) -> tuple[Floats, Floats]:

@@ -7,20 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wiggleroom.drawing.model import Pull, Turn, Weight
 from wiggleroom.report.results.answer_words import (
     certainty,
     few,
+    goal_text,
     number,
     rounded_up,
     searched,
+    sense_text,
     short,
     solved,
-    spatial_goal_text,
-    spatial_towards,
+    towards,
     unit,
 )
 from wiggleroom.report.results.table import columns, fixed
-from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
@@ -40,19 +41,19 @@ _SENTENCES = {
 
 def spatial_headline(answer: SpatialAnswer) -> str:
     """Say what was found, in one line, such as "lid moves 0.2 mm in +z"."""
-    asked = ", ".join(spatial_goal_text(g) for g in answer.goals[:4]) + (" and more" if len(answer.goals) > 4 else "")
+    asked = ", ".join(goal_text(g) for g in answer.goals[:4]) + (" and more" if len(answer.goals) > 4 else "")
     if answer.objective is None:
         return f"nothing stops {asked}"
     if len(answer.goals) == 1:
         goal, value = answer.goals[0], answer.objective / answer.goals[0].weight
         match goal:
-            case SpatialPull():
+            case Pull():
                 at = "" if goal.point is None else f" at ({', '.join(number(x) for x in goal.point)})"
-                return f"{short(goal.part)}{at} moves {number(value)} mm in {spatial_towards(goal.direction)}"
-            case SpatialTurn():
-                return f"{short(goal.part)} turns {number(math.degrees(value))}° about {spatial_towards(goal.axis)}"
+                return f"{short(goal.part)}{at} moves {number(value)} mm in {towards(goal.direction)}"
+            case Turn():
+                return f"{short(goal.part)} turns {number(math.degrees(value))}° {sense_text(goal.sense)}"
             case Weight():
-                return f"sum of volume times density times sinking {number(value)}, towards {spatial_towards(goal.direction)}"
+                return f"sum of volume times density times sinking {number(value)}, towards {towards(goal.direction)}"
     return f"{number(answer.objective)}: {asked}"
 
 
@@ -132,7 +133,7 @@ def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = N
         far = escape.path[-1]
         who = [found.assembly.names.index(n) for n in escape.parts]
         along = far[who, :3].mean(axis=0)
-        lines.append(Text(f"{k + 1:3}. {few(escape.parts)} in {spatial_towards(tuple(along.tolist()))}"))  # type: ignore[arg-type]
+        lines.append(Text(f"{k + 1:3}. {few(escape.parts)} in {towards(along.tolist())}"))
     if len(found.escapes) > _MAX_PARTS:
         lines.append(Text(f"     ... and {len(found.escapes) - _MAX_PARTS} more"))
     if found.escapes and len(found.remains) > 1:
@@ -156,11 +157,11 @@ def last_direction(found: SpatialDisassembly, escape: SpatialEscape) -> tuple[fl
 
 def departure_words(found: SpatialDisassembly, escape: SpatialEscape) -> str:
     """Say who leaves and how, such as "lid leaves straight in +z"."""
-    towards = spatial_towards(last_direction(found, escape))
+    way = towards(last_direction(found, escape))
     who = f"{few(escape.parts)} {'leaves' if len(escape.parts) == 1 else 'leave together'}"
     if len(escape.path) == 2:
-        return f"{who} straight in {towards}"
-    return f"{who} on a path of {len(escape.path)} points, at last in {towards}"
+        return f"{who} straight in {way}"
+    return f"{who} on a path of {len(escape.path)} points, at last in {way}"
 
 
 def check_sentence(found: SpatialDisassembly) -> str:
