@@ -17,13 +17,12 @@ from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
-    from wiggleroom.disassembly.interlock import Interlock
+    from wiggleroom.disassembly.interlock_result import Interlock
     from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.search.answer import Answer
     from wiggleroom.search.prepare import Prepared
     from wiggleroom.search.progress import Progress
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
-    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 
 def read(
@@ -180,7 +179,7 @@ def check(
     progress: Callable[[Progress], None] | None = ...,
     every: bool = ...,
     seconds: float | None = ...,
-) -> SpatialDisassembly: ...
+) -> Interlock[SpatialAssembly]: ...
 @overload
 def check(
     assembly: Assembly,
@@ -201,7 +200,7 @@ def check(
     questions: int | None = None,
     every: bool = True,
     seconds: float | None = None,
-) -> Interlock | SpatialDisassembly:
+) -> Interlock[Any]:
     """Whether some parts can be moved without limit away from the others.
 
     Parameters
@@ -220,7 +219,7 @@ def check(
 
     Returns
     -------
-    Interlock or SpatialDisassembly
+    Interlock
 
     Raises
     ------

@@ -237,14 +237,8 @@ def check_in_space(
         assembly = read_in_space(file, asked, sheet, stop)
         found = check(assembly, stop=stop)
         border = find_largest_gap(assembly, stop=stop) if largest_gap else None
-    from wiggleroom.report.solids.spatial_results import spatial_check_result
-    from wiggleroom.report.solids.spatial_table import spatial_check_table
+    from wiggleroom.report.results.separability import Checked, check_result, check_table
 
-    tell(
-        outputs,
-        lambda: spatial_check_result(found, border, command),
-        lambda: spatial_check_table(found, border),
-        found,
-        command,
-    )
+    shown = Checked(found, border)
+    tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)
     return EXIT_CODES[found.verdict]

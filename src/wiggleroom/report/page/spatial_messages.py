@@ -13,18 +13,14 @@ from wiggleroom.report.results.answer_words import fact_lines, sure_rows
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.spatial_path import along_path, with_quaternions
 from wiggleroom.report.solids.spatial_table import (
-    check_sentence,
-    departure_words,
     spatial_bound_sentence,
     spatial_headline,
     spatial_sentence,
 )
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import FlexReply, Opened, PartShape, Solids, SolidShape
-from wiggleroom.schema.study_replies import CheckReply, LeavingEntry
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialDrawing
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 Floats = NDArray[np.float64]
 
@@ -91,25 +87,6 @@ def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
 def spatial_contacts_message(contacts: Iterable[SpatialContact]) -> list[ContactEntry]:
     """Contacts with a force, the strongest first."""
     return [ContactEntry(c.parts, c.point, c.normal, c.force) for c in contacts if c.force > 0]
-
-
-def spatial_check_message(found: SpatialDisassembly, command: str) -> CheckReply:
-    """Whether it comes apart, who leaves in which order and how, and how sure that is."""
-    return CheckReply(
-        verdict=found.verdict,
-        certainty=found.certainty,
-        words=f"{found.verdict}: {check_sentence(found)}",
-        sure=[
-            ("verdict", f"{found.verdict}: {check_sentence(found)}"),
-            ("certainty", found.certainty),
-            ("took", f"{found.seconds:.2f} seconds, {found.questions} questions"),
-        ],
-        escapes=[LeavingEntry(list(e.parts), departure_words(found, e)) for e in found.escapes],
-        spins=[],
-        remains=list(found.remains),
-        border=None,
-        command=command,
-    )
 
 
 def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:

@@ -22,14 +22,12 @@ from wiggleroom.report.results.answer_words import (
     unit,
 )
 from wiggleroom.report.results.table import columns, fixed
-from wiggleroom.verdict import Certainty, Separability, Verdict
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
 
-    from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
-    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 
 _MAX_PARTS, _MAX_CONTACTS = 12, 8
 _COLOURS = {Verdict.PROVEN: "green", Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
@@ -117,61 +115,3 @@ def spatial_table(answer: SpatialAnswer) -> Group:
         f"seconds:  {spent}",
     ]
     return Group(*page, *[Text(line) for line in sure])
-
-
-def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = None) -> Group:
-    """Page that `check` prints: verdict, who leaves in which order, what remains."""
-    from rich.console import Group
-    from rich.text import Text
-
-    lines = [
-        Text.assemble(
-            (found.verdict.value, "bold"), f" at gap {number(found.assembly.gap)} mm: {check_sentence(found)}"
-        )
-    ]
-    for k, escape in enumerate(found.escapes[:_MAX_PARTS]):
-        far = escape.path[-1]
-        who = [found.assembly.names.index(n) for n in escape.parts]
-        along = far[who, :3].mean(axis=0)
-        lines.append(Text(f"{k + 1:3}. {few(escape.parts)} in {towards(along.tolist())}"))
-    if len(found.escapes) > _MAX_PARTS:
-        lines.append(Text(f"     ... and {len(found.escapes) - _MAX_PARTS} more"))
-    if found.escapes and len(found.remains) > 1:
-        lines.append(Text(f"remains: {few(found.remains)}"))
-    if found.verdict is Separability.COMES_APART:
-        lines.append(Text("friction, glue and press fit are outside this verdict: it is about shapes alone"))
-    if border is not None:
-        from wiggleroom.report.results.separability import border_sentence
-
-        lines.append(Text(border_sentence(border), style="bold"))
-    lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} questions", style="dim"))
-    return Group(*lines)
-
-
-def last_direction(found: SpatialDisassembly, escape: SpatialEscape) -> tuple[float, float, float]:
-    """Direction (3,) in which parts leave at last."""
-    who = [found.assembly.names.index(n) for n in escape.parts]
-    x, y, z = (escape.path[-1, who, :3] - escape.path[-2, who, :3]).mean(axis=0).tolist()
-    return x, y, z
-
-
-def departure_words(found: SpatialDisassembly, escape: SpatialEscape) -> str:
-    """Say who leaves and how, such as "lid leaves straight in +z"."""
-    way = towards(last_direction(found, escape))
-    who = f"{few(escape.parts)} {'leaves' if len(escape.parts) == 1 else 'leave together'}"
-    if len(escape.path) == 2:
-        return f"{who} straight in {way}"
-    return f"{who} on a path of {len(escape.path)} points, at last in {way}"
-
-
-def check_sentence(found: SpatialDisassembly) -> str:
-    """Say what the verdict rests on."""
-    if found.verdict is Separability.COMES_APART:
-        return "every step of the path checked for overlap"
-    if found.verdict is Separability.UNKNOWN:
-        return "no path out was found, and not every motion was covered"
-    return (
-        "proven"
-        if found.certainty is Certainty.PROVEN
-        else "searched: no path out by slides, turns in place and largest motions; others were not tried"
-    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,6 +128,7 @@ class SpatialAssembly(Displayable):
         Of every part, in order.
     """
 
+    dimension: ClassVar[int] = 3
     drawing: SpatialDrawing
     made: tuple[MadeSolid, ...]
 
