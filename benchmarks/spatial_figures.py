@@ -25,19 +25,9 @@ from benchmarks.attack.families_solid import draw_solids
 from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
 from benchmarks.spatial_overlaps import Judge, finger_box, prisms, voxel_judge, worst_on
 from benchmarks.spatial_overlaps import box as corners
-from wiggleroom.drawing.model import Region
+from wiggleroom.drawing.model import Goal, Pull, Region, Turn
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import (
-    Boxes,
-    Plate,
-    SpatialAssembly,
-    SpatialDrawing,
-    SpatialGoal,
-    SpatialPart,
-    SpatialPull,
-    SpatialTurn,
-    Surface,
-)
+from wiggleroom.spatial.solids.spatial_model import Boxes, Plate, SpatialAssembly, SpatialDrawing, SpatialPart, Surface
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.verdict import Verdict
@@ -63,7 +53,7 @@ def plate(hole: np.ndarray, thick: float) -> SpatialPart:
     return part("plate", Plate((Region(square(40.0), (hole[::-1],)),), thick), (0, 0, -thick / 2), fixed=True)
 
 
-def timed(assembly: SpatialAssembly, goal: SpatialGoal) -> tuple[SpatialAnswer, float]:
+def timed(assembly: SpatialAssembly, goal: Goal) -> tuple[SpatialAnswer, float]:
     began = time.process_time()
     return flex_spatial(assembly, goal), time.process_time() - began
 
@@ -89,9 +79,9 @@ def pegs() -> None:
             (plate(square(10.4), 12.0), SpatialPart(**(vars(peg) | {"lock": frozenset({"rx", "ry", "rz"})})))
         )
     )
-    line("peg, shift", *timed(locked, SpatialPull("peg", (1, 0, 0))), 0.2)
-    line("peg, tilt", *timed(assembly, SpatialTurn("peg", (1, 0, 0))), tilt)
-    line("peg, twist", *timed(assembly, SpatialTurn("peg", (0, 0, 1))), twist)
+    line("peg, shift", *timed(locked, Pull("peg", (1, 0, 0))), 0.2)
+    line("peg, tilt", *timed(assembly, Turn("peg", (1, 0, 0))), tilt)
+    line("peg, twist", *timed(assembly, Turn("peg", (0, 0, 1))), twist)
 
 
 def chains() -> None:
@@ -104,7 +94,7 @@ def chains() -> None:
             part(p.name, Plate(p.regions, 0.4), (*p.at[:2], 0.0), p.fixed, PLANAR) for p in flat.drawing.parts
         )
         assembly = assemble_spatial(SpatialDrawing(links, 0.01))
-        line(f"chain of ten, {joint}", *timed(assembly, SpatialPull(last.name, (0, 1, 0), (*last.at[:2], 0.2))), truth)
+        line(f"chain of ten, {joint}", *timed(assembly, Pull(last.name, (0, 1, 0), (*last.at[:2], 0.2))), truth)
 
 
 def between_plates() -> None:
@@ -123,7 +113,7 @@ def between_plates() -> None:
             for name, z in (("below", -thick), ("above", thick))
         ]
         assembly = assemble_spatial(SpatialDrawing((*links, *covers), gap))
-        answer, seconds = timed(assembly, SpatialPull(last.name, (0, 1, 0), (*last.at[:2], thick / 2)))
+        answer, seconds = timed(assembly, Pull(last.name, (0, 1, 0), (*last.at[:2], thick / 2)))
         line(f"chain of ten between plates, {joint}", answer, seconds, truth.objective)
         if answer.verdict is Verdict.UNBOUNDED:
             shapes = [
@@ -143,7 +133,7 @@ def box() -> None:
     drawing, _ = finger_box(np.random.default_rng(1))
     assembly = assemble_spatial(drawing)
     for direction in ((1.0, 0, 0), (0, 1.0, 0), (0, 0, 1.0)):
-        line(f"box of six panels, {direction}", *timed(assembly, SpatialPull("s1", direction)))
+        line(f"box of six panels, {direction}", *timed(assembly, Pull("s1", direction)))
 
 
 def keyed_burr(seed: int) -> list[set]:
@@ -191,7 +181,7 @@ def burr(gap: float = 0.05) -> None:
     seen: Counter = Counter()
     iterations, ways, began = [], [], time.process_time()
     for k, step in itertools.product((0, 2, 3, 4, 5), STEPS):
-        answer = flex_spatial(assembly, SpatialPull(f"p{k}", tuple(map(float, step))))
+        answer = flex_spatial(assembly, Pull(f"p{k}", tuple(map(float, step))))
         seen[f"{'key' if k == 0 else 'others'} {answer.verdict}, path {answer.path}"] += 1
         iterations.append(answer.iterations)
         if answer.verdict is Verdict.UNBOUNDED:
@@ -236,12 +226,12 @@ def plate_of_tetrahedra(count: int, gap: float) -> SpatialAssembly:
 
 def tetrahedra() -> None:
     """Five by five tetrahedra in a frame of others: the middle one is pushed out. Local optima 0.36278, 0.35193, 0.35183 are known."""
-    line("5 x 5 tetrahedra", *timed(plate_of_tetrahedra(7, 0.01), SpatialPull("t3-3", (0, 0, 1))), 0.35193)
+    line("5 x 5 tetrahedra", *timed(plate_of_tetrahedra(7, 0.01), Pull("t3-3", (0, 0, 1))), 0.35193)
 
 
 def many() -> None:
     """The same, 32 by 32."""
-    line("32 x 32 tetrahedra", *timed(plate_of_tetrahedra(34, 0.0005), SpatialPull("t17-17", (0, 0, 1))))
+    line("32 x 32 tetrahedra", *timed(plate_of_tetrahedra(34, 0.0005), Pull("t17-17", (0, 0, 1))))
 
 
 def pin() -> None:
@@ -249,7 +239,7 @@ def pin() -> None:
     hole, inner = polygon(96, 5.2), polygon(96, 5.0)
     stuck = part("peg", Plate((Region(inner),), 8.0), (0, 0, -4), lock=frozenset({"z", "rx", "ry", "rz"}))
     assembly = assemble_spatial(SpatialDrawing((plate(hole, 12.0), stuck)))
-    line("pin of 96 sides", *timed(assembly, SpatialPull("peg", (1, 0, 0))), 0.2)
+    line("pin of 96 sides", *timed(assembly, Pull("peg", (1, 0, 0))), 0.2)
 
 
 def starts() -> None:
@@ -284,9 +274,7 @@ FIGURES: tuple[Callable[[], None], ...] = (pegs, chains, between_plates, box, bu
 
 
 def main(names: list[str]) -> None:
-    flex_spatial(
-        plate_of_tetrahedra(3, 0.01), SpatialPull("t1-1", (0, 0, 1))
-    )  # kernels are compiled before anything is timed
+    flex_spatial(plate_of_tetrahedra(3, 0.01), Pull("t1-1", (0, 0, 1)))  # kernels are compiled before anything is timed
     for figure in FIGURES:
         if not names or figure.__name__ in names:
             figure()

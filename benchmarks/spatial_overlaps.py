@@ -26,19 +26,10 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection, Voronoi
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
-from wiggleroom.drawing.model import Region
+from wiggleroom.drawing.model import Pull, Region, Turn
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import (
-    AXES,
-    Boxes,
-    Plate,
-    SpatialDrawing,
-    SpatialPart,
-    SpatialPull,
-    SpatialTurn,
-    Surface,
-)
+from wiggleroom.spatial.solids.spatial_model import AXES, Boxes, Plate, SpatialDrawing, SpatialPart, Surface
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
@@ -350,11 +341,11 @@ def main(count: int, seed: int, first: int) -> None:
         name, direction = free[rng.integers(len(free))], tuple(rng.normal(size=3))
         if number // len(FAMILIES) % 3 == 2:
             drawing = with_roles(rng, drawing)
-        goal = SpatialTurn(name, direction) if rng.random() < 0.3 else SpatialPull(name, direction)
+        goal = Turn(name, direction) if rng.random() < 0.3 else Pull(name, direction)
         where = f"assembly {number} ({family.__name__}) of seed {seed}"
         try:
             assembly = assemble_spatial(drawing)
-            if number // len(FAMILIES) % 3 == 2 and isinstance(goal, SpatialPull):
+            if number // len(FAMILIES) % 3 == 2 and isinstance(goal, Pull):
                 at = assembly.reference[[p.name for p in drawing.parts].index(name)]
                 goal = replace(goal, point=tuple((at + rng.normal(size=3) * 0.2 * assembly.size).tolist()))
             answer = flex_spatial(assembly, goal)

@@ -10,7 +10,7 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble, read
 from wiggleroom.assembly.findings import findings, role_findings
 from wiggleroom.assembly.overlaps import overlap_width, overlaps_at_rest
-from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
+from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W, Weight
 from wiggleroom.drawing.writers.glue_groups import glue_groups
 from wiggleroom.errors import InputError
 
@@ -159,6 +159,12 @@ def test_a_shared_outline_is_reported_once():
         ({"goals": (Pull("b", (1, 0), weight=np.nan),)}, "weight is nan"),
         ({"goals": (Turn("b", "left"),)}, 'sense is "left": it is ccw or cw'),
         ({"goals": (W("b", (0, 0, 0)),)}, "w is (0, 0, 0)"),
+        (
+            {"goals": (Pull("b", (0, 0, 1)),)},
+            'pull of "b": direction is (0, 0, 1): in the plane it must be two numbers',
+        ),
+        ({"goals": (Turn("b", (0, 0, 1)),)}, 'turn of "b": sense is "(0, 0, 1)": it is ccw or cw'),
+        ({"goals": (Weight((0, 0, -1)),)}, "weight is a question about assemblies in space"),
         ({"goals": (Pull("a", (1, 0)),)}, '"a" cannot be moved (pull), for it is fixed'),
         ({"goals": (Turn("b"),), "glue": (("a", "b"),)}, 'it is glued to "a", which is fixed'),
     ],

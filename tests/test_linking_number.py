@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
+from wiggleroom.drawing.model import Pull
 from wiggleroom.spatial.linking_number import CurveGraph, curve_graph, linking_numbers
 from wiggleroom.spatial.solids.convex import convex_piece, cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialPull
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.verdict import Certainty, Separability
@@ -121,7 +121,7 @@ def test_a_link_that_is_open_wide_enough_comes_off():
 
 
 def test_small_pieces_do_not_go_through_each_other_in_one_step():
-    answer = flex_spatial(chain(), (SpatialPull("link3", (1.0, 0.0, 0.0)),))
+    answer = flex_spatial(chain(), (Pull("link3", (1.0, 0.0, 0.0)),))
     assert answer.verdict == "optimal"
     straight, bar = (
         3 * 2.2,

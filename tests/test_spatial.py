@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,13 +15,14 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
+from wiggleroom.drawing.model import Goal, Pull, Turn, Weight
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, build_planes
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.rotations import exponential, fixed_axes, logarithm
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialPull, SpatialTurn, Weight
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import flex_spatial
@@ -118,17 +120,17 @@ def test_square_peg_tilts_shifts_and_twists_as_closed_forms_say() -> None:
     assembly = spatial(PLATE, PEG)
     tilt = brentq(lambda a: 10.4 * np.cos(a) - 12 * np.sin(a) - 10, 0, 0.3)
     twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 0, 0.5)
-    assert sound(flex_spatial(assembly, SpatialPull("peg", (1, 0, 0)))).objective == pytest.approx(0.2, abs=1e-7)
-    found = sound(flex_spatial(assembly, [SpatialPull("peg", (s, 0, 0), (0, 0, 20.0 * s)) for s in (1, -1)]))
+    assert sound(flex_spatial(assembly, Pull("peg", (1, 0, 0)))).objective == pytest.approx(0.2, abs=1e-7)
+    found = sound(flex_spatial(assembly, [Pull("peg", (s, 0, 0), (0, 0, 20.0 * s)) for s in (1, -1)]))
     assert found.verdict == "optimal"
     # pulled apart at both ends the peg also turns about x a little, which the plane does not know
     assert found.objective == pytest.approx(1.31460622, abs=1e-7)
     assert found.objective >= 40 * np.sin(tilt) - 1e-7
-    found = sound(flex_spatial(assembly, SpatialTurn("peg", (0, 0, 1))))
+    found = sound(flex_spatial(assembly, Turn("peg", (0, 0, 1))))
     assert found.objective >= twist - 1e-9
     locked = spatial(PLATE, PEG | {"lock": ["rx", "ry"]})
-    assert sound(flex_spatial(locked, SpatialTurn("peg", (0, 0, 1)))).objective == pytest.approx(twist, abs=1e-7)
-    assert sound(flex_spatial(locked, SpatialTurn("peg", (0, 0, -1)))).motion[1, 5] == pytest.approx(-twist, abs=1e-7)
+    assert sound(flex_spatial(locked, Turn("peg", (0, 0, 1)))).objective == pytest.approx(twist, abs=1e-7)
+    assert sound(flex_spatial(locked, Turn("peg", (0, 0, -1)))).motion[1, 5] == pytest.approx(-twist, abs=1e-7)
 
 
 def test_a_rectangular_peg_is_held_by_its_shorter_clearance() -> None:
@@ -142,26 +144,26 @@ def test_a_rectangular_peg_is_held_by_its_shorter_clearance() -> None:
     hole = [[-8.3, -4.1], [8.3, -4.1], [8.3, 4.1], [-8.3, 4.1]]
     assembly = spatial(PLATE | {"holes": [hole]}, peg)
     truth = brentq(lambda a: 16 * np.sin(a) + 8 * np.cos(a) - 8.2, 0, 0.3)
-    assert sound(flex_spatial(assembly, SpatialTurn("peg", (0, 0, 1)))).objective == pytest.approx(truth, abs=1e-7)
-    assert sound(flex_spatial(assembly, SpatialPull("peg", (0, 1, 0)))).objective == pytest.approx(0.1, abs=1e-7)
+    assert sound(flex_spatial(assembly, Turn("peg", (0, 0, 1)))).objective == pytest.approx(truth, abs=1e-7)
+    assert sound(flex_spatial(assembly, Pull("peg", (0, 1, 0)))).objective == pytest.approx(0.1, abs=1e-7)
 
 
 @pytest.mark.parametrize("count", [6, 24, 96])
 def test_a_round_pin_in_a_round_hole_moves_as_its_polygons_say(count: int) -> None:
     pin = {"name": "pin", "outline": ring(count, 5.0), "thickness": 30, "at": [0, 0, -15], "lock": ["rx", "ry", "rz"]}
     assembly = spatial(PLATE | {"holes": [ring(count, 5.2)]}, pin)
-    answer = sound(flex_spatial(assembly, SpatialPull("pin", (1, 0, 0))))
+    answer = sound(flex_spatial(assembly, Pull("pin", (1, 0, 0))))
     # both polygons have a corner on the x axis, so along x they meet corner to corner: the sides beside it hold
     assert answer.objective == pytest.approx(0.2, abs=1e-6)
     half = np.pi / count
     across = tuple(float(x) for x in (np.cos(half), np.sin(half), 0.0))
-    answer = sound(flex_spatial(assembly, SpatialPull("pin", across)))
+    answer = sound(flex_spatial(assembly, Pull("pin", across)))
     # the largest motion along a side's normal is to that side, 0.2 cos(half) away
     assert answer.objective == pytest.approx(0.2 * np.cos(half), abs=1e-6)
 
 
 def test_motion_without_limit_names_what_leaves() -> None:
-    answer = sound(flex_spatial(spatial(PLATE, PEG), SpatialPull("peg", (0, 0, 1))))
+    answer = sound(flex_spatial(spatial(PLATE, PEG), Pull("peg", (0, 0, 1))))
     assert answer.verdict == "unbounded"
     assert answer.objective is None
     assert answer.leaves == ("peg",)
@@ -169,14 +171,14 @@ def test_motion_without_limit_names_what_leaves() -> None:
 
 def test_a_part_that_nothing_holds_turns_without_limit() -> None:
     axle = {"name": "axle", "outline": ring(48, 5.0), "thickness": 30, "at": [0, 0, -15]}
-    answer = sound(flex_spatial(spatial(PLATE, axle), SpatialTurn("axle", (0, 0, 1))))
+    answer = sound(flex_spatial(spatial(PLATE, axle), Turn("axle", (0, 0, 1))))
     assert answer.verdict == "unbounded"
     assert answer.turns == ("axle",)
 
 
 def test_contacts_balance_the_pull() -> None:
     assembly = spatial(PLATE, PEG | {"lock": ["z"]})
-    answer = sound(flex_spatial(assembly, SpatialPull("peg", (1, 0.3, 0), (0, 0, 20))))
+    answer = sound(flex_spatial(assembly, Pull("peg", (1, 0.3, 0), (0, 0, 20))))
     assert answer.verdict == "optimal"
     force, moment = np.zeros(3), np.zeros(3)
     pulled = np.array([1, 0.3, 0]) / np.hypot(1, 0.3)
@@ -214,7 +216,7 @@ def test_chains_of_plates_locked_in_the_plane_move_as_the_drawing_does() -> None
         ]
         answer = sound(
             flex_spatial(
-                spatial(*parts, gap=0.01), SpatialPull(flat.names[-1], (0, 1, 0), (*flat.drawing.parts[-1].at[:2], 0.2))
+                spatial(*parts, gap=0.01), Pull(flat.names[-1], (0, 1, 0), (*flat.drawing.parts[-1].at[:2], 0.2))
             )
         )
         assert answer.objective == pytest.approx(truth, abs=1e-6)
@@ -227,12 +229,10 @@ def test_glued_parts_move_as_one_and_ignored_ones_pass() -> None:
     one = {"name": "one", "boxes": [[2, 0, 0, 4, 10, 10]], "lock": []}
     two = {"name": "two", "boxes": [[4, 0, 0, 7, 10, 10]]}
     glued = spatial(wall, stop, one, two, glue=[["one", "two"]])
-    answer = sound(
-        flex_spatial(glued, SpatialPull("one", (-1, 0, 0)), search=0)
-    )  # further climbs turn them round the wall
+    answer = sound(flex_spatial(glued, Pull("one", (-1, 0, 0)), search=0))  # further climbs turn them round the wall
     assert np.allclose(answer.motion[2], answer.motion[3])
     free = spatial(wall, stop, one, two, glue=[["one", "two"]], ignore=[["wall", "one"], ["wall", "two"]])
-    assert flex_spatial(free, SpatialPull("one", (-1, 0, 0))).verdict == "unbounded"
+    assert flex_spatial(free, Pull("one", (-1, 0, 0))).verdict == "unbounded"
 
 
 def test_rotations_are_those_of_scipy() -> None:
@@ -266,7 +266,7 @@ def test_touching_parts_are_named() -> None:
                 {"name": "a", "boxes": [[0, 0, 0, 1, 1, 1]], "fixed": True},
                 {"name": "b", "boxes": [[1, 0, 0, 2, 1, 1]]},
             ),
-            SpatialPull("b", (1, 0, 0)),
+            Pull("b", (1, 0, 0)),
         )
     assert raised.value.parts == ("a", "b")
 
@@ -291,7 +291,7 @@ def test_no_end_and_no_path_overlaps_by_the_collision_library(family) -> None:
         drawing, shapes = family(rng)
         name = next(p.name for p in drawing.parts if not p.fixed)
         assembly = assemble_spatial(drawing)
-        answer = flex_spatial(assembly, SpatialPull(name, (0.3, -0.5, 0.8)))
+        answer = flex_spatial(assembly, Pull(name, (0.3, -0.5, 0.8)))
         judge = spatial_overlaps.Judge(shapes, assembly.reference, [p.fixed for p in drawing.parts])
         assert judge.depth(answer.motion) < spatial_overlaps.SHALLOW
         for one, other in itertools.pairwise(answer.waypoints):
@@ -369,7 +369,7 @@ def test_pulls_of_random_burrs_end_with_a_verdict(seed: int) -> None:
         ),
     )
     for direction in itertools.product((1.0, -1.0), repeat=3):
-        answer = sound(flex_spatial(fixed, SpatialPull("p1", direction)))
+        answer = sound(flex_spatial(fixed, Pull("p1", direction)))
         assert answer.verdict in ("optimal", "unbounded")
 
 
@@ -381,7 +381,7 @@ def test_a_chain_of_fingers_is_unbounded_as_its_drawing_is() -> None:
         for p in flat.drawing.parts
     ]
     last = flat.drawing.parts[-1]
-    answer = sound(flex_spatial(spatial(*parts, gap=0.01), SpatialPull(last.name, (0, 1, 0), (*last.at[:2], 0.2))))
+    answer = sound(flex_spatial(spatial(*parts, gap=0.01), Pull(last.name, (0, 1, 0), (*last.at[:2], 0.2))))
     assert answer.verdict == "unbounded"
     assert answer.leaves == (last.name,)
     assert answer.iterations <= 30
@@ -401,7 +401,7 @@ def test_the_key_of_a_burr_leaves_across_its_axis_once_it_is_out() -> None:
     judge = spatial_overlaps.Judge(
         [spatial_overlaps.voxel_judge(v, gap / 2) for v in cells], assembly.reference, [k == 1 for k in range(6)]
     )
-    answer = sound(flex_spatial(assembly, SpatialPull("p0", (0, -1, 0))))
+    answer = sound(flex_spatial(assembly, Pull("p0", (0, -1, 0))))
     assert answer.verdict == "unbounded"
     assert answer.leaves == ("p0",)
     assert np.abs(answer.waypoints[:, 0, 0]).max() > 2  # it goes along x on its way
@@ -428,11 +428,27 @@ def test_what_is_glued_to_what_stands_through_others_cannot_be_pulled(glue: list
         spatial(base, post, lid, glue=glue, pull=[{"part": "lid", "direction": [0, 0, 1]}])
 
 
+@pytest.mark.parametrize(
+    ("goal", "words"),
+    [
+        (Pull("lid", (0, 1)), 'pull of "lid": direction is (0, 1): in space it must be three numbers'),
+        (Pull("lid", (0, 0, 1), (1, 2)), 'pull of "lid": point is (1, 2): in space it must be three numbers'),
+        (Turn("lid"), 'turn of "lid": sense is ccw: in space it must be three numbers'),
+        (wr.Closer(), "Closer is a question about drawings"),
+    ],
+)
+def test_goals_of_drawings_are_refused_in_space(goal: Goal, words: str) -> None:
+    base = {"name": "base", "boxes": [[0, 0, 0, 10, 10, 1]], "fixed": True}
+    lid = {"name": "lid", "boxes": [[2, 2, 2, 8, 8, 3]]}
+    with pytest.raises(wr.InputError, match=re.escape(words)):
+        wr.flex(spatial(base, lid), goal)
+
+
 def test_a_pull_that_slacks_alone_do_not_settle_ends_near_the_central_path() -> None:
     from benchmarks.spatial_burrs import assembled
     from benchmarks.spatial_figures import keyed_burr
 
     burr = assemble_spatial(assembled(keyed_burr(1)).drawing, fix=("p1",))
-    found = sound(flex_spatial(burr, SpatialPull("p3", (1, 0, 0))))
+    found = sound(flex_spatial(burr, Pull("p3", (1, 0, 0))))
     assert found.verdict in ("optimal", "unbounded")  # a long way round, pushing the key out, is free by python-fcl
     assert found.objective is None or found.objective > 0.061

@@ -15,12 +15,12 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
+from wiggleroom.drawing.model import Pull
 from wiggleroom.spatial.solids.convex import convex_piece, distinct_axes
 from wiggleroom.spatial.solids.made_solids import made_solid
 from wiggleroom.spatial.solids.solid_boolean import centroid_of
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, read_spatial_assembly
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialPull
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
 BOX = {"name": "a", "boxes": [[0, 0, 0, 4, 2, 2]]}
@@ -203,7 +203,7 @@ def test_bad_mesh_files_give_one_line(
 @pytest.mark.parametrize("length", [1e-320, 1e-200, 1.0, 1e300])
 def test_a_direction_may_have_any_length(length: float) -> None:
     given = text(BOX | {"fixed": True}, BOX | {"name": "b", "boxes": [[0, 0, 3, 4, 2, 4], [-1, -1, -2, 5, 3, -1]]})
-    answer = flex_spatial(assemble_spatial(read_spatial(given)), SpatialPull("b", (0.0, 0.0, length)))
+    answer = flex_spatial(assemble_spatial(read_spatial(given)), Pull("b", (0.0, 0.0, length)))
     assert answer.objective == pytest.approx(1.0, abs=1e-6)
 
 
@@ -256,7 +256,7 @@ def test_the_same_part_as_a_mesh_gives_the_same_answer(tmp_path: Path) -> None:
     plate = {"name": "plate", "outline": outer, "holes": [hole], "thickness": 12, "at": [0, 0, -6], "fixed": True}
     peg = {"name": "peg", "boxes": [[-5, -5, -20, 5, 5, 20]], "lock": ["z"]}
     exact = assemble_spatial(read_spatial(text(plate, peg)))
-    goal = SpatialPull("peg", (1, 0.2, 0), (0, 0, 20))
+    goal = Pull("peg", (1, 0.2, 0), (0, 0, 20))
     truth = flex_spatial(exact, goal).objective
     surface = exact.made[0].surface
     for ending in ("stl", "ply", "obj", "3mf"):
@@ -426,7 +426,7 @@ def test_a_part_shut_up_in_a_mesh_stops_at_its_walls(tmp_path: Path, gap: float)
         tmp_path, {"name": "s", "mesh": "block.stl", "fixed": True}, {"name": "b", "boxes": [[-2, -2, -2, 2, 2, 2]]}
     )
     assembly = read_spatial_assembly(drawn, gap=gap)
-    assert abs(flex_spatial(assembly, SpatialPull("b", (1, 0, 0))).objective - 1 - gap) < 1e-6
+    assert abs(flex_spatial(assembly, Pull("b", (1, 0, 0))).objective - 1 - gap) < 1e-6
 
 
 def test_faces_that_cannot_meet_again_are_refused(tmp_path: Path) -> None:

@@ -11,8 +11,8 @@ import pytest
 from scipy.optimize import brentq
 
 import wiggleroom as wr
+from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, MissingExtraError
-from wiggleroom.spatial.solids.spatial_model import SpatialTurn
 
 pytest.importorskip("casadi")
 
@@ -36,7 +36,7 @@ def read(tmp_path: Path, *parts: dict, **more: object):
 def test_a_square_peg_moves_as_closed_forms_say(tmp_path):
     assembly = read(tmp_path, PLATE, PEG | {"lock": ["rx", "ry"]})
     twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 0, 0.5)
-    turned = wr.flex(assembly, SpatialTurn("peg", (0, 0, 1)), solver="ipopt")
+    turned = wr.flex(assembly, Turn("peg", (0, 0, 1)), solver="ipopt")
     assert turned.objective == pytest.approx(twist, abs=1e-7)
     assert (turned.verdict, turned.path, turned.solver) == ("optimal", "checked", "ipopt")
     assert wr.flex(assembly, wr.Pull("peg", (1, 0, 0)), solver="ipopt").objective == pytest.approx(0.2, abs=1e-7)
@@ -55,7 +55,7 @@ def test_what_leaves_and_what_turns_without_limit_is_named(tmp_path):
     assembly = read(tmp_path, PLATE, PEG)
     assert wr.flex(assembly, wr.Pull("peg", (0, 0, 1)), solver="ipopt").leaves == ("peg",)
     pin = {"name": "pin", "boxes": [[-2, -2, -20, 2, 2, 20]]}
-    assert wr.flex(read(tmp_path, PLATE, pin), SpatialTurn("pin", (0, 0, 1)), solver="ipopt").turns == ("pin",)
+    assert wr.flex(read(tmp_path, PLATE, pin), Turn("pin", (0, 0, 1)), solver="ipopt").turns == ("pin",)
 
 
 def test_a_solver_that_is_not_there_is_said(tmp_path, monkeypatch):

@@ -15,10 +15,9 @@ import wiggleroom as wr
 from tests.test_spatial import sound, spatial
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.cli import main
-from wiggleroom.drawing.model import Drawing, JointGap
+from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
 from wiggleroom.report.solids.spatial_listing import spatial_parts_result
 from wiggleroom.spatial.solids.solid_boolean import centroid_of
-from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
 WALLS = [
@@ -42,7 +41,7 @@ def test_a_joint_moves_by_its_own_gap_and_all_others_by_theirs(gap: float) -> No
     gaps = [joint("west", "block", 0.5), joint("block", "east", 0.1), joint("floor", "block", 0.3)]
     assembly = spatial(*WALLS, BLOCK, gap=gap, gaps=gaps)
     for direction, far in (((-1, 0, 0), 0.5), ((1, 0, 0), 0.1), ((0, 0, -1), 0.3)):
-        answer = sound(flex_spatial(assembly, SpatialPull("block", direction)))
+        answer = sound(flex_spatial(assembly, Pull("block", direction)))
         assert answer.objective == pytest.approx(far, abs=1e-9)
 
 
@@ -57,7 +56,7 @@ def test_parts_drawn_larger_than_nominal_face_each_other_as_in_the_plane(larger:
     wall = {"name": "west", "boxes": [[-2, 0, 0, larger, 10, 10]], "fixed": True}
     gaps = [joint("west", "block", 0.5), joint("block", "east", 0.1), joint("floor", "block", 0.3)]
     assembly = spatial(wall, *WALLS[1:], BLOCK, gaps=gaps)
-    answer = sound(flex_spatial(assembly, SpatialPull("block", (-1, 0, 0))))
+    answer = sound(flex_spatial(assembly, Pull("block", (-1, 0, 0))))
     assert answer.objective == pytest.approx(0.5 - larger, abs=1e-9)
 
 
@@ -116,7 +115,7 @@ def test_a_chain_with_a_loose_joint_moves_as_the_drawing_does() -> None:
         ]  # fmt: skip
         assembly = spatial(*parts, gap=0.01, gaps=[joint(names[1], names[2], own)])
         last = flat.drawing.parts[-1]
-        answer = sound(flex_spatial(assembly, SpatialPull(last.name, (0, 1, 0), (*last.at[:2], 0.2))))
+        answer = sound(flex_spatial(assembly, Pull(last.name, (0, 1, 0), (*last.at[:2], 0.2))))
         assert answer.objective == pytest.approx(truth, abs=1e-6)
 
 
@@ -129,7 +128,7 @@ def test_a_joint_in_space_is_worth_what_a_gap_of_its_own_is(family: str, own: fl
         for p in flat.parts
     ]  # fmt: skip
     names = [p.name for p in flat.parts]
-    goal = SpatialPull(names[-1], (0, 1, 0), (*flat.parts[-1].at[:2], 0.2))
+    goal = Pull(names[-1], (0, 1, 0), (*flat.parts[-1].at[:2], 0.2))
     usual = dict.fromkeys(itertools.pairwise(names), 0.02) | ({} if own is None else {(names[0], names[1]): own})
 
     def made(gaps: dict[tuple[str, str], float]):
@@ -184,8 +183,8 @@ def test_ways_in_a_pocket_are_free_for_a_collision_library(seed: int) -> None:
     judge = spatial_overlaps.Judge(shapes, assembly.reference, [True, True, False])
     rng = np.random.default_rng(seed)
     for goal in (
-        SpatialPull("block", tuple(rng.normal(size=3) * [0.1, 0.1, 1]), tuple(rng.uniform(0, 10, 3))),
-        SpatialTurn("block", tuple(rng.normal(size=3))),
+        Pull("block", tuple(rng.normal(size=3) * [0.1, 0.1, 1]), tuple(rng.uniform(0, 10, 3))),
+        Turn("block", tuple(rng.normal(size=3))),
     ):
         answer = flex_spatial(assembly, goal)
         assert answer.collision_free
@@ -220,7 +219,7 @@ def test_check_takes_gaps_of_joints_and_its_ways_are_free() -> None:
     slot = {"name": "wall", "boxes": [[-3, 4, -5, 3, 9, 5], [-3, -9, -5, 3, -4, 5]], "fixed": True}
     assert wr.check(spatial(bar, slot, gap=0.5)).verdict == "interlocked"
     held = spatial(bar, slot, gap=0.5, gaps=[joint("bar", "wall", 0.1)])
-    assert sound(flex_spatial(held, SpatialPull("bar", (1, 0, 0)))).objective == pytest.approx(0.1, abs=1e-9)
+    assert sound(flex_spatial(held, Pull("bar", (1, 0, 0)))).objective == pytest.approx(0.1, abs=1e-9)
     assert wr.check(held).verdict == "interlocked"
     assert wr.check(spatial(*WALLS, BLOCK, gap=0.1, gaps=[joint("block", "floor", 0.5)])).verdict == "comes apart"
 
@@ -240,7 +239,7 @@ def test_a_closed_cavity_stays_hollow(pair: str, far: float) -> None:
     drawn = 20.0 - 0.2, 10.0 + (0.5 if pair == "cube" else 0.2)
     lost = 19.8**2 * 0.15 if pair == "lid" else 0.0  # the lid's joint takes 0.25 off where the others take 0.1
     assert volume(made) == pytest.approx(drawn[0] ** 3 - drawn[1] ** 3 - lost, rel=1e-9)
-    answer = sound(flex_spatial(assembly, SpatialPull("cube", (1, 0, 0))))
+    answer = sound(flex_spatial(assembly, Pull("cube", (1, 0, 0))))
     assert answer.objective == pytest.approx(far, abs=1e-9)
 
 

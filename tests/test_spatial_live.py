@@ -11,12 +11,13 @@ import pytest
 from benchmarks import spatial_overlaps
 
 from tests.test_spatial import PEG, PLATE, spatial
+from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialPull
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_live import SpatialDrag, SpatialLive
 
 
@@ -99,7 +100,7 @@ def test_another_design_begins_at_rest_and_an_answer_can_be_gone_on_from() -> No
     assembly = spatial(PLATE, {**PEG, "lock": ["z", "rx", "ry", "rz"]}, gap=0.1)
     peg = live(assembly)
     peg.drag("peg", (0, 0, 0), (2, 0, 0))
-    goals = (SpatialPull("peg", (0, 1, 0)),)
+    goals = (Pull("peg", (0, 1, 0)),)
     answer = peg.settle(goals)
     went_on = peg.drag("peg", (0, 0, 0), (0, 0.25, 0), start="answer", goals=goals)
     assert answer.objective == pytest.approx(0.3, abs=1e-6)

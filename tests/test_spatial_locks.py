@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, sound, spatial, square
-from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn
+from wiggleroom.drawing.model import Pull, Turn
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
@@ -32,7 +32,7 @@ def test_a_lock_holds_along_the_whole_path(moves: tuple[str, ...], turns: tuple[
     lock = [*moves, *turns]
     assembly = spatial(PLATE, PEG | {"lock": lock})
     rng = np.random.default_rng(len(lock))
-    goal = SpatialPull("peg", tuple(rng.normal(size=3)) if "z" in moves else (*rng.normal(size=2), 0.0), (5, 5, 20))
+    goal = Pull("peg", tuple(rng.normal(size=3)) if "z" in moves else (*rng.normal(size=2), 0.0), (5, 5, 20))
     answer = flex_spatial(assembly, goal)
     assert answer.collision_free
     held = [k for k, axis in enumerate(AXES) if axis in lock]
@@ -51,9 +51,9 @@ def test_a_peg_that_may_not_tilt_about_one_axis_moves_as_closed_forms_say() -> N
     tilt = brentq(lambda a: 10 / np.cos(a) + 12 * np.tan(a) - 10.4, 1e-4, 0.3)
     twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 1e-3, 0.3)
     assembly = spatial(PLATE, PEG | {"lock": ["rx"]})
-    assert sound(flex_spatial(assembly, SpatialTurn("peg", (0, 1, 0)))).objective == pytest.approx(tilt, abs=1e-7)
-    assert sound(flex_spatial(assembly, SpatialTurn("peg", (0, 0, -1)))).objective == pytest.approx(twist, abs=1e-7)
-    about_locked = sound(flex_spatial(assembly, SpatialTurn("peg", (1, 0, 0))))
+    assert sound(flex_spatial(assembly, Turn("peg", (0, 1, 0)))).objective == pytest.approx(tilt, abs=1e-7)
+    assert sound(flex_spatial(assembly, Turn("peg", (0, 0, -1)))).objective == pytest.approx(twist, abs=1e-7)
+    about_locked = sound(flex_spatial(assembly, Turn("peg", (1, 0, 0))))
     assert (about_locked.verdict, about_locked.objective) == ("optimal", pytest.approx(0.0, abs=1e-9))
 
 
@@ -108,7 +108,7 @@ def test_an_arm_that_may_not_roll_reaches_what_sampling_finds(seed: int) -> None
     assembly = spatial(*POSTS, arm)
     direction, point = rng.normal(size=3) * [0.2, 1, 1], rng.uniform([-3, -3, -3], [20, 3, 3])
     direction /= np.linalg.norm(direction)
-    answer = sound(flex_spatial(assembly, SpatialPull("arm", tuple(direction), tuple(point))))
+    answer = sound(flex_spatial(assembly, Pull("arm", tuple(direction), tuple(point))))
     assert answer.verdict == "optimal"
     assert abs(answer.motion[4, 3]) < 1e-12
     assert answer.objective == pytest.approx(Arm(assembly.reference[4]).best(direction, point), abs=2e-4)
@@ -120,7 +120,7 @@ def test_ipopt_says_the_same_of_locked_parts(seed: int) -> None:
     rng = np.random.default_rng(10 + seed)
     lock = [str(rng.choice(AXES[3:])), "z"]
     assembly = spatial(PLATE, PEG | {"lock": lock})
-    goal = SpatialPull("peg", tuple(rng.normal(size=3)), tuple(rng.uniform(-5, 5, 3) * [1, 1, 4]))
+    goal = Pull("peg", tuple(rng.normal(size=3)), tuple(rng.uniform(-5, 5, 3) * [1, 1, 4]))
     ours, theirs = (wr.flex(assembly, goal, solver=s) for s in ("interior-point", "ipopt"))
     assert ours.objective == pytest.approx(theirs.objective, rel=1e-6)
 

@@ -13,11 +13,11 @@ from benchmarks.spatial_figures import plate_of_tetrahedra
 
 import wiggleroom as wr
 from tests.test_spatial import sound, spatial
+from wiggleroom.drawing.model import Pull
 from wiggleroom.report.results.answer_words import sure_rows
 from wiggleroom.spatial import spatial_search
 from wiggleroom.spatial.planes.separating_plane_program import build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
-from wiggleroom.spatial.solids.spatial_model import SpatialPull
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_prepare import prepare_spatial, spatial_objective
 from wiggleroom.verdict import SolverStatus
@@ -75,7 +75,7 @@ def test_the_command_takes_the_number_of_starts(tmp_path: Path, command_output) 
 def test_large_plates_settle_although_tips_meet_on_the_way(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
     monkeypatch.setattr(spatial_search, "MAX_PAIRS_UNDAMPED", 100)
     middle = f"t{count // 2}-{count // 2}"
-    found = sound(flex_spatial(plate_of_tetrahedra(count, 0.0005), SpatialPull(middle, (0, 0, 1))))
+    found = sound(flex_spatial(plate_of_tetrahedra(count, 0.0005), Pull(middle, (0, 0, 1))))
     assert found.verdict == "optimal"
     assert found.rounds > 1
 
@@ -110,13 +110,13 @@ def test_no_end_is_an_optimum_where_a_long_lid_still_tilts_over_a_pebble() -> No
         {"name": "lid", "boxes": [[-400, -400, 11.02, 400, 400, 20]]},
         {"name": "roof", "boxes": [[-500, -500, 20.03, 500, 500, 25], *rim], "fixed": True},
     )
-    answer = sound(flex_spatial(spatial(*parts), SpatialPull("lid", (0, 0, -1))))
+    answer = sound(flex_spatial(spatial(*parts), Pull("lid", (0, 0, -1))))
     assert answer.verdict != "optimal" or answer.objective > 0.05
 
 
 def test_a_solve_ends_at_a_rough_answer_where_the_program_lacks_rows() -> None:
     ready = prepare_spatial(plate_of_tetrahedra(5, 0.01))
-    objective = spatial_objective(ready, (SpatialPull("t2-2", (0, 0, 1)),))
+    objective = spatial_objective(ready, (Pull("t2-2", (0, 0, 1)),))
     program = build_planes(ready.grouping.bodies, objective, ready.pieces, length=ready.clearance)
 
     def solved(lacks: bool) -> SeparatingPlaneSolution:

@@ -15,10 +15,10 @@ import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, ring, spatial
 from wiggleroom.cli import main
 from wiggleroom.cli.outputs import EXIT_CODES
-from wiggleroom.drawing.model import JointGap
+from wiggleroom.drawing.model import JointGap, Pull
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialPull
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
 JOINT = "examples/43_mortise_and_tenon/joint.json"
@@ -177,7 +177,7 @@ def test_a_tower_of_pegs_is_ranked_where_rows_belong_to_glued_bodies() -> None:
     found = wr.rank(spatial(*walls, *locked, gap=0.1), wr.Pull("one", (1, 0, 0)))
     assert found.looser == pytest.approx([0, 0.5, 0.5], abs=1e-6)
     glued = spatial(*walls, one, two, glue=[["one", "two"]], gap=0.1)
-    together = flex_spatial(glued, SpatialPull("one", (1, 0, 0)), search=0)  # where both stay between the walls
+    together = flex_spatial(glued, Pull("one", (1, 0, 0)), search=0)  # where both stay between the walls
     ranked = wr.rank(together)
     worth = dict(zip(["low", "high", "one", "two"], ranked.looser.tolist(), strict=True))
     assert worth["low"] == worth["one"] == 0

@@ -150,7 +150,7 @@ import sys
 from numba.core.dispatcher import Dispatcher
 import wiggleroom as wr
 from wiggleroom.cli.compile import compile_kernels
-from wiggleroom.spatial.solids.spatial_model import SpatialPull
+from wiggleroom.drawing.model import Pull
 
 def loaded():
     modules = [module for name, module in list(sys.modules.items()) if name.startswith("wiggleroom.")]
@@ -164,7 +164,7 @@ a, b = jigsaw.names[:2]
 answer = wr.flex(jigsaw)
 wr.check(jigsaw), wr.free_space(jigsaw, a, b), wr.rank(answer), wr.tighten(answer, parts=1, draws=2), wr.sweep(jigsaw, [0.01, 0.02])
 box = wr.read(BOX)
-wr.flex(box, SpatialPull("lid", (1.0, 0.0, 0.0))), wr.check(box)
+wr.flex(box, Pull("lid", (1.0, 0.0, 0.0))), wr.check(box)
 print(*sorted(loaded() - before), sep="\\n")
 """
 

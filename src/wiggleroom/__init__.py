@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.build import assemble
     from wiggleroom.bound.prove import prove
-    from wiggleroom.disassembly.interlock import Escape, Interlock
+    from wiggleroom.disassembly.interlock_result import Escape, Interlock
     from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.drawing.model import (
         Closer,
@@ -77,12 +77,12 @@ _HOME = {
     "Closer": "drawing.model",
     "Contact": "search.answer",
     "Drawing": "drawing.model",
-    "Escape": "disassembly.interlock",
+    "Escape": "disassembly.interlock_result",
     "FreeSpace": "freespace.free_space",
     "HalfPlane": "freespace.models.pair_models",
     "Hull": "freespace.models.pair_models",
     "InputError": "errors",
-    "Interlock": "disassembly.interlock",
+    "Interlock": "disassembly.interlock_result",
     "JointGap": "drawing.model",
     "LargestGap": "disassembly.largest_gap",
     "Live": "live.live_session",

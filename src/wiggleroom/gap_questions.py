@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.deadline import Deadline
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import Stop
 from wiggleroom.questions import given, refuse_planar_options
 from wiggleroom.search.answer import Answer
-from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 def sweep(
     assembly: Assembly | SpatialAssembly,
     gaps: Sequence[float] | None = None,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     prove: float | None = None,
     seconds: float | None = None,
@@ -74,16 +74,16 @@ def sweep(
         from wiggleroom.spatial.spatial_sweep import sweep_spatial
 
         refuse_planar_options("sweep", prove=prove, seconds=seconds)
-        return sweep_spatial(assembly, gaps, spatial_goals(goals), stop=stop, progress=progress, each=each)
+        return sweep_spatial(assembly, gaps, goals, stop=stop, progress=progress, each=each)
     from wiggleroom.sensitivity.sweep import sweep as sweep_planar
 
     options = given(seconds=seconds)
-    return sweep_planar(assembly, gaps, goals, prove=prove, stop=stop, progress=progress, each=each, **options)  # type: ignore[arg-type]
+    return sweep_planar(assembly, gaps, goals, prove=prove, stop=stop, progress=progress, each=each, **options)
 
 
 def rank(
     question: Assembly | Prepared | Answer | SpatialAssembly | SpatialAnswer,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     **options: Any,
 ) -> Ranking:
     """Importance of every part's gap, and of every joint's, for the largest motion.
@@ -115,12 +115,12 @@ def rank(
     """
     from wiggleroom.sensitivity.rank import rank as work_out
 
-    return work_out(_study(question, goals), None if _in_space(question) else goals, **options)  # type: ignore[arg-type]
+    return work_out(_study(question, goals), None if _in_space(question) else goals, **options)
 
 
 def tighten(
     assembly: Assembly | Answer | SpatialAssembly | SpatialAnswer,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     **options: Any,
 ) -> Tightening:
     """Which parts to make tighter for the least motion, or the fewest for a wanted limit.
@@ -152,13 +152,13 @@ def tighten(
     """
     from wiggleroom.sensitivity.tighten import tighten as work_out
 
-    return work_out(_study(assembly, goals), None if _in_space(assembly) else goals, **options)  # type: ignore[arg-type]
+    return work_out(_study(assembly, goals), None if _in_space(assembly) else goals, **options)
 
 
 def sample(
     assembly: Assembly | Answer | SpatialAssembly | SpatialAnswer,
     spread: Spread | float,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     **options: Any,
 ) -> Sample:
     """Largest motion when the gap round every part varies at random.
@@ -193,11 +193,11 @@ def sample(
     """
     from wiggleroom.sensitivity.sample import sample as work_out
 
-    return work_out(_study(assembly, goals), spread, None if _in_space(assembly) else goals, **options)  # type: ignore[arg-type]
+    return work_out(_study(assembly, goals), spread, None if _in_space(assembly) else goals, **options)
 
 
 def allowable_gap(
-    assembly: Assembly | SpatialAssembly, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any
+    assembly: Assembly | SpatialAssembly, goals: Goal | Sequence[Goal] | None = None, **options: Any
 ) -> AllowableGap:
     """Gap at which a motion stays below a limit, parts interlock, or parts that were cut too large still fit.
 
@@ -230,10 +230,10 @@ def allowable_gap(
     if isinstance(assembly, SpatialAssembly):
         from wiggleroom.spatial.spatial_study import spatial_allowable_gap
 
-        return spatial_allowable_gap(assembly, spatial_goals(goals), **options)
+        return spatial_allowable_gap(assembly, goals, **options)
     from wiggleroom.sensitivity.allowable_gap import allowable_gap as work_out
 
-    return work_out(assembly, goals, **options)  # type: ignore[arg-type]
+    return work_out(assembly, goals, **options)
 
 
 def largest_gap(
@@ -280,7 +280,7 @@ def largest_gap(
     return work_out(assembly, stop=stop, progress=progress, seconds=seconds)
 
 
-def _study(question: Any, goals: AnyGoal | Sequence[AnyGoal] | None) -> Any:
+def _study(question: Any, goals: Goal | Sequence[Goal] | None) -> Any:
     """What a study asks: an assembly of the plane itself, of space its study."""
     if not _in_space(question):
         return question
@@ -288,7 +288,7 @@ def _study(question: Any, goals: AnyGoal | Sequence[AnyGoal] | None) -> Any:
 
     if isinstance(question, SpatialAnswer):
         return SpatialStudy(question.assembly, question.goals, question)
-    return spatial_study_of(question, spatial_goals(goals))
+    return spatial_study_of(question, goals)
 
 
 def _in_space(question: Any) -> bool:

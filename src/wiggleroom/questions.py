@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any, overload
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.spatial.solids.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 if TYPE_CHECKING:
-    from wiggleroom.disassembly.interlock import Interlock
+    from wiggleroom.disassembly.interlock_result import Interlock
     from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.search.answer import Answer
     from wiggleroom.search.prepare import Prepared
     from wiggleroom.search.progress import Progress
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
-    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 
 def read(
@@ -30,7 +29,7 @@ def read(
     unit: str | None = None,
     flatten: float | None = None,
     fix: Sequence[str] = (),
-    goals: Sequence[AnyGoal] = (),
+    goals: Sequence[Goal] = (),
     only: Sequence[str] = (),
     skip: Sequence[str] = (),
     join: float | None = None,
@@ -76,16 +75,16 @@ def read(
         refuse_planar_options(
             "read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, hole=hole, dpi=dpi
         )
-        return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())
+        return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=goals)
     from wiggleroom.assembly.build import read as read_planar
 
-    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)  # type: ignore[arg-type]
+    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)
 
 
 @overload
 def flex(
     assembly: SpatialAssembly,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     solver: str = ...,
     search: int | None = ...,
@@ -95,7 +94,7 @@ def flex(
 @overload
 def flex(
     assembly: Assembly | Prepared,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     model: str | PairModel | None = ...,
     solver: str = ...,
@@ -108,7 +107,7 @@ def flex(
 ) -> Answer: ...
 def flex(
     assembly: Assembly | Prepared | SpatialAssembly,
-    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     model: str | PairModel | None = None,
     solver: str = "interior-point",
@@ -154,12 +153,11 @@ def flex(
         from wiggleroom.spatial.spatial_flex import flex_spatial
 
         refuse_planar_options("flex", model=model, start=start, prove=prove, seconds=seconds)
-        asked = spatial_goals(goals)
-        return flex_spatial(assembly, asked, solver=solver, search=search, bound=True, stop=stop, progress=progress)
+        return flex_spatial(assembly, goals, solver=solver, search=search, bound=True, stop=stop, progress=progress)
     from wiggleroom.maximise import flex as flex_planar
 
     options = given(seconds=seconds) | {"stop": stop, "progress": progress}
-    return flex_planar(assembly, goals, model=model, solver=solver, start=start, search=search, prove=prove, **options)  # type: ignore[arg-type]
+    return flex_planar(assembly, goals, model=model, solver=solver, start=start, search=search, prove=prove, **options)
 
 
 @overload
@@ -170,7 +168,7 @@ def check(
     progress: Callable[[Progress], None] | None = ...,
     every: bool = ...,
     seconds: float | None = ...,
-) -> SpatialDisassembly: ...
+) -> Interlock[SpatialAssembly]: ...
 @overload
 def check(
     assembly: Assembly,
@@ -191,7 +189,7 @@ def check(
     questions: int | None = None,
     every: bool = True,
     seconds: float | None = None,
-) -> Interlock | SpatialDisassembly:
+) -> Interlock[Any]:
     """Whether some parts can be moved without limit away from the others.
 
     Parameters
@@ -210,7 +208,7 @@ def check(
 
     Returns
     -------
-    Interlock or SpatialDisassembly
+    Interlock
 
     Raises
     ------

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.app.design_cache import goals_of
 from wiggleroom.app.open_requests import File, saved_name
-from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.strokes.chord_error import chord_error
 from wiggleroom.drawing.units import PER_INCH
 from wiggleroom.schema.requests import Design, GoalEntry
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.solids.spatial_model import SpatialGoal
+    pass
 
 
 def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:
@@ -67,7 +67,7 @@ def reading_options(file: File) -> list[str]:
 
 
 def _goals(file: File, design: Design) -> list[str] | None:
-    if _asked(file, design) == file.drawing.goals:
+    if goals_of(design) == file.drawing.goals:
         return []
     if design.goals == "weight":
         return ["--weight=-z"]
@@ -84,15 +84,6 @@ def _goals(file: File, design: Design) -> list[str] | None:
         else:
             found += _option("--pull", f"{entry.part}:{_direction(entry)}")
     return found if found else None
-
-
-def _asked(file: File, design: Design) -> tuple[Goal, ...] | tuple[SpatialGoal, ...]:
-    """Goals of a design of this file."""
-    if isinstance(file.drawing, Drawing):
-        return goals_of(design)
-    from wiggleroom.app.spatial_designs import spatial_goals_of
-
-    return spatial_goals_of(design)
 
 
 def _option(name: str, value: str) -> list[str]:

@@ -10,8 +10,9 @@ from typing import Any, Generic, TypeVar
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.statements import statement_findings, unknown
-from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Pull, Turn, W
+from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Pull, Turn, W, Weight
 from wiggleroom.errors import InputError
+from wiggleroom.report.page.page_messages import DOWN
 from wiggleroom.schema.requests import Design, GoalEntry
 
 T = TypeVar("T")
@@ -125,10 +126,7 @@ def goals_of(design: Design) -> tuple[Goal, ...]:
         If an entry asks for nothing, or for two things at once.
     """
     if isinstance(design.goals, str):
-        if design.goals not in WHOLE:
-            message = f'goals: "{design.goals}" is a question about assemblies in space'
-            raise InputError(message)
-        return (WHOLE[design.goals](),)
+        return (Weight(DOWN) if design.goals == "weight" else WHOLE[design.goals](),)
     return tuple(_goal(k, entry) for k, entry in enumerate(design.goals))
 
 
@@ -137,19 +135,9 @@ def _goal(k: int, entry: GoalEntry) -> Goal:
     if len(asked) != 1:
         finding = f'goals[{k}]: must have one of "direction", "turn" or "w"; it has {len(asked)}'
         raise InputError(finding)
-    if not all(
-        isinstance(x, str) or len(x) == 2 for x in (entry.direction, entry.point, entry.turn) if x is not None
-    ) or (entry.turn is not None and not isinstance(entry.turn, str)):
-        finding = f"goals[{k}]: directions and points of drawings have two numbers, and turns are cw or ccw"
-        raise InputError(finding)
-    if isinstance(entry.turn, str):
+    if entry.turn is not None:
         return Turn(entry.part, entry.turn, entry.weight)
     if entry.w is not None:
         return W(entry.part, entry.w, entry.weight)
     assert entry.direction is not None
-    return Pull(entry.part, _two(entry.direction), None if entry.point is None else _two(entry.point), entry.weight)
-
-
-def _two(values: tuple[float, ...]) -> tuple[float, float]:
-    x, y = values
-    return x, y
+    return Pull(entry.part, entry.direction, entry.point, entry.weight)

@@ -16,14 +16,11 @@ from wiggleroom.report.page.path_frames import path_frames
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import DragReply, FlexReply, ShapeReply, Solids
 from wiggleroom.schema.reply_base import Outline
-from wiggleroom.schema.study_replies import CheckReply
 from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:
-    from wiggleroom.disassembly.interlock import Interlock
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
-    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 Floats = NDArray[np.float64]
 
@@ -42,15 +39,6 @@ def answer_reply(answer: Answer | SpatialAnswer, command: str) -> FlexReply:
     from wiggleroom.report.page.spatial_messages import spatial_answer_message
 
     return spatial_answer_message(answer, command)
-
-
-def check_reply(found: Interlock | SpatialDisassembly, command: str) -> CheckReply:
-    """Whether it comes apart."""
-    from wiggleroom.disassembly.interlock import Interlock
-    from wiggleroom.report.page.spatial_messages import spatial_check_message
-    from wiggleroom.report.page.study_messages import check_message
-
-    return check_message(found, command) if isinstance(found, Interlock) else spatial_check_message(found, command)
 
 
 def contact_entries(contacts: Iterable[Any], assembly: Assembly | SpatialAssembly) -> list[ContactEntry]:

@@ -23,14 +23,13 @@ if TYPE_CHECKING:
     from wiggleroom.app.display import Display
     from wiggleroom.app.spatial_designs import SpatialDesignCache
     from wiggleroom.assembly.assembly import Assembly
-    from wiggleroom.disassembly.interlock import Interlock
+    from wiggleroom.disassembly.interlock_result import Interlock
     from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.live.live_session import Live
     from wiggleroom.planning.plan import Plan
     from wiggleroom.search.answer import Answer
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
-    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
     from wiggleroom.spatial.spatial_live import SpatialLive
 
 
@@ -47,7 +46,7 @@ class Document:
         self.designs = _cache_of(file)
         self._answers: LruCache[Answer | SpatialAnswer] = LruCache(4)
         self._searched: LruCache[SearchState] = LruCache(4)
-        self._checks: LruCache[Interlock | SpatialDisassembly] = LruCache(2)
+        self._checks: LruCache[Interlock[Any]] = LruCache(2)
         self._plans: LruCache[Plan] = LruCache(2)
 
     @cached_property

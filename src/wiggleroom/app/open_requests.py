@@ -228,7 +228,7 @@ def _gaps_of(drawing: Drawing | SpatialDrawing) -> list[tuple[str, str, float]]:
 
 def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
     """The request that opens an assembly in space of this machine, and the files that it names, with what a command made of it."""
-    from wiggleroom.report.page.spatial_messages import spatial_design
+    from wiggleroom.report.page.page_messages import design_message
 
     data = path.read_bytes()
     named = [part.get(key) for part in json.loads(data)["parts"] for key in ("mesh", "outline")]
@@ -242,7 +242,7 @@ def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
             beside={name: (path.parent / name).read_bytes() for name in files},
             gaps=_gaps_of(drawing),
             ignore=list(drawing.ignore),
-            design=spatial_design(drawing),
+            design=design_message(drawing),
         )
     )
 

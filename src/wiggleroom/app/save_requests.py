@@ -102,7 +102,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
 
 def _write_in_space(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     from wiggleroom.app.spatial_designs import designed_file
-    from wiggleroom.report.solids.spatial_results import spatial_check_result, spatial_flex_result
+    from wiggleroom.report.solids.spatial_results import spatial_flex_result
 
     design = request.design
     if request.what == "assembly":
@@ -117,7 +117,7 @@ def _write_in_space(document: Document, request: SaveRequest, path: Path, out: R
     result: Struct
     if request.of == "check":
         found = document.checked(design, out)
-        result = spatial_check_result(found, command=said)
+        result = check_result(found, command=said)
     else:
         found = replace(document.answer(design, out), command=said)
         result = spatial_flex_result(found)

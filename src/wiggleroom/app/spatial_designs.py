@@ -3,31 +3,25 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.app.design_cache import LruCache
+from wiggleroom.app.design_cache import LruCache, goals_of
 from wiggleroom.app.open_requests import File
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
-from wiggleroom.report.page.spatial_messages import spatial_design, spatial_opened
+from wiggleroom.report.page.page_messages import design_message
+from wiggleroom.report.page.spatial_messages import spatial_opened
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import Design, GoalEntry
-from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, goal_findings
-from wiggleroom.spatial.solids.spatial_model import (
-    SpatialAssembly,
-    SpatialDrawing,
-    SpatialGoal,
-    SpatialPull,
-    SpatialTurn,
-    Weight,
-)
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, spatial_goal_findings
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialDrawing
 
 MAX_SHAPES, MAX_ROLES = 6, 6
 """Number of designs whose solids are kept, and of assemblies of them with roles."""
@@ -75,8 +69,8 @@ class SpatialDesignCache:
         fixed = set(design.fixed)
         parts = tuple(replace(p, fixed=p.name in fixed) for p in self._drawing.parts)
         used = replace(self._drawing, parts=parts, gap=self.gap(design), glue=tuple(map(tuple, design.glue)))
-        used = replace(used, goals=spatial_goals_of(design))
-        wrong = goal_findings(used, used.goals)
+        used = replace(used, goals=goals_of(design))
+        wrong = spatial_goal_findings(used, used.goals)
         if wrong:
             raise InputError(wrong)
         return used
@@ -99,48 +93,10 @@ class SpatialDesignCache:
         return self.gap(design), tuple(sorted(design.extra.items()))
 
 
-def spatial_goals_of(design: Design) -> tuple[SpatialGoal, ...]:
-    """Goals of a design.
-
-    Raises
-    ------
-    InputError
-        If an entry asks for nothing, for two things at once, or for something of the plane.
-    """
-    if isinstance(design.goals, str):
-        if design.goals == "weight":
-            return (Weight((0.0, 0.0, -1.0)),)
-        message = f'goals: "{design.goals}" is a question about drawings; in space pull, twist, or let parts sink'
-        raise InputError(message)
-    return tuple(_goal(k, entry) for k, entry in enumerate(design.goals))
-
-
-def _goal(k: int, entry: GoalEntry) -> SpatialGoal:
-    where = f"goals[{k}]"
-    if entry.w is not None or isinstance(entry.turn, str):
-        message = f'{where}: in space give "direction" or "turn" as three numbers'
-        raise InputError(message)
-    if (entry.direction is None) == (entry.turn is None):
-        message = f'{where}: must have either "direction" or "turn"'
-        raise InputError(message)
-    if entry.turn is not None:
-        return SpatialTurn(entry.part, _three(where, entry.turn), entry.weight)
-    point = None if entry.point is None else _three(where, entry.point)
-    return SpatialPull(entry.part, _three(where, entry.direction or ()), point, entry.weight)
-
-
-def _three(where: str, values: Sequence[float]) -> tuple[float, float, float]:
-    if len(values) != 3:
-        message = f"{where}: has {len(values)} numbers; in space it must be three"
-        raise InputError(message)
-    x, y, z = values
-    return x, y, z
-
-
 def spatial_opened_reply(file: File, designs: SpatialDesignCache, design: Design | None) -> Opened:
     """Reply to `open`: solids as they are made, or as drawn where that cannot be, and what is asked, as a design."""
     assert not isinstance(file.drawing, Drawing)
-    asked = design or spatial_design(file.drawing)
+    asked = design or design_message(file.drawing)
     drawing = designs.drawing(asked)
     try:
         assembly = designs.assembly(asked)

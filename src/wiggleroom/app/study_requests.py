@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
-from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
+from wiggleroom.app.dimension_messages import frames_of, still_frame
 from wiggleroom.app.motion_requests import searched, tell_answer
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.report.page.study_messages import ranking_message, step_message
+from wiggleroom.report.page.study_messages import check_message, ranking_message, step_message
 from wiggleroom.report.results.answer_words import bound_sentence, proven
 from wiggleroom.report.results.separability import border_sentence
 from wiggleroom.schema.requests import (
@@ -48,7 +48,7 @@ def rank(document: Document, request: RankRequest, out: Reporter) -> None:
 def check(document: Document, request: CheckRequest, out: Reporter) -> None:
     """Whether it comes apart; one film for each escape."""
     found = document.checked(request.design, out)
-    content = check_reply(found, command("check", document.file, request.design, pulled=False))
+    content = check_message(found, command("check", document.file, request.design, pulled=False))
     out.reply(content, [frames_of(found.assembly, e.path) for e in found.escapes])
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ class Assembly(Displayable):
         Where they came from, with the gap that was applied in `drawing.gap`.
     """
 
+    dimension: ClassVar[int] = 2
     parts: tuple[Part, ...]
     drawing: Drawing
 
@@ -57,6 +59,17 @@ class Assembly(Displayable):
     def as_cut(self) -> Drawing:
         """Drawing of the parts as they are made, for a cutter: no gap is left to apply."""
         return replace(self.drawing, parts=self.parts, gap=0.0, gaps=())
+
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    AnyAssembly = TypeVar("AnyAssembly", default=Assembly)
+else:
+    from typing import TypeVar
+
+    AnyAssembly = TypeVar("AnyAssembly")
+"""What a result is about: an assembly in the plane, or one in space. Type checkers take the plane's where none is named."""
 
 
 def require_planar(assembly: object, question: str) -> None:

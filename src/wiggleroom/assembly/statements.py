@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import TypeVar
 
@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
+from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, Vector, W, Weight, part_of
 from wiggleroom.drawing.outlines.naming import place_of
 from wiggleroom.drawing.writers.glue_groups import glue_groups
 
@@ -19,12 +19,52 @@ AskedGoal = TypeVar("AskedGoal")
 
 SMALLEST_FACTOR, LARGEST_FACTOR = 1e-100, 1e100
 """Goals are not counted by factors beyond these."""
+_KINDS = {2: (Pull, Turn, W, Towards, Translation, Closer), 3: (Pull, Turn, Weight)}
+"""Goals of the plane and of space."""
+_COUNTS = {2: "in the plane it must be two numbers", 3: "in space it must be three numbers"}
 USUAL = f"it must be a finite number, between {SMALLEST_FACTOR:g} and {LARGEST_FACTOR:g} in size unless it is 0"
 
 
 def statement_findings(drawing: Drawing) -> list[str]:
     """Everything wrong with names, references, numbers and roles, whatever the outlines are."""
-    return [*_names(drawing), *_references(drawing), *_numbers(drawing), *_roles(drawing)]
+    fixed = {p.name: p.fixed for p in drawing.parts}
+    goals = goal_findings(drawing.goals, fixed, drawing.glue, 2)
+    return [*_names(drawing), *_references(drawing), *_gap_numbers(drawing), *goals]
+
+
+def goal_findings(
+    goals: Iterable[Goal], fixed: Mapping[str, bool], glue: Iterable[Sequence[str]], dimension: int
+) -> list[str]:
+    """What is wrong with goals: questions of the other dimension, unknown parts, parts that stand, numbers that make no sense.
+
+    Parameters
+    ----------
+    goals : goals
+    fixed : mapping of names to bool
+        All parts, and whether each stands.
+    glue : groups of names
+    dimension : int
+        2 in the plane, 3 in space.
+
+    Examples
+    --------
+    >>> goal_findings([Pull("lid", (0, 1))], {"lid": False}, (), 3)
+    ['pull of "lid": direction is (0, 1): in space it must be three numbers']
+    """
+    goals = list(goals)
+    asked = dict.fromkeys((_kind(goal), name) for goal in goals if (name := part_of(goal)) is not None)
+    still = {name: "it is fixed" for name, stands in fixed.items() if stands}
+    for anchor, name in glued_to(glue, still):
+        still.setdefault(name, f'it is glued to "{anchor}", which is fixed')
+    return [
+        *(f"{kind}: {unknown(name, fixed)}" for kind, name in asked if name not in fixed),
+        *(line for goal in goals for line in _goal_numbers(goal, dimension)),
+        *(
+            f'"{name}" cannot be moved ({kind}), for {still[name]}: fix it or move it, not both'
+            for kind, name in asked
+            if name in still
+        ),
+    ]
 
 
 def given_goals(goals: AskedGoal | Sequence[AskedGoal] | None, own: tuple[AskedGoal, ...]) -> tuple[AskedGoal, ...]:
@@ -123,45 +163,75 @@ def _references(drawing: Drawing) -> list[str]:
     uses = [("glue", name) for group in drawing.glue for name in group]
     uses += [("ignore", name) for pair in drawing.ignore for name in pair]
     uses += [("gaps", name) for joint in drawing.gaps for name in joint.parts]
-    uses += [(_kind(goal), part) for goal in drawing.goals if (part := part_of(goal)) is not None]
     found = [f"{kind}: {unknown(name, names)}" for kind, name in dict.fromkeys(uses) if name not in names]
     same = [j.parts[0] for j in drawing.gaps if j.parts[0] == j.parts[1]]
     return found + [f'gaps: "{name}" is named twice: a joint lies between two parts' for name in same]
 
 
-def _numbers(drawing: Drawing) -> list[str]:
-    found = []
-    for what, gap in [("gap", drawing.gap), *((f"gap of {j.parts[0]} and {j.parts[1]}", j.gap) for j in drawing.gaps)]:
-        if not 0 <= gap < np.inf:
-            found.append(f"{what} is {gap:g}: it must be 0 or more")
-    for goal in drawing.goals:
-        found += _goal_numbers(goal)
-    return found
+def _gap_numbers(drawing: Drawing) -> list[str]:
+    gaps = [("gap", drawing.gap), *((f"gap of {j.parts[0]} and {j.parts[1]}", j.gap) for j in drawing.gaps)]
+    return [f"{what} is {gap:g}: it must be 0 or more" for what, gap in gaps if not 0 <= gap < np.inf]
 
 
-def _goal_numbers(goal: Goal) -> list[str]:
-    where = _kind(goal) if isinstance(goal, Translation | Closer) else f'{_kind(goal)} of "{goal.part}"'
-    found = [] if _is_usual(goal.weight) else [f"{where}: weight is {goal.weight:g}: {USUAL}"]
-    if isinstance(goal, Translation | Closer):
-        return found
-    if isinstance(goal, Turn):
-        return found if goal.sense in ("ccw", "cw") else [*found, f'{where}: sense is "{goal.sense}": it is ccw or cw']
-    if isinstance(goal, Towards):
-        spots = {"target": goal.target, "point": goal.point}
-        return found + [
-            f"{where}: {word} is {numbers_text(spot)}: it must be finite"
-            for word, spot in spots.items()
-            if spot is not None and not np.isfinite(spot).all()
+def _goal_numbers(goal: Goal, dimension: int) -> list[str]:
+    """What is wrong with the kind and the numbers of one goal."""
+    name = part_of(goal)
+    where = _kind(goal) if name is None else f'{_kind(goal)} of "{name}"'
+    if not isinstance(goal, _KINDS[dimension]):
+        return [
+            f"{where} is a question about assemblies in space"
+            if dimension == 2
+            else f"{type(goal).__name__} is a question about drawings; in space ask with Pull or Turn"
         ]
-    vector = goal.direction if isinstance(goal, Pull) else goal.w
-    if not np.isfinite(vector).all() or not np.any(vector):
-        word = "direction" if isinstance(goal, Pull) else "w"
-        found.append(f"{where}: {word} is {numbers_text(vector)}: it must be finite and not all zero")
-    elif isinstance(goal, W) and not all(map(_is_usual, vector)):
-        found.append(f"{where}: w is {numbers_text(vector)}: {USUAL}")
-    if isinstance(goal, Pull) and goal.point is not None and not np.isfinite(goal.point).all():
-        found.append(f"{where}: point is {numbers_text(goal.point)}: it must be finite")
+    found = [] if _is_usual(goal.weight) else [f"{where}: weight is {goal.weight:g}: {USUAL}"]
+    match goal:
+        case Turn(sense=sense) if dimension == 2:
+            return found if sense in ("ccw", "cw") else [*found, f'{where}: sense is "{sense}": it is ccw or cw']
+        case Turn(sense=sense):
+            return found + _direction(f"{where}: sense", sense, dimension)
+        case Pull(direction=direction, point=point):
+            return (
+                found
+                + _direction(f"{where}: direction", direction, dimension)
+                + _spot(where, "point", point, dimension)
+            )
+        case Weight(direction=direction):
+            return found + _direction(f"{where}: direction", direction, dimension)
+        case Towards(target=target, point=point):
+            return found + _spot(where, "target", target, dimension) + _spot(where, "point", point, dimension)
+        case W(w=w):
+            wrong = _nonzero(f"{where}: w", w)
+            usual = all(map(_is_usual, w))
+            return found + wrong + ([] if wrong or usual else [f"{where}: w is {numbers_text(w)}: {USUAL}"])
     return found
+
+
+def _direction(what: str, values: Vector | str, dimension: int) -> list[str]:
+    """What is wrong with a direction."""
+    if isinstance(values, str):
+        return [f"{what} is {values}: {_COUNTS[dimension]}"]
+    return _count(what, values, dimension) or _nonzero(what, values)
+
+
+def _nonzero(what: str, values: Vector) -> list[str]:
+    if np.isfinite(values).all() and np.any(values):
+        return []
+    return [f"{what} is {numbers_text(values)}: it must be finite and not all zero"]
+
+
+def _spot(where: str, word: str, values: Vector | None, dimension: int) -> list[str]:
+    """What is wrong with a point, where there is one."""
+    if values is None:
+        return []
+    wrong = _count(f"{where}: {word}", values, dimension)
+    if wrong or np.isfinite(values).all():
+        return wrong
+    return [f"{where}: {word} is {numbers_text(values)}: it must be finite"]
+
+
+def _count(what: str, values: Vector, dimension: int) -> list[str]:
+    """What is wrong with how many numbers a vector has."""
+    return [] if len(values) == dimension else [f"{what} is {numbers_text(values)}: {_COUNTS[dimension]}"]
 
 
 def _is_usual(number: float) -> bool:
@@ -175,22 +245,8 @@ def numbers_text(values: Sequence[float]) -> str:
 
 
 def _kind(goal: Goal) -> str:
-    return {
-        Pull: "pull", Turn: "turn", W: "w", Towards: "towards", Translation: "translation", Closer: "closer",
-    }[type(goal)]  # fmt: skip
-
-
-def _roles(drawing: Drawing) -> list[str]:
-    """Goals of parts that cannot move, themselves or through glue."""
-    still = {p.name: "it is fixed" for p in drawing.parts if p.fixed}
-    for anchor, name in glued_to(drawing.glue, still):
-        still.setdefault(name, f'it is glued to "{anchor}", which is fixed')
-    asked = dict.fromkeys((_kind(goal), part_of(goal)) for goal in drawing.goals)
-    return [
-        f'"{name}" cannot be moved ({kind}), for {still[name]}: fix it or move it, not both'
-        for kind, name in asked
-        if name is not None and name in still
-    ]
+    """Word of files for a goal."""
+    return type(goal).__name__.lower()
 
 
 def glued_to(glue: Iterable[Sequence[str]], fixed: Iterable[str]) -> list[tuple[str, str]]:

@@ -17,24 +17,23 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
     from wiggleroom.deadline import Deadline
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
+    from wiggleroom.drawing.model import Goal
+    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 _HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
 _OF_DRAWINGS = ("unit", "dpi", "only", "skip", "join", "solid", "hole")
 """Options that say how a drawing is read, a cutting sheet too."""
 
 
-def spatial_questions(
-    pulls: Iterable[str], turns: Iterable[str], weight: str | None
-) -> tuple[list[SpatialGoal], list[str]]:
+def spatial_questions(pulls: Iterable[str], turns: Iterable[str], weight: str | None) -> tuple[list[Goal], list[str]]:
     """Goals from the texts of `--pull`, `--turn` and `--weight`, and one line for each that cannot be read.
 
     >>> spatial_questions(["lid:+z@1,2,3"], [], None)[0]
-    [SpatialPull(part='lid', direction=(0.0, 0.0, 1.0), point=(1.0, 2.0, 3.0), weight=1.0)]
+    [Pull(part='lid', direction=(0.0, 0.0, 1.0), point=(1.0, 2.0, 3.0), weight=1.0)]
     """
-    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
+    from wiggleroom.drawing.model import Pull, Turn, Weight
 
-    found: list[SpatialGoal] = []
+    found: list[Goal] = []
     wrong: list[str] = []
     for text in pulls:
         name, _, value = text.rpartition(":")
@@ -45,14 +44,14 @@ def spatial_questions(
         elif at and point is None:
             wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:+z@12,1,3")
         else:
-            found.append(SpatialPull(name, direction, point))
+            found.append(Pull(name, direction, point))
     for text in turns:
         name, _, value = text.rpartition(":")
         direction = vector(value, 3)
         if not name or direction is None:
             wrong.append(f"--turn {text}: {_HOW}")
         else:
-            found.append(SpatialTurn(name, direction))
+            found.append(Turn(name, direction))
     if weight is not None:
         direction = vector(weight, 3)
         if direction is None:
@@ -238,14 +237,8 @@ def check_in_space(
         assembly = read_in_space(file, asked, sheet, stop)
         found = check(assembly, stop=stop)
         border = find_largest_gap(assembly, stop=stop) if largest_gap else None
-    from wiggleroom.report.solids.spatial_results import spatial_check_result
-    from wiggleroom.report.solids.spatial_table import spatial_check_table
+    from wiggleroom.report.results.separability import Checked, check_result, check_table
 
-    tell(
-        outputs,
-        lambda: spatial_check_result(found, border, command),
-        lambda: spatial_check_table(found, border),
-        found,
-        command,
-    )
+    shown = Checked(found, border)
+    tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)
     return EXIT_CODES[found.verdict]

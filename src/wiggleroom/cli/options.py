@@ -279,7 +279,7 @@ def with_roles(drawing: Drawing, asked: QuestionOptions, wanted: list[Goal]) -> 
 
     from wiggleroom.assembly.statements import PartNames
     from wiggleroom.cli.asking import group_findings, joint_gaps, names
-    from wiggleroom.drawing.model import Closer, Translation
+    from wiggleroom.drawing.model import part_of
     from wiggleroom.errors import InputError
 
     known = PartNames(drawing)
@@ -288,9 +288,7 @@ def with_roles(drawing: Drawing, asked: QuestionOptions, wanted: list[Goal]) -> 
     ignored = [tuple(map(known, names([text], members))) for text in asked.ignore]
     gaps, wrong = joint_gaps(asked.gap_of, members, known)
     fixed = [known(name) for name in names(asked.fix, members)]
-    goals = [
-        goal if isinstance(goal, Translation | Closer) else replace(goal, part=known(goal.part)) for goal in wanted
-    ]
+    goals = [goal if (name := part_of(goal)) is None else replace(goal, part=known(name)) for goal in wanted]  # type: ignore[arg-type]
     wrong += group_findings(asked.glue, glued, asked.ignore, ignored)
     if wrong or known.wrong:
         raise InputError([*wrong, *known.wrong])

@@ -79,7 +79,9 @@ def _terms(goals: Sequence[Goal], source: str, place: dict[str, tuple[float, flo
         match goal:
             case Pull(part, (dx, dy), point, weight):
                 share = weight / math.hypot(dx, dy)
-                found.append(Term((part,), (share * dx, share * dy), point or place.get(part), 0.0))
+                found.append(
+                    Term((part,), (share * dx, share * dy), (point[0], point[1]) if point else place.get(part), 0.0)
+                )
             case Turn(part, sense, weight):
                 found.append(Term((part,), (0.0, 0.0), place.get(part), weight if sense == "ccw" else -weight))
             case W(part, (wx, wy, turn), weight):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,9 +19,9 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.disassembly_sequence import Departure, Disassembly, disassemble
 from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
+from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import only
-from wiggleroom.displayable import Displayable, Drawable
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.closure_bound import ClosureBound, closure_bound
@@ -43,72 +43,6 @@ BOUND_WORK, BOUND_WORK_PER_PART = 1000.0, 50.0
 """Work of the bound on displacements, about milliseconds, and for each part."""
 REFINED_SHARE = 0.1
 """Share of it for a tighter bound, where one is known already."""
-
-
-@dataclass(frozen=True, eq=False)
-class Escape(Displayable):
-    """Parts that leave together.
-
-    Parameters
-    ----------
-    parts : tuple of names
-    path : (k, n, 3) float64 [mm, mm, rad]
-        Motions of all parts about their reference points, from rest to where `parts` are beyond all others and go on straight without
-        limit; straight between. Parts of earlier escapes stay where those ended and are out of the game. Every step is checked for overlap.
-    """
-
-    parts: tuple[str, ...]
-    path: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class Interlock(Drawable):
-    """Whether an assembly comes apart, and how sure that is.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    verdict : Separability
-    certainty : Certainty
-        A path apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
-        together; else every planned question was asked and no path was found.
-    escapes : tuple of Escape
-        In the order in which they leave.
-    spins : tuple of names
-        Parts that turn in place without limit.
-    remains : tuple of names
-        Parts that are left where nothing more was found to leave; none where only what stands is left.
-    questions : int
-        Largest motions that were searched.
-    states : int
-        States to which slides of parts, and turns of single parts, led, each visited once.
-    turned : int
-        Of these states those in which every part was turned both ways.
-    whole : bool
-        True where these are all such states of the parts that are left.
-    unanswered : int
-        Largest motions whose search found no end that is certain.
-    tight : bool
-        True where parts touch at rest and their contacts alone lock them.
-    at_most : float or None [mm]
-        A distance that no point of any part exceeds in any motion that starts at rest, proven; None where little work found
-        none.
-    """
-
-    assembly: Assembly
-    verdict: Separability
-    certainty: Certainty
-    escapes: tuple[Escape, ...] = ()
-    spins: tuple[str, ...] = ()
-    remains: tuple[str, ...] = ()
-    questions: int = 0
-    states: int = 0
-    seconds: float = 0.0
-    tight: bool = False
-    at_most: float | None = None
-    turned: int = 0
-    whole: bool = True
-    unanswered: int = 0
 
 
 def check(

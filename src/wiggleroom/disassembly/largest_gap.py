@@ -11,7 +11,8 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.escape import EscapeEffort
-from wiggleroom.disassembly.interlock import Interlock, interlock
+from wiggleroom.disassembly.interlock import interlock
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.progress import Progress, silent
@@ -40,7 +41,7 @@ class LargestGap(Drawable):
         Largest gap that was seen to interlock; None where no gap does.
     parts_at : float or None [mm]
         Smallest gap at which a path apart was found; None where the parts fall to pieces before they come apart.
-    interlocked, apart : Interlock, SpatialDisassembly or None
+    interlocked, apart : Interlock or None
         The verified states on both sides.
     """
 

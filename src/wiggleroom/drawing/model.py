@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
+Vector = tuple[float, ...]
+"""A point or a direction: two numbers in the plane, three in space."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,26 +100,43 @@ class Pull:
     ----------
     part : str
         Name of the pulled part.
-    direction : (dx, dy)
+    direction : (dx, dy), in space (dx, dy, dz)
         Any length but zero; it is normalised where it is used.
-    point : (x, y) [mm], optional
+    point : (x, y) or (x, y, z) [mm], optional
         Assembly coordinates at rest; by default the part's reference point.
     weight : float
         Factor of this term in the objective.
     """
 
     part: str
-    direction: tuple[float, float]
-    point: tuple[float, float] | None = None
+    direction: Vector
+    point: Vector | None = None
     weight: float = 1.0
 
 
 @dataclass(frozen=True)
 class Turn:
-    """Ask for the largest turn [rad] of a part; `sense` is "ccw" or "cw"."""
+    """Ask for the largest turn [rad] of a part.
+
+    Parameters
+    ----------
+    part : str
+    sense : "ccw" or "cw", in space (x, y, z)
+        In space the direction about which the part is twisted, fixed in the world, right hand.
+    weight : float
+        Factor of this term in the objective.
+    """
 
     part: str
-    sense: str = "ccw"
+    sense: str | Vector = "ccw"
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Ask how far all parts sink together, in space: each pulled at its centroid by volume times density [mm4 for density 1]."""
+
+    direction: Vector
     weight: float = 1.0
 
 
@@ -174,7 +193,7 @@ class Towards:
     weight: float = 1.0
 
 
-Goal = Pull | Turn | W | Towards | Translation | Closer
+Goal = Pull | Turn | W | Towards | Translation | Closer | Weight
 
 WHOLE: dict[str, type[Translation] | type[Closer]] = {"translation": Translation, "closer": Closer}
 """Goals of the whole assembly by the names that files and commands use; each stands in place of all pulls."""
@@ -182,7 +201,7 @@ WHOLE: dict[str, type[Translation] | type[Closer]] = {"translation": Translation
 
 def part_of(goal: Goal) -> str | None:
     """The part that a goal names, or None where it is about the whole assembly."""
-    return None if isinstance(goal, Translation | Closer) else goal.part
+    return None if isinstance(goal, Translation | Closer | Weight) else goal.part
 
 
 @dataclass(frozen=True, eq=False)

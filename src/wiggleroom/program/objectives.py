@@ -367,7 +367,8 @@ def _nearness(assembly: Assembly, bodies: Bodies, goals: Sequence[Any], pairs: t
 
 
 def _pull(goal: Pull) -> tuple[Sequence[float], Sequence[float] | None, float]:
-    return np.asarray(goal.direction, dtype=float) / np.hypot(*goal.direction), goal.point, 0.0
+    x, y = goal.direction
+    return np.array((x, y), dtype=float) / np.hypot(x, y), goal.point, 0.0
 
 
 def _turn(goal: Turn) -> tuple[Sequence[float], Sequence[float] | None, float]:

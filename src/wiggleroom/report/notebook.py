@@ -7,7 +7,7 @@ import html
 import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.disassembly.interlock import Escape, Interlock
+from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.blocking_graph import Blocking
@@ -43,7 +43,7 @@ from wiggleroom.report.results.plan_results import (
 from wiggleroom.report.results.separability import Checked, border_sentence, check_facts, check_title
 from wiggleroom.report.results.study_results import lost_sentence
 from wiggleroom.report.results.tolerance_results import tolerances_facts, tolerances_sentence
-from wiggleroom.report.solids.spatial_table import check_sentence, spatial_headline, spatial_sentence
+from wiggleroom.report.solids.spatial_table import spatial_headline, spatial_sentence
 from wiggleroom.report.write_spatial import spatial_page
 from wiggleroom.report.write_study import StudyResult, assembly_of, in_space, page_of_study
 from wiggleroom.search.answer import Answer
@@ -56,7 +56,6 @@ from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 
 HEIGHT = 560
 """Height of the frame [px]."""
@@ -103,8 +102,6 @@ def lines(found: Displayable) -> list[str]:
             return [headline(found), f"{found.verdict}: {verdict_sentence(found)}", *facts(found)]
         case SpatialAnswer():
             return [spatial_headline(found), f"{found.verdict}: {spatial_sentence(found)}"]
-        case SpatialDisassembly():
-            return [f"{found.verdict} at gap {found.assembly.gap:g} mm: {check_sentence(found)}"]
         case Interlock():
             return [check_title(found), *check_facts(found, None)]
         case LargestGap():
@@ -160,7 +157,7 @@ def _lines_alone(found: Displayable) -> list[str]:
         case Mode():
             far = f"up to {number(found.size, 3)} mm" if found.ends else "without end"
             return [f"freedom {far}, most of all {few(found.parts)}"]
-        case Escape() | SpatialEscape():
+        case Escape():
             return [
                 f"{few(found.parts)} {'leaves' if len(found.parts) == 1 else 'leave'} on a path of {len(found.path)} points"
             ]
@@ -190,7 +187,7 @@ def _page(found: Displayable) -> str | None:
             return page_of_assembly(found.assembly)
         case Answer():
             return page_of_answer(found)
-        case SpatialAnswer() | SpatialDisassembly():
+        case SpatialAnswer():
             return spatial_page(found)
         case PlanSample() | PlanRanking() | SmallestGap():
             return page_of_plan(found.plan, _tolerances(found))

@@ -12,14 +12,13 @@ from wiggleroom.report.pictures.file_endings import ANSWERS, FILMS, PAGE, check_
 from wiggleroom.report.pictures.stills import write_still
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 if TYPE_CHECKING:
     from wiggleroom.report.write_study import StudyResult
 
 
 def write_picture(
-    found: Answer | SpatialAnswer | SpatialDisassembly | StudyResult,
+    found: Answer | SpatialAnswer | StudyResult,
     path: str | PathLike[str],
     *,
     command: str = "",
@@ -44,7 +43,7 @@ def write_picture(
         If a film needs a library that is not installed.
     """
     path = Path(path)
-    if isinstance(found, SpatialAnswer | SpatialDisassembly):
+    if isinstance(found, SpatialAnswer):
         from wiggleroom.report.write_spatial import write_spatial
 
         write_spatial(found, path, command, progress)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.files import write_whole
 from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_answer
 from wiggleroom.report.pictures import palette
@@ -16,9 +18,8 @@ from wiggleroom.report.solids.spatial_table import spatial_headline
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
-SpatialFound = SpatialAnswer | SpatialDisassembly | Ranking | Tightening
+SpatialFound = SpatialAnswer | Interlock[Any] | Ranking | Tightening
 """What is shown as parts in space; rankings and tightenings of assemblies in space."""
 
 
@@ -32,9 +33,9 @@ def write_spatial(
     InputError
         If the name has another ending.
     """
-    moves = isinstance(found, SpatialAnswer | SpatialDisassembly)
+    moves = isinstance(found, SpatialAnswer | Interlock)
     check_ending(path, SPATIAL_ANSWERS if moves else SPATIAL_STUDIES)
-    if isinstance(found, SpatialAnswer | SpatialDisassembly) and ending(path) in FILMS:
+    if isinstance(found, SpatialAnswer | Interlock) and ending(path) in FILMS:
         from wiggleroom.report.solids.spatial_film import film_of_spatial
 
         film_of_spatial(found, path, progress=progress)
@@ -45,7 +46,7 @@ def write_spatial(
     match found:
         case SpatialAnswer():
             draw_spatial(found, path)
-        case SpatialDisassembly():
+        case Interlock():
             draw_separation(found, path)
         case _:
             answer, facts, fill = _coloured(found)
@@ -58,7 +59,7 @@ def spatial_page(found: SpatialFound, command: str = "") -> str:
     match found:
         case SpatialAnswer():
             return page_of_spatial_answer(found, command or found.command)
-        case SpatialDisassembly():
+        case Interlock():
             return page_of_separation(found, command)
     answer, facts, fill = _coloured(found)
     return page_of_spatial_answer(answer, command, fill, facts)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
@@ -44,7 +44,7 @@ def draw_study(
     """Write what was found, as `wiggleroom.report.write_picture.write_picture` does."""
     shown = in_space(found)
     if shown is not None:
-        write_spatial(shown, path, command)
+        write_spatial(shown, path, command, progress)
         return
     found = as_checked(found)
     check_ending(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
@@ -64,8 +64,10 @@ def in_space(found: StudyResult) -> SpatialFound | None:
     if not isinstance(assembly_of(found), SpatialAssembly):
         return None
     match found:
-        case Ranking() | Tightening():
+        case Ranking() | Tightening() | Interlock():
             return found
+        case Checked():
+            return found.found
         case AllowableGap():
             return found.sides[1] or found.sides[0]
         case LargestGap():

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.assembly.loops import region_of
-from wiggleroom.drawing.model import Closer, Goal, Part, Pull, Region, Towards, Translation, Turn, W
+from wiggleroom.drawing.model import Goal, Part, Pull, Region, Towards, Turn, Vector, W
 from wiggleroom.search.answer import Answer, Contact
 
 Floats = NDArray[np.float64]
@@ -200,25 +200,22 @@ def _goal(goal: Goal, origin: Floats, axes: Floats, scale: float) -> Goal:
     """What is asked, in the frame; worth `scale` times as much."""
     sense = np.linalg.det(axes)
 
-    def spot(point: tuple[float, float] | None) -> tuple[float, float] | None:
+    def spot(point: Vector | None) -> tuple[float, float] | None:
         return None if point is None else _pair(scale * axes @ (np.array(point) - origin))
 
     if isinstance(goal, Pull):
         direction = np.array(goal.direction, dtype=float)
         return replace(goal, direction=_pair(axes @ (direction / np.hypot(*direction))), point=spot(goal.point))
     if isinstance(goal, Turn):
-        same = sense > 0
-        return replace(
-            goal, sense=goal.sense if same else {"cw": "ccw", "ccw": "cw"}[goal.sense], weight=goal.weight * scale
-        )
+        same = (goal.sense == "ccw") == (sense > 0)
+        return replace(goal, sense="ccw" if same else "cw", weight=goal.weight * scale)
     if isinstance(goal, W):
         x, y = axes @ np.array(goal.w[:2], dtype=float)
         return replace(goal, w=(float(x), float(y), float(goal.w[2] * sense * scale)))
     if isinstance(goal, Towards):
         target = spot(goal.target)
         return replace(goal, point=spot(goal.point), target=target or goal.target, weight=goal.weight / scale)
-    whole: Translation | Closer = goal
-    return replace(whole, weight=whole.weight / scale)
+    return replace(goal, weight=goal.weight / scale)
 
 
 def _weight(goal: Goal) -> float:
@@ -242,7 +239,7 @@ def _vectors(
 ) -> list[Floats]:
     """Vectors that turn with the assembly: what is pulled and where, what is fixed, and how the material lies about its centroid."""
     pulls = [g for g in asked if isinstance(g, Pull)]
-    out = [sum((g.weight * np.array(g.direction) / np.hypot(*g.direction) for g in pulls), np.zeros(2))]
+    out = [sum((g.weight * np.array((x, y)) / np.hypot(x, y) for g in pulls for x, y in [g.direction]), np.zeros(2))]
     out += [np.array(g.w[:2], dtype=float) / max(np.hypot(*g.w[:2]), 1e-300) for g in asked if isinstance(g, W)]
     for goal in asked:
         if isinstance(goal, Pull) and goal.point is not None:

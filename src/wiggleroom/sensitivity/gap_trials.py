@@ -70,7 +70,7 @@ class AllowableGap(Drawable):
         Largest gap at which no larger motion was found, and largest at which none is possible. For "fits" both are the answer.
     trials : tuple of Trial
         Everything that was tried, in order of the gap.
-    sides : (Interlock, SpatialDisassembly or None) twice
+    sides : (Interlock or None) twice
         For "holds": the states that were verified at `gap` and at `beyond`.
     why : str
         What a reader must know beside the number; empty where there is nothing.

@@ -66,7 +66,7 @@ class Sweep(Drawable):
     Parameters
     ----------
     assembly : Assembly or SpatialAssembly
-    goals : tuple of Pull, Turn or W, or of SpatialPull, SpatialTurn or Weight
+    goals : tuple of Pull, Turn or W, or of Pull, Turn or Weight
     steps : tuple of SweepStep
         Gaps in order of size.
     lost : (float, float) or None [mm]

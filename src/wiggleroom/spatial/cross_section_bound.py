@@ -14,11 +14,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.model import Drawing, Part, Pull, Region, Turn
+from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import MAX_BOUND_RATIO, PROVEN_WITHIN
 from wiggleroom.spatial.rotations import unit_vector
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.verdict import PathState, Verdict
@@ -62,7 +62,7 @@ def with_known_bound(answer: SpatialAnswer, most: float | None) -> SpatialAnswer
 
 
 def cross_section_bound(
-    assembly: SpatialAssembly, goals: Sequence[SpatialGoal], axis: int, stop: Stop | None = None
+    assembly: SpatialAssembly, goals: Sequence[Goal], axis: int, stop: Stop | None = None
 ) -> float | None:
     """Value that no motion in the plane across an axis exceeds; None where no cross-section says anything."""
     # all that answers in the plane takes longer to import than most questions in space take
@@ -103,20 +103,18 @@ def _plane_of_motion(assembly: SpatialAssembly) -> int | None:
     return None
 
 
-def _in_plane(
-    assembly: SpatialAssembly, goals: Sequence[SpatialGoal], axis: int, across: list[int]
-) -> list[Pull | Turn]:
+def _in_plane(assembly: SpatialAssembly, goals: Sequence[Goal], axis: int, across: list[int]) -> list[Pull | Turn]:
     """What is asked, in the plane across an axis; empty where it cannot be said there."""
     reference, names = assembly.reference, assembly.names
     found: list[Pull | Turn] = []
     for goal in goals:
-        if isinstance(goal, SpatialTurn):
-            unit = unit_vector(goal.axis)
+        if isinstance(goal, Turn):
+            unit = unit_vector(goal.sense)
             if abs(unit[axis]) < 1.0:
                 return []
             found.append(Turn(goal.part, "ccw" if unit[axis] > 0 else "cw", goal.weight))
             continue
-        if not isinstance(goal, SpatialPull):
+        if not isinstance(goal, Pull):
             return []
         unit = unit_vector(goal.direction)
         share = float(np.linalg.norm(unit[across]))

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
 
-def unit_vector(v: Sequence[float]) -> Floats:
+def unit_vector(v: ArrayLike) -> Floats:
     """A vector (3,) other than zero made one long, however short or long it is.
 
     >>> unit_vector([0.0, 3e-320, 4e-320]).round(3).tolist()
     [0.0, 0.6, 0.8]
     """
-    scaled = np.asarray(v, dtype=float) / np.abs(v).max()
+    v = np.asarray(v, dtype=float)
+    scaled = v / np.abs(v).max()
     return scaled / np.linalg.norm(scaled)
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.displayable import Drawable
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.drawing.model import Goal
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ class SpatialAnswer(Drawable):
     Parameters
     ----------
     assembly : SpatialAssembly
-    goals : tuple of SpatialPull, SpatialTurn or Weight
+    goals : tuple of Pull, Turn or Weight
     verdict : Verdict
     objective : float or None
         Sum of the goals [mm] (turns in [rad]); None where nothing stops the motion.
@@ -82,7 +83,7 @@ class SpatialAnswer(Drawable):
     """
 
     assembly: SpatialAssembly
-    goals: tuple[SpatialGoal, ...]
+    goals: tuple[Goal, ...]
     verdict: Verdict
     objective: float | None
     motion: NDArray[np.float64]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.displayable import Drawable
+from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
@@ -44,50 +44,9 @@ NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 
 
-@dataclass(frozen=True, eq=False)
-class SpatialEscape:
-    """Parts that leave together.
-
-    Parameters
-    ----------
-    parts : tuple of names
-    path : (k, n, 6) float64 [mm, rad]
-        Motions of all parts from rest to where `parts` go on straight without limit; every step is checked for overlap.
-        Parts of earlier escapes stay where those ended and are out of the game.
-    """
-
-    parts: tuple[str, ...]
-    path: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class SpatialDisassembly(Drawable):
-    """Whether an assembly in space comes apart, and how sure that is.
-
-    Parameters
-    ----------
-    assembly : SpatialAssembly
-    verdict : Separability
-    certainty : Certainty
-        A path apart is proven, as every step was checked. Interlocked rests on a search.
-    escapes : tuple of SpatialEscape
-        In the order in which they leave.
-    remains : tuple of names
-        Parts of which none was found to leave.
-    questions : int
-        Largest motions that were searched.
-    """
-
-    assembly: SpatialAssembly
-    verdict: Separability
-    certainty: Certainty
-    escapes: tuple[SpatialEscape, ...] = ()
-    remains: tuple[str, ...] = ()
-    questions: int = 0
-    seconds: float = 0.0
-
-
-def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every: bool = True) -> SpatialDisassembly:
+def check_spatial(
+    assembly: SpatialAssembly, *, stop: Stop | None = None, every: bool = True
+) -> Interlock[SpatialAssembly]:
     """Whether some parts can be moved without limit away from the others.
 
     Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first path out is enough.
@@ -104,7 +63,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
     names = assembly.names
     alive = list(range(len(names)))
     far = np.zeros((len(names), 6))
-    escapes: list[SpatialEscape] = []
+    escapes: list[Escape] = []
     asked, cut, proven = 0, False, False
     while True:
         stage = _Stage(prepare_spatial(left), stop)
@@ -117,7 +76,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
         who, own = found
         path = np.repeat(far[None], len(own), axis=0)
         path[:, alive] = own
-        escapes.append(SpatialEscape(tuple(names[alive[k]] for k in who), path))
+        escapes.append(Escape(tuple(names[alive[k]] for k in who), path))
         far = np.zeros_like(far)
         for e in escapes:
             gone = [names.index(n) for n in e.parts]
@@ -133,7 +92,9 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
         verdict = Separability.UNKNOWN if cut and not proven else Separability.INTERLOCKED
         sure = Certainty.PROVEN if proven else Certainty.SEARCHED
     remains = tuple(names[k] for k in alive)
-    return SpatialDisassembly(assembly, verdict, sure, tuple(escapes), remains, asked, time.perf_counter() - began)
+    return Interlock(
+        assembly, verdict, sure, tuple(escapes), remains=remains, questions=asked, seconds=time.perf_counter() - began
+    )
 
 
 @dataclass(eq=False)

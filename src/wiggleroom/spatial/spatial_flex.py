@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.assembly.statements import given_goals, missing_roles
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.cross_section_bound import with_cross_section_bound, with_known_bound
 from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
-from wiggleroom.spatial.solids.spatial_assembly import goal_findings
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.spatial.solids.spatial_assembly import spatial_goal_findings
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
@@ -31,7 +32,7 @@ Ints = NDArray[np.int64]
 
 def flex_spatial(
     assembly: SpatialAssembly | SpatialPrepared,
-    goals: SpatialGoal | Sequence[SpatialGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     solver: str = "interior-point",
     search: int | None = None,
@@ -92,7 +93,7 @@ def flex_spatial(
 
 
 def _answer(
-    climb: SpatialSearch, best: BestOfStarts, asked: tuple[SpatialGoal, ...], began: float, prepared: float
+    climb: SpatialSearch, best: BestOfStarts, asked: tuple[Goal, ...], began: float, prepared: float
 ) -> SpatialAnswer:
     """What a climb has come to, as an answer."""
     ready, its, done = climb.ready, climb.ready.assembly, best.end
@@ -115,12 +116,12 @@ def _answer(
     )  # fmt: skip
 
 
-def spatial_question_findings(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str]:
+def spatial_question_findings(assembly: SpatialAssembly, goals: Sequence[Goal]) -> list[str]:
     """List what is wrong with a question about motion: with its goals, and what it lacks."""
-    return goal_findings(assembly.drawing, goals) + lacking(assembly, goals)
+    return spatial_goal_findings(assembly.drawing, goals) + lacking(assembly, goals)
 
 
-def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str]:
+def lacking(assembly: SpatialAssembly, goals: Sequence[Goal]) -> list[str]:
     """List what a question about motion lacks: a fixed part, a free one, a pull."""
     return missing_roles([p.fixed for p in assembly.parts], goals, "+z")
 

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.deadline import Deadline
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.live.drag_target import target_in_sight
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram, build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
@@ -100,7 +101,7 @@ class SpatialLive:
         self._asked: object = None
         self._times = 0
         self._left: OrderedDict[bytes, Floats] = OrderedDict()
-        self._end: tuple[SpatialPrepared, tuple[SpatialGoal, ...], Floats] | None = None
+        self._end: tuple[SpatialPrepared, tuple[Goal, ...], Floats] | None = None
 
     def take(self, assembly: SpatialAssembly) -> None:
         """Go on with this design; another one than before begins at rest.
@@ -136,7 +137,7 @@ class SpatialLive:
 
     def settle(
         self,
-        goals: Sequence[SpatialGoal],
+        goals: Sequence[Goal],
         *,
         stop: Stop | None = None,
         progress: Callable[[int, float], None] | None = None,
@@ -163,7 +164,7 @@ class SpatialLive:
         target: Sequence[float],
         *,
         start: str | Floats = "here",
-        goals: Sequence[SpatialGoal] | None = None,
+        goals: Sequence[Goal] | None = None,
         within: int | None = None,
         pinned: Collection[str] = (),
         seconds: float = 0.4,
@@ -248,7 +249,7 @@ class SpatialLive:
         at = self._left.get(_key(motion), motion)
         return not self.ready.checker.overlaps(at, at)
 
-    def _begun(self, start: str | Floats, goals: Sequence[SpatialGoal] | None) -> Floats:
+    def _begun(self, start: str | Floats, goals: Sequence[Goal] | None) -> Floats:
         """Motion (n, 6) at which a drag begins."""
         if not isinstance(start, str):
             at = self._left.get(_key(start), start)

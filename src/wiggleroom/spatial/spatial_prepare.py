@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
+from wiggleroom.drawing.model import Goal, Pull, Turn, Weight
 from wiggleroom.errors import InputError, TouchingError
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.planes.separating_plane_program import best_axis
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.rigid import near_pieces
 from wiggleroom.spatial.rotations import unit_vector
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal, SpatialTurn, Weight
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_bodies import Grouping, grouped
 
 Ints = NDArray[np.int64]
@@ -86,27 +87,26 @@ def _touching(assembly: SpatialAssembly, group: Grouping, who: Ints, apart: floa
     return TouchingError(finding, (one, other), apart)
 
 
-def spatial_objective(ready: SpatialPrepared, goals: Sequence[SpatialGoal]) -> SumOfTerms:
+def spatial_objective(ready: SpatialPrepared, goals: Sequence[Goal]) -> SumOfTerms:
     """What the program maximises for some goals."""
     assembly, group = ready.assembly, ready.grouping
     index = {name: k for k, name in enumerate(assembly.names)}
     terms: list[Displacement | Twist] = []
     for goal in goals:
-        if isinstance(goal, Weight):
-            unit = unit_vector(goal.direction)
-            for k, (part, made) in enumerate(zip(assembly.parts, assembly.made, strict=True)):
+        match goal:
+            case Weight():
+                unit = unit_vector(goal.direction)
+                for k, (part, made) in enumerate(zip(assembly.parts, assembly.made, strict=True)):
+                    b = int(group.body_of[k])
+                    if group.bodies.moves[b]:
+                        pull = goal.weight * made.volume * part.density * unit
+                        terms.append(Displacement(b, group.arm[k], pull, group.bodies.at[b]))
+            case Turn():
+                terms.append(Twist(int(group.body_of[index[goal.part]]), unit_vector(goal.sense), goal.weight))
+            case Pull():
+                k = index[goal.part]
                 b = int(group.body_of[k])
-                if group.bodies.moves[b]:
-                    pull = goal.weight * made.volume * part.density * unit
-                    terms.append(Displacement(b, group.arm[k], pull, group.bodies.at[b]))
-            continue
-        k = index[goal.part]
-        b = int(group.body_of[k])
-        if isinstance(goal, SpatialTurn):
-            terms.append(Twist(b, unit_vector(goal.axis), goal.weight))
-            continue
-        rest = group.bodies.at[b]
-        arm = group.arm[k] if goal.point is None else np.array(goal.point) - rest
-        unit = unit_vector(goal.direction)
-        terms.append(Displacement(b, arm, goal.weight * unit, rest))
+                rest = group.bodies.at[b]
+                arm = group.arm[k] if goal.point is None else np.array(goal.point) - rest
+                terms.append(Displacement(b, arm, goal.weight * unit_vector(goal.direction), rest))
     return SumOfTerms(tuple(terms))

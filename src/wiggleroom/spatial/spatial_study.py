@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.statements import given_goals
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.search.progress import Progress
@@ -27,7 +28,7 @@ from wiggleroom.sensitivity.perturbation import PerturbedObjective
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial, spatial_question_findings
@@ -47,7 +48,7 @@ class SpatialStudy:
     """An assembly in space and what is asked of it."""
 
     assembly: SpatialAssembly
-    goals: tuple[SpatialGoal, ...]
+    goals: tuple[Goal, ...]
     found: SpatialAnswer | None = None
 
     @cached_property
@@ -133,7 +134,7 @@ class SpatialStudy:
         return np.maximum((np.array(list(room.values())) - aim) / 2, 0.0)
 
 
-def spatial_study_of(assembly: SpatialAssembly, goals: Sequence[SpatialGoal] | None) -> SpatialStudy:
+def spatial_study_of(assembly: SpatialAssembly, goals: Goal | Sequence[Goal] | None) -> SpatialStudy:
     """What a study asks of an assembly in space.
 
     Raises
@@ -160,7 +161,7 @@ def spatial_largest_gap(assembly: SpatialAssembly, *, stop: Stop | None = None) 
 
 def spatial_allowable_gap(
     assembly: SpatialAssembly,
-    goals: tuple[SpatialGoal, ...] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     at_most: float | None = None,
     holds: bool = False,
@@ -201,7 +202,7 @@ def _moved_inward(assembly: SpatialAssembly, inward: Floats) -> SpatialAssembly:
 
 
 def spatial_slope(
-    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], Floats | None, float, float], task: tuple[int, float]
+    shared: tuple[SpatialAssembly, tuple[Goal, ...], Floats | None, float, float], task: tuple[int, float]
 ) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
     assembly, goals, lead, value, clearance = shared
@@ -214,7 +215,7 @@ def spatial_slope(
 
 
 def one_spatial_draw(
-    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], Floats | None], inward: Floats
+    shared: tuple[SpatialAssembly, tuple[Goal, ...], Floats | None], inward: Floats
 ) -> PerturbedObjective:
     """Largest objective with other faces, everything worked out anew, from rest and where an answer's climb began."""
     assembly, goals, lead = shared

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from wiggleroom.assembly.statements import given_goals
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import Stop
 from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_flex import spatial_question_findings
 from wiggleroom.spatial.spatial_study import SpatialStudy
 
@@ -16,7 +17,7 @@ from wiggleroom.spatial.spatial_study import SpatialStudy
 def sweep_spatial(
     assembly: SpatialAssembly,
     gaps: Sequence[float] | None = None,
-    goals: Sequence[SpatialGoal] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
     *,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,

@@ -10,8 +10,9 @@ import msgspec
 import numpy as np
 
 from wiggleroom.assembly.assembly import rings_at
-from wiggleroom.drawing.model import Drawing, Part
+from wiggleroom.drawing.model import Drawing, Goal, Part, Weight
 from wiggleroom.drawing.writers.assembly_writer import goal_entries
+from wiggleroom.errors import InputError
 from wiggleroom.report.results.answer_words import answer_sure, facts, force_bearing_contacts, headline
 from wiggleroom.report.results.json_results import contact_entry
 from wiggleroom.schema.fields import ContactEntry
@@ -21,8 +22,11 @@ from wiggleroom.schema.requests import Design, Goals
 from wiggleroom.search.answer import Answer, Contact
 
 if TYPE_CHECKING:
+    from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
+DOWN = (0.0, 0.0, -1.0)
+"""Where everything sinks in the page."""
 OUTLINE_DIGITS = 7
 """Significant digits of outlines, relative to the drawing's size: no more than eyes and screens can tell apart."""
 
@@ -45,14 +49,28 @@ def drawing_message(drawing: Drawing, parts: Sequence[Part], name: str) -> Opene
     )
 
 
-def design_message(drawing: Drawing) -> Design:
-    """What a drawing asks, as a design."""
+def design_message(drawing: Drawing | SpatialDrawing) -> Design:
+    """What a drawing or an assembly in space asks, as a design.
+
+    Raises
+    ------
+    InputError
+        If parts sink in another direction than -z, or are pulled besides.
+    """
     return Design(
         gap=drawing.gap,
         fixed=[part.name for part in drawing.parts if part.fixed],
         glue=[list(group) for group in drawing.glue],
-        goals=msgspec.convert(goal_entries(drawing.goals), Goals),
+        goals=_goals(drawing.goals),
     )
+
+
+def _goals(goals: tuple[Goal, ...]) -> Goals:
+    if not any(isinstance(goal, Weight) for goal in goals):
+        return msgspec.convert(goal_entries(goals), Goals)
+    if goals == (Weight(DOWN),):
+        return "weight"
+    raise InputError("weight: in the page everything sinks in -z, and nothing else is pulled")
 
 
 def rings_message(parts: Sequence[Part]) -> list[Outline]:

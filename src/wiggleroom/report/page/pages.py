@@ -9,7 +9,7 @@ from msgspec.structs import asdict
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import SampledAccuracy
-from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report.free_space.space_report import space_facts, space_picture, space_result

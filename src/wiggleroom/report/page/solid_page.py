@@ -9,23 +9,22 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.drawing.writers.plain_json import json_bytes
 from wiggleroom.report.page.standalone_page import hashed, shipped
 from wiggleroom.report.pictures.text import escape
-from wiggleroom.report.results.answer_words import assembly_lines, certainty, few, number, short, spatial_towards
+from wiggleroom.report.results.answer_words import assembly_lines, certainty, few, number, short, towards
+from wiggleroom.report.results.separability import check_title, last_direction, why
 from wiggleroom.report.results.table import fixed
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.solid_colours import Colour, part_colours
 from wiggleroom.report.solids.spatial_path import timed_path, with_quaternions
 from wiggleroom.report.solids.spatial_table import (
-    check_sentence,
-    last_direction,
     spatial_headline,
     spatial_sentence,
 )
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 Floats = NDArray[np.float64]
 
@@ -90,13 +89,11 @@ def page_of_spatial_answer(
     )
 
 
-def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
+def page_of_separation(found: Interlock[SpatialAssembly], command: str = "") -> str:
     """How it comes apart as a page: which parts leave, in which order, along which path."""
-    body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(check_sentence(found))}</p>'
+    body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(why(found))}</p>'
     body += f"<p>gap {number(found.assembly.gap)} mm</p>"
-    rows = [
-        [f"{k + 1}. {few(e.parts)}", spatial_towards(last_direction(found, e))] for k, e in enumerate(found.escapes)
-    ]
+    rows = [[f"{k + 1}. {few(e.parts)}", towards(last_direction(found, e))] for k, e in enumerate(found.escapes)]
     if rows:
         body += _table("Leaves", ("parts", "last in"), rows)
     waypoints = (
@@ -105,8 +102,7 @@ def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
         else np.zeros((1, len(found.assembly.parts), 6))
     )
     body += _table("Parts", ("part",), [[n] for n in found.assembly.names[:MAX_ROWS]], ticks=True)
-    title = f"{found.verdict.value} at gap {number(found.assembly.gap)} mm"
-    return _page(title, body, f"{found.questions} questions", command, found.assembly, waypoints, ())
+    return _page(check_title(found), body, f"{found.questions} questions", command, found.assembly, waypoints, ())
 
 
 def page_of_spatial_assembly(assembly: SpatialAssembly) -> str:

@@ -7,32 +7,20 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError
-from wiggleroom.report.page.page_messages import flex_reply
+from wiggleroom.report.page.page_messages import design_message, flex_reply
 from wiggleroom.report.page.solid_page import packed
 from wiggleroom.report.results.answer_words import fact_lines, sure_rows
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.spatial_path import along_path, with_quaternions
 from wiggleroom.report.solids.spatial_table import (
-    check_sentence,
-    departure_words,
     spatial_bound_sentence,
     spatial_headline,
     spatial_sentence,
 )
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import FlexReply, Opened, PartShape, Solids, SolidShape
-from wiggleroom.schema.requests import Design, GoalEntry, Goals
-from wiggleroom.schema.study_replies import CheckReply, LeavingEntry
-from wiggleroom.spatial.solids.spatial_model import (
-    SpatialAssembly,
-    SpatialDrawing,
-    SpatialGoal,
-    SpatialPull,
-    SpatialTurn,
-)
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialDrawing
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +28,6 @@ MAX_FRAMES = 64
 """Frames of a path."""
 MAX_FRAME_MOTIONS = 60_000
 """Motions of parts in all frames of a path together; at least two frames."""
-DOWN = (0.0, 0.0, -1.0)
 
 
 def spatial_opened(drawing: SpatialDrawing, assembly: SpatialAssembly, name: str) -> Opened:
@@ -58,41 +45,10 @@ def spatial_opened(drawing: SpatialDrawing, assembly: SpatialAssembly, name: str
             for part, at in zip(assembly.parts, reference, strict=True)
         ],
         ignore=list(drawing.ignore),
-        design=spatial_design(drawing),
+        design=design_message(drawing),
         dimension=3,
         solids=solids_message(assembly),
     )
-
-
-def spatial_design(drawing: SpatialDrawing) -> Design:
-    """What an assembly in space asks, as a design.
-
-    Raises
-    ------
-    InputError
-        If parts sink in another direction than -z, or are pulled besides.
-    """
-    return Design(
-        gap=drawing.gap,
-        fixed=[part.name for part in drawing.parts if part.fixed],
-        glue=[list(group) for group in drawing.glue],
-        goals=_goals(drawing.goals),
-    )
-
-
-def _goals(goals: tuple[SpatialGoal, ...]) -> Goals:
-    entries = []
-    for goal in goals:
-        match goal:
-            case SpatialPull(part, direction, point, weight):
-                entries.append(GoalEntry(part, direction=direction, point=point, weight=weight))
-            case SpatialTurn(part, axis, weight):
-                entries.append(GoalEntry(part, turn=axis, weight=weight))
-            case _ if goal.direction == DOWN and goal.weight == 1 and len(goals) == 1:
-                return "weight"
-            case _:
-                raise InputError("weight: in the page everything sinks in -z, and nothing else is pulled")
-    return entries
 
 
 def solids_message(assembly: SpatialAssembly) -> Solids:
@@ -131,25 +87,6 @@ def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
 def spatial_contacts_message(contacts: Iterable[SpatialContact]) -> list[ContactEntry]:
     """Contacts with a force, the strongest first."""
     return [ContactEntry(c.parts, c.point, c.normal, c.force) for c in contacts if c.force > 0]
-
-
-def spatial_check_message(found: SpatialDisassembly, command: str) -> CheckReply:
-    """Whether it comes apart, who leaves in which order and how, and how sure that is."""
-    return CheckReply(
-        verdict=found.verdict,
-        certainty=found.certainty,
-        words=f"{found.verdict}: {check_sentence(found)}",
-        sure=[
-            ("verdict", f"{found.verdict}: {check_sentence(found)}"),
-            ("certainty", found.certainty),
-            ("took", f"{found.seconds:.2f} seconds, {found.questions} questions"),
-        ],
-        escapes=[LeavingEntry(list(e.parts), departure_words(found, e)) for e in found.escapes],
-        spins=[],
-        remains=list(found.remains),
-        border=None,
-        command=command,
-    )
 
 
 def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from msgspec import UNSET
 
-from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.results.answer_words import per_gap
 from wiggleroom.report.results.rank_results import ranking_sure
@@ -37,7 +39,7 @@ def ranking_message(ranking: Ranking, command: str) -> RankReply:
     )
 
 
-def check_message(found: Interlock, command: str, border: LargestGap | None = None) -> CheckReply:
+def check_message(found: Interlock[Any], command: str, border: LargestGap | None = None) -> CheckReply:
     """Whether it comes apart, who leaves in which order and how, and how sure that is."""
     return CheckReply(
         verdict=found.verdict,

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.drawing.model import Goal, Pull, Towards, Turn, W
+from wiggleroom.drawing.model import Goal, Pull, Towards, Turn, Vector, W
 from wiggleroom.report.pictures import palette
 from wiggleroom.report.pictures.axes import text
 from wiggleroom.report.pictures.layout import View
@@ -83,7 +83,7 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     return _pull(start, start + gain * direction, end)
 
 
-def pull_arrow(direction: tuple[float, float]) -> str:
+def pull_arrow(direction: Vector) -> str:
     """Arrow PULL_LENGTH long that begins at 0, 0 [px] and points along `direction`, y up."""
     end = PULL_LENGTH * np.array(direction, dtype=float) / math.hypot(*direction) * (1, -1)
     return _pull(np.zeros(2), end).svg

@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
+from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, Vector, W, Weight
 from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.drawing.model import Goal
     from wiggleroom.search.answer import Answer, Contact
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialGoal
+    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 MAX_NAME_LENGTH = 40
@@ -44,56 +45,40 @@ def short(name: str) -> str:
     return name if len(name) <= MAX_NAME_LENGTH else f"{name[: half - 1]}…{name[-half:]}"
 
 
-def towards(direction: tuple[float, float]) -> str:
-    """Direction as people write it.
+def towards(direction: Iterable[float]) -> str:
+    """Direction as people write it, in the plane or in space.
 
-    >>> towards((0.0, 2.0)), towards((3.0, 4.0))
-    ('+y', '(0.6, 0.8)')
+    >>> towards((0.0, 2.0)), towards((3.0, 4.0)), towards((0.0, 3.0, 4.0)), towards((0.0, 0.0, -1e300))
+    ('+y', '(0.6, 0.8)', '(0, 0.6, 0.8)', '-z')
     """
-    x, y = direction[0] / math.hypot(*direction), direction[1] / math.hypot(*direction)
-    for axis, along, across in (("x", x, y), ("y", y, x)):
-        if abs(across) < 1e-9:
-            return ("+" if along > 0 else "-") + axis
-    return f"({number(x, 3)}, {number(y, 3)})"
+    numbers = list(direction)
+    largest = max(map(abs, numbers))
+    length = math.hypot(*(x / largest for x in numbers))
+    unit = [x / largest / length for x in numbers]
+    for k, axis in enumerate("xyz"[: len(unit)]):
+        if max(abs(x) for x in (*unit[:k], *unit[k + 1 :])) < 1e-9:
+            return ("+" if unit[k] > 0 else "-") + axis
+    return f"({', '.join(number(x, 3) for x in unit)})"
 
 
-def spatial_towards(direction: tuple[float, float, float]) -> str:
-    """Direction as people write it.
+def sense_text(sense: str | Vector) -> str:
+    """Sense of a turn as people write it.
 
-    >>> spatial_towards((0.0, 0.0, -2.0)), spatial_towards((0.0, 3.0, 4.0))
-    ('-z', '(0, 0.6, 0.8)')
-    >>> spatial_towards((0.0, 0.0, 1e300))
-    '+z'
+    >>> sense_text("ccw"), sense_text((0.0, 0.0, 1.0))
+    ('ccw', 'about +z')
     """
-    from wiggleroom.spatial.rotations import unit_vector  # not for answers in the plane
-
-    unit = unit_vector(direction)
-    for axis, value in zip("xyz", unit.tolist(), strict=True):
-        if abs(abs(value) - 1) < 1e-12:
-            return ("+" if value > 0 else "-") + axis
-    return f"({', '.join(number(x, 3) for x in unit.tolist())})"
+    return sense if isinstance(sense, str) else f"about {towards(sense)}"
 
 
-def spatial_goal_text(goal: SpatialGoal) -> str:
-    """One goal in a few words."""
-    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight  # nor this
-
-    match goal:
-        case SpatialPull():
-            return f"{short(goal.part)} in {spatial_towards(goal.direction)}"
-        case SpatialTurn():
-            return f"twist of {short(goal.part)} about {spatial_towards(goal.axis)}"
-        case Weight():
-            return f"weight towards {spatial_towards(goal.direction)}"
-
-
-def goal_text(goal: Goal | SpatialGoal) -> str:
+def goal_text(goal: Goal) -> str:
     """One goal in a few words: the part and the direction in which it is pulled or turned."""
     match goal:
         case Pull():
             return f"{short(goal.part)} in {towards(goal.direction)}"
         case Turn():
-            return f"turn of {short(goal.part)} {goal.sense}"
+            return (
+                f"{'turn' if isinstance(goal.sense, str) else 'twist'} of {short(goal.part)} {sense_text(goal.sense)}"
+            )
         case W():
             return f"{short(goal.part)} along w = ({', '.join(number(x, 3) for x in goal.w)})"
         case Towards(target=(x, y)):
@@ -102,11 +87,11 @@ def goal_text(goal: Goal | SpatialGoal) -> str:
             return "sum of squared translations"
         case Closer():
             return "neighbours closer"
-        case _:
-            return spatial_goal_text(goal)
+        case Weight():
+            return f"weight towards {towards(goal.direction)}"
 
 
-def goals_text(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
+def goals_text(goals: tuple[Goal, ...], most: int = 1) -> str:
     """Goals in a row; of several the first ones.
 
     >>> goals_text((Pull("a", (0, 1)), Pull("b", (0, 1))))
@@ -124,7 +109,7 @@ def assembly_lines(assembly: Assembly | SpatialAssembly) -> list[str]:
     return [f"{len(assembly.parts)} parts, gap {number(assembly.gap)} mm", f"{stands}; {wanted}"]
 
 
-def unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:
+def unit(goals: tuple[Goal, ...]) -> str:
     """Say the unit of the objective: mm, rad, mm² or nothing where goals of several kinds add up."""
     if all(isinstance(g, Towards | Translation | Closer) for g in goals):
         return "mm²"
@@ -132,15 +117,7 @@ def unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:
         return "mm"
     if all(isinstance(g, Turn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals):
         return "rad"
-    return "" if any(isinstance(g, Goal) for g in goals) else _spatial_unit(goals)
-
-
-def _spatial_unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:
-    from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn
-
-    if all(isinstance(g, SpatialPull) for g in goals):
-        return "mm"
-    return "rad" if all(isinstance(g, SpatialTurn) for g in goals) else ""
+    return ""
 
 
 def per_gap(goals: tuple[Goal, ...]) -> str:

@@ -15,6 +15,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.writers.plain_json import plain
 from wiggleroom.schema.fields import ContactEntry, PartMotion
 from wiggleroom.schema.flex_schema import BoundEntry, FlexResult, PeriodEntry, SearchEntry
+from wiggleroom.schema.spatial_result_schema import SpatialMotion
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 
@@ -66,11 +67,16 @@ def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:
 
 def _motions(answer: Answer, motion: NDArray[np.float64], names: Container[str]) -> dict[str, PartMotion]:
     """Motions of some parts, by name."""
-    return {
-        name: PartMotion(x, y, math.degrees(turn))
-        for name, (x, y, turn) in zip(answer.assembly.names, motion.tolist(), strict=True)
-        if name in names
-    }
+    return {name: part_motion(m) for name, m in zip(answer.assembly.names, motion, strict=True) if name in names}
+
+
+def part_motion(motion: NDArray[np.float64]) -> Any:
+    """Motion (3,) or (6,) [mm, rad] of a part: `PartMotion`, in space `SpatialMotion`."""
+    if len(motion) == 3:
+        x, y, turn = motion.tolist()
+        return PartMotion(x, y, math.degrees(turn))
+    (x, y, z), (u, v, w) = motion[:3].tolist(), np.degrees(motion[3:]).tolist()
+    return SpatialMotion((x, y, z), (u, v, w))
 
 
 def _bound(answer: Answer) -> BoundEntry | msgspec.UnsetType:

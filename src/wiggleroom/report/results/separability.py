@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
 from msgspec import UNSET
 
 from wiggleroom.assembly.inner_point import inner_point
-from wiggleroom.disassembly.interlock import Escape, Interlock
+from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
-from wiggleroom.drawing.model import Pull
+from wiggleroom.drawing.model import Pull, Vector
 from wiggleroom.report.results.answer_words import MIN_MOTION, few, number, towards
+from wiggleroom.report.results.json_results import part_motion
 from wiggleroom.report.results.search_extent import extent_text, search_entry
 from wiggleroom.report.results.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
-from wiggleroom.schema.fields import PartMotion
+from wiggleroom.schema.spatial_result_schema import (
+    SpatialCheckResult,
+    SpatialEscapeEntry,
+    SpatialLargestGapEntry,
+    SpatialSeparabilityEntry,
+)
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Certainty, PathState, Separability, Verdict
 
@@ -33,56 +39,60 @@ MAX_ESCAPES = 12
 class Checked:
     """What `check` found, with the largest gap where that was asked for."""
 
-    found: Interlock
+    found: Interlock[Any]
     border: LargestGap | None = None
 
 
-def check_result(found: Interlock, border: LargestGap | None = None, command: str = "") -> CheckResult:
+def check_result(
+    found: Interlock[Any], border: LargestGap | None = None, command: str = ""
+) -> CheckResult | SpatialCheckResult:
     """Everything `check --json` says; lengths in mm, angles in degrees."""
-    largest_gap = UNSET if border is None else _largest_gap(border)
-    said = msgspec.structs.asdict(_separability(found))
-    return CheckResult(
-        **said,
+    kind: Any = SpatialCheckResult if _in_space(found) else CheckResult
+    gap_kind: Any = SpatialLargestGapEntry if _in_space(found) else LargestGapEntry
+    return kind(
+        **msgspec.structs.asdict(_separability(found)),
         gap=found.assembly.gap,
-        largest_gap=largest_gap,
+        largest_gap=UNSET if border is None else gap_kind(
+            interlocked_at=border.holds,
+            comes_apart_at=border.parts_at,
+            interlocked=None if border.interlocked is None else _separability(border.interlocked),
+            comes_apart=None if border.apart is None else _separability(border.apart),
+        ),
         seconds=round(found.seconds, 4),
         notes=list(found.assembly.drawing.notes),
         command=command,
-    )
+    )  # fmt: skip
 
 
-def _largest_gap(border: LargestGap) -> LargestGapEntry:
-    return LargestGapEntry(
-        interlocked_at=border.holds,
-        comes_apart_at=border.parts_at,
-        interlocked=None if border.interlocked is None else _separability(border.interlocked),
-        comes_apart=None if border.apart is None else _separability(border.apart),
-    )
-
-
-def _separability(found: Interlock) -> SeparabilityEntry:
+def _separability(found: Interlock[Any]) -> Any:
     names = found.assembly.names
+    paths = [(list(e.parts), _waypoints(names, e)) for e in found.escapes]
+    if _in_space(found):
+        return SpatialSeparabilityEntry(
+            verdict=found.verdict,
+            certainty=found.certainty,
+            escapes=[SpatialEscapeEntry(*path) for path in paths],
+            spins=list(found.spins),
+            remains=list(found.remains),
+        )
     return SeparabilityEntry(
         verdict=found.verdict,
         certainty=found.certainty,
         at_most=found.at_most,
-        escapes=[EscapeEntry(list(e.parts), _waypoints(names, e)) for e in found.escapes],
+        escapes=[EscapeEntry(*path) for path in paths],
         spins=list(found.spins),
         remains=list(found.remains),
         search=search_entry(found),
     )
 
 
-def _waypoints(names: tuple[str, ...], escape: Escape) -> list[dict[str, PartMotion]]:
+def _waypoints(names: tuple[str, ...], escape: Escape) -> list[dict[str, Any]]:
     """Waypoints; each says only the parts that are not at rest anywhere on the path."""
-    moved = np.flatnonzero((np.abs(escape.path) > MIN_MOTION).any(axis=(0, 2)))
-    return [
-        {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in moved}
-        for m in escape.path
-    ]
+    moved = np.flatnonzero((np.abs(escape.path) > MIN_MOTION).any(axis=(0, 2))).tolist()
+    return [{names[k]: part_motion(m[k]) for k in moved} for m in escape.path]
 
 
-def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
+def check_table(found: Interlock[Any], border: LargestGap | None = None) -> Group:
     """Page that `check` prints: verdict, who leaves in which order, what spins, what remains; fits into 80 columns."""
     from rich.console import Group
     from rich.text import Text
@@ -97,6 +107,8 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
         lines.append(Text(_remains(found)))
     if found.spins:
         lines.append(Text(f"turns in place without limit: {few(found.spins)}"))
+    if found.verdict is Separability.COMES_APART and _in_space(found):
+        lines.append(Text("friction, glue and press fit are outside this verdict: it is about shapes alone"))
     if border is not None:
         lines.append(Text(border_sentence(border), style="bold"))
     spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
@@ -105,7 +117,7 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     return Group(*lines)
 
 
-def _remains(found: Interlock) -> str:
+def _remains(found: Interlock[Any]) -> str:
     """Say what stays; several fixed parts hold others, but are not interlocked with each other."""
     fixed = {p.name for p in found.assembly.parts if p.fixed}
     held = [name for name in found.remains if name not in fixed]
@@ -114,12 +126,14 @@ def _remains(found: Interlock) -> str:
     return f"remains interlocked with what is fixed: {few(held)}"
 
 
-def why(found: Interlock) -> str:
+def why(found: Interlock[Any]) -> str:
     """What the verdict rests on."""
     if found.verdict is Separability.COMES_APART:
         if found.certainty is Certainty.SEARCHED:
             return "parts touch at rest; with a little gap this is a path out, every step checked for overlap"
         return "every step of the path checked for overlap"
+    if _in_space(found):
+        return _why_in_space(found)
     if found.tight:
         return "parts touch at rest, and their contacts lock them" + (
             ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
@@ -138,6 +152,18 @@ def why(found: Interlock) -> str:
     return f"searched, no path out was found along {found.questions:,} largest motions"
 
 
+def _why_in_space(found: Interlock[Any]) -> str:
+    if found.verdict is Separability.UNKNOWN:
+        return "no path out was found, and not every motion was covered"
+    if found.certainty is Certainty.PROVEN:
+        return "proven"
+    return "searched: no path out by slides, turns in place and largest motions; others were not tried"
+
+
+def _in_space(found: Interlock[Any]) -> bool:
+    return found.assembly.dimension == 3
+
+
 def further(distance: float) -> str:
     """A distance in three digits, rounded up.
 
@@ -148,18 +174,18 @@ def further(distance: float) -> str:
     return number(math.ceil(distance / unit) * unit)
 
 
-def leaves(found: Interlock, escape: Escape) -> str:
+def leaves(found: Interlock[Any], escape: Escape) -> str:
     """Who leaves, and how."""
     verb = "leaves" if len(escape.parts) == 1 else "leave together"
     return f"{few(escape.parts)} {verb} {direction_text(found, escape)}"
 
 
-def check_title(found: Interlock) -> str:
+def check_title(found: Interlock[Any]) -> str:
     """Verdict and gap in one line."""
     return f"{found.verdict} at gap {number(found.assembly.gap)} mm"
 
 
-def check_facts(found: Interlock, border: LargestGap | None) -> list[str]:
+def check_facts(found: Interlock[Any], border: LargestGap | None) -> list[str]:
     """Facts under the title."""
     gone = [name for escape in found.escapes for name in escape.parts]
     said = [f"{len(found.assembly.parts)} parts", why(found)]
@@ -167,7 +193,7 @@ def check_facts(found: Interlock, border: LargestGap | None) -> list[str]:
     return said + ([border_sentence(border)] if border is not None else [])
 
 
-def check_sure(found: Interlock) -> list[tuple[str, str]]:
+def check_sure(found: Interlock[Any]) -> list[tuple[str, str]]:
     """What a verdict rests on and what it took: a word and a sentence each."""
     return [
         ("verdict", f"{found.verdict}: {why(found)}"),
@@ -176,19 +202,21 @@ def check_sure(found: Interlock) -> list[tuple[str, str]]:
     ]
 
 
-def direction_text(found: Interlock, escape: Escape) -> str:
+def direction_text(found: Interlock[Any], escape: Escape) -> str:
     """How the parts go."""
-    if len(escape.path) == 2:
-        return f"straight in {towards(last_directions(found, escape)[0])}"
-    return f"on a path of {len(escape.path)} points, at last in {towards(last_directions(found, escape)[0])}"
+    way = towards(last_direction(found, escape))
+    return (
+        f"straight in {way}" if len(escape.path) == 2 else f"on a path of {len(escape.path)} points, at last in {way}"
+    )
 
 
-def last_directions(found: Interlock, escape: Escape) -> tuple[tuple[float, float], ...]:
-    """Unit vectors along which the parts leave at last, one a part."""
+def last_direction(found: Interlock[Any], escape: Escape) -> Vector:
+    """Unit vector along which the first of the parts leaves at last."""
     rows = [found.assembly.names.index(name) for name in escape.parts]
-    steps = np.diff(escape.path[:, rows], axis=0)
-    last = steps[np.hypot(steps[..., 0], steps[..., 1]).max(axis=1).argmax(), :, :2]
-    return tuple((float(x / np.hypot(x, y)), float(y / np.hypot(x, y))) for x, y in last)
+    steps = np.diff(escape.path[:, rows, : found.assembly.dimension], axis=0)
+    length = np.linalg.norm(steps, axis=2)
+    last = int(length.max(axis=1).argmax())
+    return tuple((steps[last, 0] / length[last, 0]).tolist())
 
 
 def border_sentence(border: LargestGap) -> str:
@@ -211,7 +239,7 @@ def as_answer(found: Interlock) -> Answer:
     waypoints = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
     gone = tuple(name for e in found.escapes for name in e.parts)
     goals = tuple(
-        Pull(e.parts[0], last_directions(found, e)[0], inner_point(found.assembly, e.parts[0])) for e in found.escapes
+        Pull(e.parts[0], last_direction(found, e), inner_point(found.assembly, e.parts[0])) for e in found.escapes
     )
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
     return witnessed(

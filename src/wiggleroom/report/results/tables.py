@@ -22,12 +22,11 @@ from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.verdict import PathState
 
 
 def csv_of(
-    found: Answer | SpatialAnswer | SpatialDisassembly | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap
+    found: Answer | SpatialAnswer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap
     | WorstCase | Plan
 ) -> str:  # fmt: skip
     """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
@@ -45,8 +44,9 @@ def csv_of(
             heads, rows = ("step", *MOTION_COLUMNS), _steps(found.assembly.names, found.waypoints)
         case SpatialAnswer():
             heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.assembly.names, [found.waypoints])
-        case SpatialDisassembly():
-            heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.assembly.names, [e.path for e in found.escapes])
+        case Checked() if found.found.assembly.dimension == 3:
+            paths = [e.path for e in found.found.escapes]
+            heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.found.assembly.names, paths)
         case Checked():
             heads, rows = ("escape", "step", *MOTION_COLUMNS), _escapes(found)
         case Plan():

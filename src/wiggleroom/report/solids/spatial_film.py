@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.files import write_whole
 from wiggleroom.parallel.parallel_run import ParallelRun
 from wiggleroom.report.films.film_frames import as_gif, as_mp4, need_film_library
@@ -17,14 +18,14 @@ from wiggleroom.report.films.film_svg import PAUSES
 from wiggleroom.report.films.film_timing import ease_in_out
 from wiggleroom.report.pictures.file_endings import FILM_SVG, FILMS, check_ending, ending
 from wiggleroom.report.pictures.png import png
-from wiggleroom.report.results.answer_words import certainty
+from wiggleroom.report.results.answer_words import certainty, few, towards
+from wiggleroom.report.results.separability import last_direction
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces
 from wiggleroom.report.solids.spatial_path import IN_SIGHT, along_path
 from wiggleroom.report.solids.spatial_picture import HEIGHT, WIDTH, frame_of, spatial_svg
-from wiggleroom.report.solids.spatial_table import last_direction, spatial_headline
+from wiggleroom.report.solids.spatial_table import spatial_headline
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -40,7 +41,9 @@ PIXELS = 680
 """Width of films of pixels."""
 
 
-def film_of_spatial(found: SpatialAnswer | SpatialDisassembly, path: Path, *, progress: Progress | None = None) -> None:
+def film_of_spatial(
+    found: SpatialAnswer | Interlock[SpatialAssembly], path: Path, *, progress: Progress | None = None
+) -> None:
     """Write a film of an answer, from rest along its path and back where something holds it, or of all escape paths.
 
     Raises
@@ -59,7 +62,10 @@ def film_of_spatial(found: SpatialAnswer | SpatialDisassembly, path: Path, *, pr
         title = f"{found.verdict} at gap {found.assembly.gap:g} mm"
         still = [np.zeros((1, len(found.assembly.parts), 6))]
         paths, back = [e.path for e in found.escapes] or still, False
-        lines = [[title, f"{k + 1}. {_who(found, k)}"] for k in range(len(found.escapes))] or [[title]]
+        lines = [
+            [title, f"{k + 1}. {few(e.parts)} in {towards(last_direction(found, e))}"]
+            for k, e in enumerate(found.escapes)
+        ] or [[title]]
     kind = ending(path)
     if kind != FILM_SVG:
         need_film_library(kind)
@@ -81,13 +87,6 @@ def drawn_frame(
     (assembly, frame, colours), scenes = shared
     motion, lines = scenes[k]
     return spatial_svg(assembly, motion, lines, colours=colours, frame=frame)
-
-
-def _who(found: SpatialDisassembly, k: int) -> str:
-    from wiggleroom.report.results.answer_words import few, spatial_towards
-
-    escape = found.escapes[k]
-    return f"{few(escape.parts)} in {spatial_towards(last_direction(found, escape))}"
 
 
 def _frame(assembly: SpatialAssembly, motions: Sequence[Floats]) -> tuple[Floats, Floats]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 from wiggleroom.report.pictures.file_endings import ending
@@ -21,7 +22,6 @@ from wiggleroom.report.solids.spatial_path import in_sight
 from wiggleroom.report.solids.spatial_table import spatial_headline
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, Surface
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
     write_moved_parts(answer.assembly, motion, path, lines, answer.contacts, waypoints=answer.waypoints)
 
 
-def draw_separation(found: SpatialDisassembly, path: Path) -> None:
+def draw_separation(found: Interlock[SpatialAssembly], path: Path) -> None:
     """Write a picture of what comes apart: parts that left stand beside the others; .svg, .png or .glb."""
     motion = np.zeros((len(found.assembly.parts), 6))
     for k, e in enumerate(found.escapes):

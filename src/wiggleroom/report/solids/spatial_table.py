@@ -7,28 +7,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wiggleroom.drawing.model import Pull, Turn, Weight
 from wiggleroom.report.results.answer_words import (
     certainty,
     few,
+    goal_text,
     number,
     rounded_up,
     searched,
+    sense_text,
     short,
     solved,
-    spatial_goal_text,
-    spatial_towards,
+    towards,
     unit,
 )
 from wiggleroom.report.results.table import columns, fixed
-from wiggleroom.spatial.solids.spatial_model import SpatialPull, SpatialTurn, Weight
-from wiggleroom.verdict import Certainty, Separability, Verdict
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
 
-    from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.spatial.spatial_answer import SpatialAnswer
-    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 
 _MAX_PARTS, _MAX_CONTACTS = 12, 8
 _COLOURS = {Verdict.PROVEN: "green", Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
@@ -40,19 +39,19 @@ _SENTENCES = {
 
 def spatial_headline(answer: SpatialAnswer) -> str:
     """Say what was found, in one line, such as "lid moves 0.2 mm in +z"."""
-    asked = ", ".join(spatial_goal_text(g) for g in answer.goals[:4]) + (" and more" if len(answer.goals) > 4 else "")
+    asked = ", ".join(goal_text(g) for g in answer.goals[:4]) + (" and more" if len(answer.goals) > 4 else "")
     if answer.objective is None:
         return f"nothing stops {asked}"
     if len(answer.goals) == 1:
         goal, value = answer.goals[0], answer.objective / answer.goals[0].weight
         match goal:
-            case SpatialPull():
+            case Pull():
                 at = "" if goal.point is None else f" at ({', '.join(number(x) for x in goal.point)})"
-                return f"{short(goal.part)}{at} moves {number(value)} mm in {spatial_towards(goal.direction)}"
-            case SpatialTurn():
-                return f"{short(goal.part)} turns {number(math.degrees(value))}° about {spatial_towards(goal.axis)}"
+                return f"{short(goal.part)}{at} moves {number(value)} mm in {towards(goal.direction)}"
+            case Turn():
+                return f"{short(goal.part)} turns {number(math.degrees(value))}° {sense_text(goal.sense)}"
             case Weight():
-                return f"sum of volume times density times sinking {number(value)}, towards {spatial_towards(goal.direction)}"
+                return f"sum of volume times density times sinking {number(value)}, towards {towards(goal.direction)}"
     return f"{number(answer.objective)}: {asked}"
 
 
@@ -116,61 +115,3 @@ def spatial_table(answer: SpatialAnswer) -> Group:
         f"seconds:  {spent}",
     ]
     return Group(*page, *[Text(line) for line in sure])
-
-
-def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = None) -> Group:
-    """Page that `check` prints: verdict, who leaves in which order, what remains."""
-    from rich.console import Group
-    from rich.text import Text
-
-    lines = [
-        Text.assemble(
-            (found.verdict.value, "bold"), f" at gap {number(found.assembly.gap)} mm: {check_sentence(found)}"
-        )
-    ]
-    for k, escape in enumerate(found.escapes[:_MAX_PARTS]):
-        far = escape.path[-1]
-        who = [found.assembly.names.index(n) for n in escape.parts]
-        along = far[who, :3].mean(axis=0)
-        lines.append(Text(f"{k + 1:3}. {few(escape.parts)} in {spatial_towards(tuple(along.tolist()))}"))  # type: ignore[arg-type]
-    if len(found.escapes) > _MAX_PARTS:
-        lines.append(Text(f"     ... and {len(found.escapes) - _MAX_PARTS} more"))
-    if found.escapes and len(found.remains) > 1:
-        lines.append(Text(f"remains: {few(found.remains)}"))
-    if found.verdict is Separability.COMES_APART:
-        lines.append(Text("friction, glue and press fit are outside this verdict: it is about shapes alone"))
-    if border is not None:
-        from wiggleroom.report.results.separability import border_sentence
-
-        lines.append(Text(border_sentence(border), style="bold"))
-    lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} questions", style="dim"))
-    return Group(*lines)
-
-
-def last_direction(found: SpatialDisassembly, escape: SpatialEscape) -> tuple[float, float, float]:
-    """Direction (3,) in which parts leave at last."""
-    who = [found.assembly.names.index(n) for n in escape.parts]
-    x, y, z = (escape.path[-1, who, :3] - escape.path[-2, who, :3]).mean(axis=0).tolist()
-    return x, y, z
-
-
-def departure_words(found: SpatialDisassembly, escape: SpatialEscape) -> str:
-    """Say who leaves and how, such as "lid leaves straight in +z"."""
-    towards = spatial_towards(last_direction(found, escape))
-    who = f"{few(escape.parts)} {'leaves' if len(escape.parts) == 1 else 'leave together'}"
-    if len(escape.path) == 2:
-        return f"{who} straight in {towards}"
-    return f"{who} on a path of {len(escape.path)} points, at last in {towards}"
-
-
-def check_sentence(found: SpatialDisassembly) -> str:
-    """Say what the verdict rests on."""
-    if found.verdict is Separability.COMES_APART:
-        return "every step of the path checked for overlap"
-    if found.verdict is Separability.UNKNOWN:
-        return "no path out was found, and not every motion was covered"
-    return (
-        "proven"
-        if found.certainty is Certainty.PROVEN
-        else "searched: no path out by slides, turns in place and largest motions; others were not tried"
-    )

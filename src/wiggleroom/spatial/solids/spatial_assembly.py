@@ -8,19 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from wiggleroom.assembly.statements import glued_to, unknown
+from wiggleroom.assembly.statements import goal_findings, unknown
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.solids.made_solids import made_solid
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import (
-    MadeSolid,
-    SpatialAssembly,
-    SpatialDrawing,
-    SpatialGoal,
-    SpatialPart,
-    Weight,
-)
+from wiggleroom.spatial.solids.spatial_model import MadeSolid, SpatialAssembly, SpatialDrawing, SpatialPart
 
 
 def assemble_spatial(
@@ -28,7 +22,7 @@ def assemble_spatial(
     *,
     gap: float | None = None,
     fix: Sequence[str] = (),
-    goals: Sequence[SpatialGoal] = (),
+    goals: Sequence[Goal] = (),
     inward: Mapping[str, float] | None = None,
 ) -> SpatialAssembly:
     """Parts as they are made, with their roles.
@@ -40,7 +34,7 @@ def assemble_spatial(
         In place of the drawing's.
     fix : sequence of names
         Parts that stand, besides those the drawing fixes.
-    goals : sequence of SpatialPull, SpatialTurn or Weight
+    goals : sequence of Pull, Turn or Weight
         In place of the drawing's, where there are any.
     inward : mapping of names to float, optional [mm]
         How much further in than the gap says all faces of a part lie; negative: further out.
@@ -58,7 +52,7 @@ def assemble_spatial(
         raise InputError(message)
     parts = tuple(replace(p, fixed=p.fixed or p.name in fix) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=used_gap, goals=tuple(goals) or drawing.goals)
-    wrong += goal_findings(used, used.goals) + _joint_findings(used)
+    wrong += spatial_goal_findings(used, used.goals) + _joint_findings(used)
     plain: dict[tuple[int, float, float], MadeSolid] = {}
     for part in parts:
         key = _solid_key(part, inward)
@@ -106,28 +100,13 @@ def _joint_findings(drawing: SpatialDrawing) -> list[str]:
     return found
 
 
-def goal_findings(drawing: SpatialDrawing, goals: Sequence[SpatialGoal]) -> list[str]:
+def spatial_goal_findings(drawing: SpatialDrawing, goals: Sequence[Goal]) -> list[str]:
     """What is wrong with goals: unknown parts, parts that stand, numbers that make no sense."""
-    names = {p.name: None for p in drawing.parts}
-    still = {p.name: "it is fixed" for p in drawing.parts if p.fixed}
-    for anchor, name in glued_to(drawing.glue, still):
-        still.setdefault(name, f'it is glued to "{anchor}", which is fixed')
-    found = []
-    for goal in goals:
-        vector = goal.axis if hasattr(goal, "axis") else goal.direction
-        if not (np.isfinite(vector).all() and np.any(vector)):
-            found.append(f"pull: direction {vector} must be finite and not all zero")
-        if isinstance(goal, Weight):
-            continue
-        if goal.part not in names:
-            found.append(f"pull: {unknown(goal.part, names)}")
-        elif goal.part in still:
-            found.append(f'"{goal.part}" cannot be moved, for {still[goal.part]}: fix it or move it, not both')
-    return found
+    return goal_findings(goals, {p.name: p.fixed for p in drawing.parts}, drawing.glue, 3)
 
 
 def read_spatial_assembly(
-    path: str | Path, gap: float | None = None, fix: Sequence[str] = (), goals: Sequence[SpatialGoal] = ()
+    path: str | Path, gap: float | None = None, fix: Sequence[str] = (), goals: Sequence[Goal] = ()
 ) -> SpatialAssembly:
     """Assembly of a file of format wiggleroom/2; see `wiggleroom.read`."""
     return assemble_spatial(read_spatial(path), gap=gap, fix=fix, goals=goals)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.dimension import SPATIAL_FORMAT
 from wiggleroom.drawing.limits import LARGEST, MOST_DEGREES
-from wiggleroom.drawing.model import JointGap, Region
+from wiggleroom.drawing.model import Goal, JointGap, Pull, Region, Turn
 from wiggleroom.drawing.outlines.naming import is_printable
 from wiggleroom.drawing.outlines.rings import clean_ring
 from wiggleroom.drawing.readers.assembly_schema import GapEntry, convert
@@ -24,17 +24,7 @@ from wiggleroom.spatial.rotations import fixed_axes
 from wiggleroom.spatial.solids.box_union import union_of_boxes
 from wiggleroom.spatial.solids.mesh_file import read_mesh
 from wiggleroom.spatial.solids.solid_boolean import require_solid_library
-from wiggleroom.spatial.solids.spatial_model import (
-    AXES,
-    Boxes,
-    Plate,
-    Solid,
-    SpatialDrawing,
-    SpatialGoal,
-    SpatialPart,
-    SpatialPull,
-    SpatialTurn,
-)
+from wiggleroom.spatial.solids.spatial_model import AXES, Boxes, Plate, Solid, SpatialDrawing, SpatialPart
 from wiggleroom.spatial.solids.spatial_schema import SolidEntry, SpatialFileEntry, SpatialPullEntry
 
 MAX_PARTS = 20_000
@@ -274,7 +264,7 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
             return None
         return JointGap(self._pair(where, entry.parts), self._length(entry.gap, where, "gap", least=0.0))
 
-    def _goal(self, i: int, value: Any) -> SpatialGoal | None:
+    def _goal(self, i: int, value: Any) -> Goal | None:
         where = f"pull[{i}]"
         entry = convert(value, SpatialPullEntry, f"{self._file}: {where}", self._findings)
         if entry is None:
@@ -293,9 +283,9 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         if entry.weight == 0 or not math.isfinite(entry.weight):
             self._say(where, f"weight is {entry.weight:g}; leave the entry out, or give it a weight")
         if entry.turn is not None:
-            return SpatialTurn(entry.part, entry.turn, entry.weight)
+            return Turn(entry.part, entry.turn, entry.weight)
         point = None
         if entry.point is not None:
             x, y, z = self._numbers(entry.point, where, "point").tolist()
             point = (x, y, z)
-        return SpatialPull(entry.part, vector, point, entry.weight)
+        return Pull(entry.part, vector, point, entry.weight)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.displayable import Displayable
-from wiggleroom.drawing.model import JointGap, Region
+from wiggleroom.drawing.model import Goal, JointGap, Region
 from wiggleroom.spatial.solids.convex import ConvexPiece
 
 Floats = NDArray[np.float64]
@@ -76,36 +77,6 @@ class SpatialPart:
     density: float = 1.0
 
 
-@dataclass(frozen=True)
-class SpatialPull:
-    """Ask for the largest motion of a material point along a direction (3,) fixed in the world; `point` (3,) [mm] at rest."""
-
-    part: str
-    direction: tuple[float, float, float]
-    point: tuple[float, float, float] | None = None
-    weight: float = 1.0
-
-
-@dataclass(frozen=True)
-class SpatialTurn:
-    """Ask for the largest twist [rad] of a part about a direction (3,) fixed in the world, right hand."""
-
-    part: str
-    axis: tuple[float, float, float]
-    weight: float = 1.0
-
-
-@dataclass(frozen=True)
-class Weight:
-    """Ask how far all parts sink together: each pulled at its centroid by volume times density [mm4 for density 1]."""
-
-    direction: tuple[float, float, float]
-    weight: float = 1.0
-
-
-SpatialGoal = SpatialPull | SpatialTurn | Weight
-
-
 @dataclass(frozen=True, eq=False)
 class SpatialDrawing:
     """Everything a file of format wiggleroom/2 says, in millimetres."""
@@ -115,7 +86,7 @@ class SpatialDrawing:
     glue: tuple[tuple[str, ...], ...] = ()
     ignore: tuple[tuple[str, str], ...] = ()
     gaps: tuple[JointGap, ...] = ()
-    goals: tuple[SpatialGoal, ...] = ()
+    goals: tuple[Goal, ...] = ()
     source: str = ""
     notes: tuple[str, ...] = ()
 
@@ -157,6 +128,7 @@ class SpatialAssembly(Displayable):
         Of every part, in order.
     """
 
+    dimension: ClassVar[int] = 3
     drawing: SpatialDrawing
     made: tuple[MadeSolid, ...]
 
@@ -181,7 +153,7 @@ class SpatialAssembly(Displayable):
         return max([self.gap, *(joint.gap for joint in self.drawing.gaps)])
 
     @property
-    def goals(self) -> tuple[SpatialGoal, ...]:
+    def goals(self) -> tuple[Goal, ...]:
         """What the file asks for."""
         return self.drawing.goals
 
