@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.spatial.planar_slides import MAX_PAIRS, TranslationSpace
-from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.convex import distinct_axes
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 from wiggleroom.spatial.turning_in_place import ACROSS, WIDEST_STEP, common_edges, turn_in_place, turned_by
@@ -31,6 +31,8 @@ MAX_ANGLES = 240
 """Of more critical angles every second one, or fewer, is looked at."""
 MAX_TARGETS = 4
 """Of the critical angles within a quarter turn those of most faces, at most so many, are where a turn from elsewhere ends."""
+MAX_TURNED = 12
+"""Of the critical angles to which a body turns in place those of most faces, at most so many, are where the search goes on."""
 MAX_POINTS = 6
 """A turn is tried from at most so many places where the body has the most room."""
 MAX_TILTS = 6
@@ -69,7 +71,11 @@ class TurnRoadmap:
     skipped: bool = False
     """True once a body was left out that has too many pieces, or slides and turns with freedoms locked."""
     _known: list[tuple[int, Floats, TranslationSpace]] = field(default_factory=list)
+    _turned: list[Floats] = field(default_factory=list)
+    """Rotation (3, 3) of the body at each of the known."""
     _handed: set[int] = field(default_factory=set)
+    _circles: set[tuple[int, bytes, bytes]] = field(default_factory=set)
+    """Bodies with motions to which they turned in place, and the axis: a turn from there leads to nothing else."""
 
     @property
     def spent(self) -> bool:
@@ -96,17 +102,20 @@ class TurnRoadmap:
     def _add(self, motion: Floats, body: int) -> int:
         """Number of the translations of a body from a motion, known from then on."""
         space = TranslationSpace(self.ready, motion, body, self.stop, axes=self.axes)
+        self.work += space.pairs
         self._known.append((body, motion, space))
+        self._turned.append(self.ready.grouping.pose_of(motion).R[body])
         return len(self._known) - 1
 
     def _space_at(self, motion: Floats, body: int) -> int | None:
         """Number of the known translations of a body that are connected with a motion."""
+        if not self._known:
+            return None
         mine = (self.ready.grouping.body_of == body)[:, None]
-        part = int(np.flatnonzero(mine[:, 0])[0])
-        for k, (b, known, space) in enumerate(self._known):
+        apart = np.linalg.norm(np.array(self._turned) - self.ready.grouping.pose_of(motion).R[body], axis=(1, 2))
+        for k in np.flatnonzero(apart < np.sqrt(2) * SAME_ANGLE).tolist():
+            b, known, space = self._known[k]
             if b != body or np.abs(np.where(mine, 0.0, motion - known)).max() > SAME_PLACE:
-                continue
-            if self._turned(known[part], motion[part]) > SAME_ANGLE:
                 continue
             shift = self._shift(known, motion, body)
             if np.abs(shift).max() <= SAME_PLACE or space.pairs > MAX_PAIRS or space.reaches(shift):
@@ -178,24 +187,28 @@ class TurnRoadmap:
     def turned_in_place(self, motion: Floats, body: int) -> Iterator[tuple[Floats, Floats, bool]]:
         """Paths (k, n, 6) by which a body turns where it is to critical angles, and the axis (3,) of each.
 
-        The third says whether most faces are parallel there, of all angles about that axis.
+        The third says whether it is one of those at which most faces are parallel, of all angles about that axis.
         """
         ready = self.ready
         R = ready.grouping.pose_of(motion).R[body]
         for edge in common_edges(ready, body):
+            if _circle(motion, body, R @ edge) in self._circles:
+                continue
             for axis in (R @ edge, -R @ edge):
                 turn = turn_in_place(ready, motion, body, axis)
                 if turn is None or turn.angle < LEAST_TURN:
                     continue
                 self.turns = True
                 angles, count = _critical_angles(ready, motion, body, axis)
-                most = np.sort(count)[-MAX_TARGETS:].min(initial=0)
-                for angle, many in zip(angles.tolist(), (count >= most).tolist(), strict=True):
+                many = np.zeros(len(angles), dtype=np.bool_)
+                many[np.lexsort((angles, -count))[:MAX_TURNED]] = True
+                for angle, kept in zip(angles.tolist(), many.tolist(), strict=True):
                     done = int(angle / turn.step)
                     if done + 1 < len(turn.path):
                         end = turned_by(ready, motion, body, turn.axis, turn.arm, angle)
                         if not ready.checker.overlaps(turn.path[done], end):
-                            yield np.concatenate([turn.path[: done + 1], end[None]]), turn.axis, many
+                            self._circles.add(_circle(end, body, axis))
+                            yield np.concatenate([turn.path[: done + 1], end[None]]), turn.axis, kept
                 if turn.endless:
                     break
 
@@ -221,9 +234,11 @@ class TurnRoadmap:
         pose, other = (self.ready.grouping.pose_of(m) for m in (start, end))
         return other.T[body] - pose.T[body]
 
-    @staticmethod
-    def _turned(one: Floats, other: Floats) -> float:
-        return float(np.linalg.norm(logarithm(exponential(one[3:]).T @ exponential(other[3:]))))
+
+def _circle(motion: Floats, body: int, axis: Floats) -> tuple[int, bytes, bytes]:
+    """A body at a motion (n, 6) that turns about an axis (3,), either way."""
+    ahead = axis * np.sign(axis[np.abs(axis).argmax()])
+    return body, (motion.round(9) + 0.0).tobytes(), (ahead.round(6) + 0.0).tobytes()
 
 
 def _critical_angles(
