@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from benchmarks.attack.families_solid import draw_solids
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -809,3 +810,14 @@ def test_a_slit_without_thickness_is_left_out_and_a_wall_is_refused(tmp_path: Pa
     drawing = read_spatial(file)
     assert any("slits without thickness" in note for note in drawing.notes)
     assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(32, rel=1e-5)
+
+
+@pytest.mark.parametrize("number", [2950024, 2950094])
+def test_a_slit_that_shares_faces_with_the_outside_is_left_out(tmp_path: Path, number: int) -> None:
+    """Leaves of hinges whose arms meet their knuckles in a slit: one triangle of the mesh is half slit, half outside."""
+    _, made = draw_solids(number)
+    drawing = read_spatial(made.write(tmp_path))
+    assert any("slits without thickness" in note for note in drawing.notes)
+    for part in drawing.parts:
+        drawn = trimesh.load(tmp_path / f"{part.name}.stl").volume
+        assert made_solid(part, 0.0)[0].volume == pytest.approx(drawn, rel=1e-6)
