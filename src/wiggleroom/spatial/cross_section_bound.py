@@ -19,10 +19,9 @@ from wiggleroom.bound.dual_bound import MAX_BOUND_RATIO, with_bound_by_work
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.maximise import flex
-from wiggleroom.search.answer import PROVEN_WITHIN
+from wiggleroom.search.answer import PROVEN_WITHIN, Answer
 from wiggleroom.spatial.rotations import unit_vector
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.verdict import PathState, Verdict
 
@@ -40,7 +39,7 @@ MARGIN = 1e-9
 """The bound is larger by this share, for rounding."""
 
 
-def with_cross_section_bound(answer: SpatialAnswer, stop: Stop | None = None) -> SpatialAnswer:
+def with_cross_section_bound(answer: Answer[SpatialAssembly], stop: Stop | None = None) -> Answer[SpatialAssembly]:
     """The answer with a bound, where one says something; its verdict `proven` where that is near enough."""
     began = time.perf_counter()
     value = answer.objective

@@ -14,14 +14,14 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.live.drag_target import target_in_sight
+from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
-from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram, build_planes
-from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
+from wiggleroom.spatial.planes.separating_plane_program import build_planes
+from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
-from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
+from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
@@ -66,7 +66,7 @@ class SpatialDrag:
         Where the grip is now.
     distance : float [mm]
         From there to the target.
-    contacts : tuple of SpatialContact
+    contacts : tuple of Contact
         What holds the part, with the forces against a pull of 1 at the grip.
     blocking : tuple of names
         Parts that touch the dragged one and hold it.
@@ -76,7 +76,7 @@ class SpatialDrag:
     settled: bool
     reached: tuple[float, float, float]
     distance: float
-    contacts: tuple[SpatialContact, ...] = ()
+    contacts: tuple[Contact, ...] = ()
     blocking: tuple[str, ...] = ()
 
 
@@ -142,7 +142,7 @@ class SpatialLive:
         *,
         stop: Stop | None = None,
         progress: Callable[[int, float], None] | None = None,
-    ) -> SpatialAnswer:
+    ) -> Answer[SpatialAssembly]:
         """Return the answer of `wiggleroom.flex`; a drag may begin at its end.
 
         Raises
@@ -296,7 +296,7 @@ class _Drag:
         """Where the grip is (3,) [mm]."""
         return np.asarray(pose.T[self.body] + pose.R[self.body] @ self.arm)
 
-    def run(self, motion: Floats) -> tuple[Floats, bool, tuple[SpatialContact, ...]]:
+    def run(self, motion: Floats) -> tuple[Floats, bool, tuple[Contact, ...]]:
         """Motion (n, 6) at the end, whether that settles it, and what holds it."""
         group = self.ready.grouping
         near = ARRIVED * self.ready.clearance
@@ -330,7 +330,7 @@ class _Drag:
         end[mine, :3] += step
         return None if self.ready.checker.doubtful(motion, end, first=True, only=mine) else end
 
-    def _solved(self, motion: Floats, distance: float) -> tuple[Floats, tuple[SpatialContact, ...] | None]:
+    def _solved(self, motion: Floats, distance: float) -> tuple[Floats, tuple[Contact, ...] | None]:
         """Motion as far as the path to the nearest point is free, and the contacts there; None where it is not the end."""
         ready = self.ready
         begin = ready.grouping.pose_of(motion)
@@ -345,11 +345,5 @@ class _Drag:
         if ready.checker.overlaps(motion, path[0]):
             return motion, None
         ended = whole and found.status is SolverStatus.CONVERGED
-        return path[-1], _held(ready, program, found) if ended else None
-
-
-def _held(
-    ready: SpatialPrepared, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
-) -> tuple[SpatialContact, ...]:
-    """Contacts with their forces."""
-    return spatial_contacts(ready.assembly, ready.grouping, program, found)
+        held = HeldMotion(ready.grouping, program, found)
+        return path[-1], spatial_contacts(ready.assembly, held) if ended else None
