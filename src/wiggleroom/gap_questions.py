@@ -70,7 +70,7 @@ def sweep(
     [0.0261, 0.0539]
     """
     if isinstance(assembly, SpatialAssembly):
-        from wiggleroom.spatial.spatial_sweep import sweep_spatial
+        from wiggleroom.spatial.spatial_study import sweep_spatial
 
         refuse_planar_options("sweep", prove=prove, seconds=seconds)
         return sweep_spatial(assembly, gaps, goals, stop=stop, progress=progress, each=each)

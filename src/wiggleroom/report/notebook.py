@@ -196,5 +196,5 @@ def _has_page(found: StudyResult) -> bool:
         case Sweep() if all(step.answer is None for step in found.steps):
             return False
         case Sweep() | Sample() | AllowableGap():  # curves in space have none
-            return not isinstance(assembly_of(found), SpatialAssembly) or in_space(found) is not None
+            return assembly_of(found).dimension == 2 or in_space(found) is not None
     return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.live.drag_target import target_in_sight
+from wiggleroom.live.live_result import LiveResult
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.spatial.cross_section_bound import with_cross_section_bound
 from wiggleroom.spatial.planes.separating_plane_program import build_planes
@@ -50,34 +52,6 @@ MAX_LEFT = 24
 def _key(motion: Floats) -> bytes:
     """A motion as a page knows it, rounded."""
     return (np.round(motion, 4) + 0.0).tobytes()
-
-
-@dataclass(frozen=True, eq=False)
-class SpatialDrag:
-    """Where a dragged part came to.
-
-    Parameters
-    ----------
-    motion : (n, 6) float64 [mm, rad]
-        Motions of all parts; no two overlap there, nor anywhere on the path that led there.
-    settled : bool
-        True where the part cannot come nearer by going on; False where time ran out.
-    reached : (x, y, z) [mm]
-        Where the grip is now.
-    distance : float [mm]
-        From there to the target.
-    contacts : tuple of Contact
-        What holds the part, with the forces against a pull of 1 at the grip.
-    blocking : tuple of names
-        Parts that touch the dragged one and hold it.
-    """
-
-    motion: Floats
-    settled: bool
-    reached: tuple[float, float, float]
-    distance: float
-    contacts: tuple[Contact, ...] = ()
-    blocking: tuple[str, ...] = ()
 
 
 class SpatialLive:
@@ -172,7 +146,7 @@ class SpatialLive:
         pinned: Collection[str] = (),
         seconds: float = 0.4,
         stop: Stop | None = None,
-    ) -> SpatialDrag:
+    ) -> LiveResult:
         """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
 
         First the part alone goes straight. Where that is not free, the program of the separating planes is solved with every iterate
@@ -201,6 +175,7 @@ class SpatialLive:
         InputError
             If there is no such part, it cannot move, or parts overlap at the motion where it is to begin.
         """
+        began = time.perf_counter()
         ready = self.ready
         names = ready.assembly.names
         if part not in names:
@@ -229,10 +204,17 @@ class SpatialLive:
         self._motion = motion
         reached = search.grip(group.pose_of(motion))
         blocking = dict.fromkeys(n for c in contacts if part in c.parts for n in c.parts if n != part)
-        x, y, z = reached.tolist()
         whole = within is None or bool(search.bodies.moves.sum() + len(held) >= group.bodies.moves.sum())
         distance = float(np.linalg.norm(np.subtract(target, reached)))
-        return SpatialDrag(motion, settled and (whole or not contacts), (x, y, z), distance, contacts, tuple(blocking))
+        return LiveResult(
+            motion,
+            settled and (whole or not contacts),
+            time.perf_counter() - began,
+            contacts,
+            tuple(blocking),
+            reached=tuple(reached.tolist()),
+            distance=distance,
+        )
 
     @property
     def dragged(self) -> bool:

@@ -26,6 +26,7 @@ from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotient
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
+from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
@@ -148,6 +149,21 @@ def spatial_study_of(assembly: SpatialAssembly, goals: Goal | Sequence[Goal] | N
     if wrong:
         raise InputError(wrong)
     return SpatialStudy(assembly, asked)
+
+
+def sweep_spatial(
+    assembly: SpatialAssembly,
+    gaps: Sequence[float] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    each: Callable[[SweepStep, Any], None] | None = None,
+) -> Sweep:
+    """Largest motion for several gaps; see `wiggleroom.sweep`."""
+    asked = given_goals(goals, assembly.goals)
+    wrong = spatial_question_findings(assembly, asked)
+    return sweep_over(SpatialStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
 
 
 def spatial_largest_gap(assembly: SpatialAssembly, *, stop: Stop | None = None) -> LargestGap:

@@ -52,7 +52,7 @@ def flex_result(answer: Answer[Any]) -> FlexResult | SpatialFlexResult:
 
 def dimension(assembly: Assembly | SpatialAssembly) -> Literal[3] | msgspec.UnsetType:
     """What the result of a study says of an assembly in space; nothing in the plane."""
-    return UNSET if isinstance(assembly, Assembly) else 3
+    return 3 if assembly.dimension == 3 else UNSET
 
 
 def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:
