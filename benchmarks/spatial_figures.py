@@ -26,9 +26,9 @@ from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
 from benchmarks.spatial_overlaps import Judge, finger_box, prisms, voxel_judge, worst_on
 from benchmarks.spatial_overlaps import box as corners
 from wiggleroom.drawing.model import Goal, Pull, Region, Turn
+from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_model import Boxes, Plate, SpatialAssembly, SpatialDrawing, SpatialPart, Surface
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.verdict import Verdict
 
@@ -53,12 +53,12 @@ def plate(hole: np.ndarray, thick: float) -> SpatialPart:
     return part("plate", Plate((Region(square(40.0), (hole[::-1],)),), thick), (0, 0, -thick / 2), fixed=True)
 
 
-def timed(assembly: SpatialAssembly, goal: Goal) -> tuple[SpatialAnswer, float]:
+def timed(assembly: SpatialAssembly, goal: Goal) -> tuple[Answer[SpatialAssembly], float]:
     began = time.process_time()
     return flex_spatial(assembly, goal), time.process_time() - began
 
 
-def line(what: str, answer: SpatialAnswer, seconds: float, truth: float | None = None) -> None:
+def line(what: str, answer: Answer[SpatialAssembly], seconds: float, truth: float | None = None) -> None:
     value = "" if answer.objective is None else f"{answer.objective:.8f}"
     off = (
         ""
@@ -265,7 +265,7 @@ def starts() -> None:
         print(f"  with {more} more climbs {further[more]} go further, in {spent[more]:.0f} s")
 
 
-def clocked(assembly: SpatialAssembly, more: int) -> tuple[SpatialAnswer, float]:
+def clocked(assembly: SpatialAssembly, more: int) -> tuple[Answer[SpatialAssembly], float]:
     began = time.process_time()
     return wr.flex(assembly, search=more), time.process_time() - began
 

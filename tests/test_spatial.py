@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.drawing.model import Goal, Pull, Turn, Weight
+from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, build_planes
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
@@ -23,7 +24,6 @@ from wiggleroom.spatial.rotations import exponential, fixed_axes, logarithm
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
@@ -53,7 +53,7 @@ PLATE = {
 PEG = {"name": "peg", "boxes": [[-5, -5, -20, 5, 5, 20]]}
 
 
-def sound(answer: SpatialAnswer) -> SpatialAnswer:
+def sound(answer: Answer[SpatialAssembly]) -> Answer[SpatialAssembly]:
     assert answer.collision_free
     assert answer.path == "checked"
     return answer

@@ -15,18 +15,21 @@ import trimesh
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.errors import InputError
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.search.answer import Answer
+from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 TILTED = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """In glTF y is up."""
 
 
 @pytest.fixture(scope="module")
-def answer() -> SpatialAnswer:
+def answer() -> Answer[SpatialAssembly]:
     return wr.flex(spatial(PLATE, PEG, gap=0.1), wr.Turn("peg", (0, 0, 1)))
 
 
-def test_a_model_holds_the_end_and_its_animation_begins_at_rest(answer: SpatialAnswer, tmp_path: Path) -> None:
+def test_a_model_holds_the_end_and_its_animation_begins_at_rest(
+    answer: Answer[SpatialAssembly], tmp_path: Path
+) -> None:
     answer.draw(tmp_path / "moved.glb")
     data = (tmp_path / "moved.glb").read_bytes()
     size = struct.unpack_from("<I", data, 12)[0]
@@ -53,7 +56,7 @@ def test_a_model_holds_the_end_and_its_animation_begins_at_rest(answer: SpatialA
     assert np.allclose(shift[-1], 0, atol=1e-7)
 
 
-def test_films_have_the_endings_of_the_plane(answer: SpatialAnswer, tmp_path: Path) -> None:
+def test_films_have_the_endings_of_the_plane(answer: Answer[SpatialAssembly], tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image")
     answer.draw(tmp_path / "way.gif")
     shots = []
@@ -80,7 +83,7 @@ def test_a_film_of_ways_out_shows_every_escape(tmp_path: Path) -> None:
     assert "1. peg in" in (tmp_path / "out.film.svg").read_text()
 
 
-def test_studies_have_no_film(answer: SpatialAnswer, tmp_path: Path) -> None:
+def test_studies_have_no_film(answer: Answer[SpatialAssembly], tmp_path: Path) -> None:
     with pytest.raises(InputError, match="films come from"):
         wr.rank(answer).draw(tmp_path / "rank.gif")
     with pytest.raises(InputError, match="must end in"):

@@ -13,18 +13,19 @@ from benchmarks import spatial_overlaps
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError
+from wiggleroom.live.live_result import LiveResult
 from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_live import SpatialDrag, SpatialLive
+from wiggleroom.spatial.spatial_live import SpatialLive
 
 
 class Patient(SpatialLive):
     """With all the time that kernels need to be compiled."""
 
-    def drag(self, *where: object, **how: object) -> SpatialDrag:
+    def drag(self, *where: object, **how: object) -> LiveResult:
         return super().drag(*where, seconds=60, **how)  # type: ignore[arg-type]
 
 

@@ -12,7 +12,6 @@ from wiggleroom.errors import Stop
 from wiggleroom.questions import given, refuse_planar_options
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 if TYPE_CHECKING:
     import numpy as np
@@ -71,7 +70,7 @@ def sweep(
     [0.0261, 0.0539]
     """
     if isinstance(assembly, SpatialAssembly):
-        from wiggleroom.spatial.spatial_sweep import sweep_spatial
+        from wiggleroom.spatial.spatial_study import sweep_spatial
 
         refuse_planar_options("sweep", prove=prove, seconds=seconds)
         return sweep_spatial(assembly, gaps, goals, stop=stop, progress=progress, each=each)
@@ -82,7 +81,7 @@ def sweep(
 
 
 def rank(
-    question: Assembly | Prepared | Answer | SpatialAssembly | SpatialAnswer,
+    question: Assembly | Prepared | SpatialAssembly | Answer[Any],
     goals: Goal | Sequence[Goal] | None = None,
     **options: Any,
 ) -> Ranking:
@@ -90,7 +89,7 @@ def rank(
 
     Parameters
     ----------
-    question : Assembly, Prepared, Answer, SpatialAssembly or SpatialAnswer
+    question : Assembly, SpatialAssembly, Prepared or Answer
         An answer is ranked as it is; else the motion is looked for first.
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for.
@@ -119,7 +118,7 @@ def rank(
 
 
 def tighten(
-    assembly: Assembly | Answer | SpatialAssembly | SpatialAnswer,
+    assembly: Assembly | SpatialAssembly | Answer[Any],
     goals: Goal | Sequence[Goal] | None = None,
     **options: Any,
 ) -> Tightening:
@@ -127,7 +126,7 @@ def tighten(
 
     Parameters
     ----------
-    assembly : Assembly, Answer, SpatialAssembly or SpatialAnswer
+    assembly : Assembly, SpatialAssembly or Answer
         An answer is studied as it is; else the motion is looked for first.
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for.
@@ -156,7 +155,7 @@ def tighten(
 
 
 def sample(
-    assembly: Assembly | Answer | SpatialAssembly | SpatialAnswer,
+    assembly: Assembly | SpatialAssembly | Answer[Any],
     spread: Spread | float,
     goals: Goal | Sequence[Goal] | None = None,
     **options: Any,
@@ -165,7 +164,7 @@ def sample(
 
     Parameters
     ----------
-    assembly : Assembly, Answer, SpatialAssembly or SpatialAnswer
+    assembly : Assembly, SpatialAssembly or Answer
         An answer is studied as it is; else the motion is looked for first.
     spread : Spread or float [mm]
         Distribution of the extra gap round a part; a number is the standard deviation of a normal one. Extra gap e
@@ -286,10 +285,10 @@ def _study(question: Any, goals: Goal | Sequence[Goal] | None) -> Any:
         return question
     from wiggleroom.spatial.spatial_study import SpatialStudy, spatial_study_of
 
-    if isinstance(question, SpatialAnswer):
+    if isinstance(question, Answer):
         return SpatialStudy(question.assembly, question.goals, question)
     return spatial_study_of(question, goals)
 
 
 def _in_space(question: Any) -> bool:
-    return isinstance(question, SpatialAssembly | SpatialAnswer)
+    return isinstance(question.assembly if isinstance(question, Answer) else question, SpatialAssembly)

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from wiggleroom.search.answer import Answer
     from wiggleroom.search.prepare import Prepared
     from wiggleroom.search.progress import Progress
-    from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 
 def read(
@@ -90,7 +89,7 @@ def flex(
     search: int | None = ...,
     stop: Stop | None = ...,
     progress: Callable[..., None] | None = ...,
-) -> SpatialAnswer: ...
+) -> Answer[SpatialAssembly]: ...
 @overload
 def flex(
     assembly: Assembly | Prepared,
@@ -117,7 +116,7 @@ def flex(
     seconds: float | None = None,
     stop: Stop | None = None,
     progress: Callable[..., None] | None = None,
-) -> Answer | SpatialAnswer:
+) -> Answer[Any]:
     """How far the assembly can move: the largest motion that was found and checked, and how sure it is.
 
     Parameters
@@ -133,7 +132,7 @@ def flex(
 
     Returns
     -------
-    Answer or SpatialAnswer
+    Answer
 
     Raises
     ------

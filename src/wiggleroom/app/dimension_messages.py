@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,16 +11,13 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.errors import InputError
-from wiggleroom.report.page.page_messages import answer_message, contacts_message, rings_message
+from wiggleroom.report.page.page_messages import rings_message
 from wiggleroom.report.page.path_frames import path_frames
-from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import DragReply, FlexReply, ShapeReply, Solids
 from wiggleroom.schema.reply_base import Outline
-from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-    from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 Floats = NDArray[np.float64]
 
@@ -30,24 +27,6 @@ class Outlines(NamedTuple):
 
     name: str
     shapes: list[Outline] | Solids
-
-
-def answer_reply(answer: Answer | SpatialAnswer, command: str) -> FlexReply:
-    """What an answer says."""
-    if isinstance(answer, Answer):
-        return answer_message(answer, command)
-    from wiggleroom.report.page.spatial_messages import spatial_answer_message
-
-    return spatial_answer_message(answer, command)
-
-
-def contact_entries(contacts: Iterable[Any], assembly: Assembly | SpatialAssembly) -> list[ContactEntry]:
-    """Contacts with a force, the strongest first."""
-    if isinstance(assembly, Assembly):
-        return contacts_message(contacts)
-    from wiggleroom.report.page.spatial_messages import spatial_contacts_message
-
-    return spatial_contacts_message(contacts)
 
 
 def frames_of(assembly: Assembly | SpatialAssembly, points: Floats) -> Floats:

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from wiggleroom.planning.plan import Plan
     from wiggleroom.search.answer import Answer
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-    from wiggleroom.spatial.spatial_answer import SpatialAnswer
     from wiggleroom.spatial.spatial_live import SpatialLive
 
 
@@ -44,7 +43,7 @@ class Document:
     def __init__(self, file: File) -> None:
         self.file = file
         self.designs = _cache_of(file)
-        self._answers: LruCache[Answer | SpatialAnswer] = LruCache(4)
+        self._answers: LruCache[Answer[Any]] = LruCache(4)
         self._searched: LruCache[SearchState] = LruCache(4)
         self._checks: LruCache[Interlock[Any]] = LruCache(2)
         self._plans: LruCache[Plan] = LruCache(2)
@@ -130,7 +129,7 @@ class Document:
             raise InputError(wrong)
         return goals
 
-    def kept(self, design: Design) -> Answer | SpatialAnswer | None:
+    def kept(self, design: Design) -> Answer[Any] | None:
         """The full answer, where it is known."""
         return self._answers.peek(whole(design))
 
@@ -170,7 +169,7 @@ class Document:
 
         return "to come" if is_searched(answer.assembly) else "from rest"
 
-    def know(self, design: Design, answer: Answer | SpatialAnswer) -> None:
+    def know(self, design: Design, answer: Answer[Any]) -> None:
         """Keep a fuller answer to a design."""
         self._answers.keep(whole(design), answer)
 

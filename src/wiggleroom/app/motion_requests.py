@@ -10,8 +10,6 @@ from msgspec.structs import replace
 
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import (
-    answer_reply,
-    contact_entries,
     frames_of,
     motion_of,
     still_frame,
@@ -25,6 +23,7 @@ from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.live.live_session import Live
 from wiggleroom.report.free_space.stacked_slices import rings
+from wiggleroom.report.page.page_messages import answer_message, contacts_message
 from wiggleroom.schema.replies import (
     DragReply,
     FlexReply,
@@ -94,7 +93,7 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
             break
         last = value
         display.move(live.assembly, result.motion)
-        content = answer_reply(quick(live.assembly, goals, result), command("flex", document.file, design))
+        content = answer_message(quick(live.assembly, goals, result), command("flex", document.file, design))
         tell_outlines(content, display.new_outlines(document.designs.shape(design), live.assembly, request.shown))
         content.settled = False
         out.reply(content, [result.motion[None]])
@@ -121,7 +120,7 @@ def searched(document: Document, design: Design, out: Reporter) -> Any:
 def tell_answer(document: Document, design: Design, answer: Any, shown: str, out: Reporter) -> None:
     """Tell the page a full answer."""
     document.display.move(answer.assembly, answer.motion)
-    content = answer_reply(answer, command("flex", document.file, design))
+    content = answer_message(answer, command("flex", document.file, design))
     tell_how_far_searched(content, document.search_of(design, answer))
     shape = document.designs.shape(design)
     tell_outlines(content, document.display.new_outlines(shape, answer.assembly, shown))
@@ -183,7 +182,7 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
             target=request.target,
             reached=result.reached,
             distance=result.distance,
-            held=contact_entries(result.contacts, live.assembly),
+            held=contacts_message(result.contacts),
             blocking=list(result.blocking),
             settled=settled,
         )

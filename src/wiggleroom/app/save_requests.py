@@ -102,7 +102,6 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
 
 def _write_in_space(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     from wiggleroom.app.spatial_designs import designed_file
-    from wiggleroom.report.solids.spatial_results import spatial_flex_result
 
     design = request.design
     if request.what == "assembly":
@@ -120,7 +119,7 @@ def _write_in_space(document: Document, request: SaveRequest, path: Path, out: R
         result = check_result(found, command=said)
     else:
         found = replace(document.answer(design, out), command=said)
-        result = spatial_flex_result(found)
+        result = flex_result(found)
     if request.what == "json":
         path.write_text(to_json(result), encoding="utf-8")
     else:

@@ -51,7 +51,7 @@ ROUNDING_MARGIN = 1e-11
 def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
     """The answer with a bound, where that takes less work than the answer did and says something; worked out once, if not asked to stop."""
     began = time.perf_counter()
-    found = answer.warm_start
+    found: Incumbent | None = answer.warm_start
     told = answer.bound is not None and answer.bound.at_most is not None
     if told or "bound" in answer.seconds or not answer.objective or not answer.verdict.ends:
         return answer
@@ -78,7 +78,7 @@ def with_bound_by_work(answer: Answer, work: float, stop: Stop | None = None) ->
     Of large assemblies small windows are looked at first, which takes seconds.
     """
     began = time.perf_counter()
-    found = answer.warm_start
+    found: Incumbent | None = answer.warm_start
     known = answer.bound is not None and answer.bound.at_most is not None
     if known or not answer.objective or not answer.verdict.ends or found is None:
         return answer

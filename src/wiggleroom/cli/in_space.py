@@ -214,10 +214,10 @@ def flex_in_space(
         answer = flex(assembly, solver=solver, search=search, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
     answer = replace(answer, seconds=seconds, command=command_line())
-    from wiggleroom.report.solids.spatial_results import spatial_flex_result
-    from wiggleroom.report.solids.spatial_table import spatial_table
+    from wiggleroom.report.results.json_results import flex_result
+    from wiggleroom.report.results.table import table
 
-    tell(outputs, lambda: spatial_flex_result(answer), lambda: spatial_table(answer), answer, answer.command)
+    tell(outputs, lambda: flex_result(answer), lambda: table(answer), answer, answer.command)
     return 3 if answer.verdict is Verdict.STOPPED else 0
 
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.report.write_study import Study
     from wiggleroom.search.answer import Answer
-    from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 Places = dict[str, tuple[str | Path | None, tuple[str, ...]]]
 Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
@@ -185,7 +184,7 @@ def tell(
     outputs: StudyOutputs,
     result: Callable[[], Struct],
     page: Callable[[], RenderableType],
-    found: Answer | SpatialAnswer | Study,
+    found: Answer[Any] | Study,
     command: str,
 ) -> None:
     """What was found as JSON, as a page on stdout (unless the JSON goes there), as a table, and as a picture."""

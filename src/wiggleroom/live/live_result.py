@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.displayable import Displayable
+from wiggleroom.drawing.model import Vector
 from wiggleroom.search.answer import Contact
 
 
@@ -17,7 +18,7 @@ class LiveResult(Displayable):
 
     Parameters
     ----------
-    motion : (n, 3) float64 [mm, mm, rad]
+    motion : (n, 3) float64 [mm, mm, rad], in space (n, 6) [mm, rad]
         Pose minus rest pose of every part, about its reference point; no two parts overlap there.
     settled : bool
         True where the search came to its end; False where time ran out, and asking again goes on from here. Also False
@@ -32,7 +33,7 @@ class LiveResult(Displayable):
         Of `flex`: sum of the goals; None where nothing stops the motion.
     leaves, turns : tuple of names
         Parts that move away or turn without limit.
-    reached : (x, y) or None [mm]
+    reached : (x, y), (x, y, z) or None [mm]
         Of `drag`: where the grip is now.
     distance : float or None [mm]
         Of `drag`: from there to the target.
@@ -46,7 +47,7 @@ class LiveResult(Displayable):
     objective: float | None = None
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
-    reached: tuple[float, float] | None = None
+    reached: Vector | None = None
     distance: float | None = None
 
 

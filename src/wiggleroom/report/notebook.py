@@ -43,7 +43,6 @@ from wiggleroom.report.results.plan_results import (
 from wiggleroom.report.results.separability import Checked, border_sentence, check_facts, check_title
 from wiggleroom.report.results.study_results import lost_sentence
 from wiggleroom.report.results.tolerance_results import tolerances_facts, tolerances_sentence
-from wiggleroom.report.solids.spatial_table import spatial_headline, spatial_sentence
 from wiggleroom.report.write_spatial import spatial_page
 from wiggleroom.report.write_study import StudyResult, assembly_of, in_space, page_of_study
 from wiggleroom.search.answer import Answer
@@ -55,7 +54,6 @@ from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 HEIGHT = 560
 """Height of the frame [px]."""
@@ -100,8 +98,6 @@ def lines(found: Displayable) -> list[str]:
             return [*assembly_lines(found.assembly), f"prepared: {len(found.cells.a)} pairs of neighbours"]
         case Answer():
             return [headline(found), f"{found.verdict}: {verdict_sentence(found)}", *facts(found)]
-        case SpatialAnswer():
-            return [spatial_headline(found), f"{found.verdict}: {spatial_sentence(found)}"]
         case Interlock():
             return [check_title(found), *check_facts(found, None)]
         case LargestGap():
@@ -186,9 +182,7 @@ def _page(found: Displayable) -> str | None:
         case Prepared():
             return page_of_assembly(found.assembly)
         case Answer():
-            return page_of_answer(found)
-        case SpatialAnswer():
-            return spatial_page(found)
+            return spatial_page(found) if found.assembly.dimension == 3 else page_of_answer(found)
         case PlanSample() | PlanRanking() | SmallestGap():
             return page_of_plan(found.plan, _tolerances(found))
     return page_of_study(found) if isinstance(found, StudyResult) and _has_page(found) else None
@@ -202,5 +196,5 @@ def _has_page(found: StudyResult) -> bool:
         case Sweep() if all(step.answer is None for step in found.steps):
             return False
         case Sweep() | Sample() | AllowableGap():  # curves in space have none
-            return not isinstance(assembly_of(found), SpatialAssembly) or in_space(found) is not None
+            return assembly_of(found).dimension == 2 or in_space(found) is not None
     return True

@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wiggleroom.files import write_whole
 from wiggleroom.report.pictures.file_endings import ANSWERS, FILMS, PAGE, check_ending, ending
 from wiggleroom.report.pictures.stills import write_still
 from wiggleroom.search.answer import Answer
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 if TYPE_CHECKING:
     from wiggleroom.report.write_study import StudyResult
 
 
 def write_picture(
-    found: Answer | SpatialAnswer | StudyResult,
+    found: Answer[Any] | StudyResult,
     path: str | PathLike[str],
     *,
     command: str = "",
@@ -43,15 +42,15 @@ def write_picture(
         If a film needs a library that is not installed.
     """
     path = Path(path)
-    if isinstance(found, SpatialAnswer):
-        from wiggleroom.report.write_spatial import write_spatial
-
-        write_spatial(found, path, command, progress)
-        return
     if not isinstance(found, Answer):
         from wiggleroom.report.write_study import draw_study
 
         draw_study(found, path, command, progress)
+        return
+    if found.assembly.dimension == 3:
+        from wiggleroom.report.write_spatial import write_spatial
+
+        write_spatial(found, path, command, progress)
         return
     check_ending(path, ANSWERS)
     kind = ending(path)

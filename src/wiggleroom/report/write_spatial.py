@@ -12,14 +12,14 @@ from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatia
 from wiggleroom.report.pictures import palette
 from wiggleroom.report.pictures.file_endings import FILMS, PAGE, SPATIAL_ANSWERS, SPATIAL_STUDIES, check_ending, ending
 from wiggleroom.report.pictures.importance_picture import ranking_facts, shade, tightening_facts
+from wiggleroom.report.results.answer_words import headline
 from wiggleroom.report.solids.solid_colours import Colour
 from wiggleroom.report.solids.spatial_picture import draw_separation, draw_spatial, write_moved_parts
-from wiggleroom.report.solids.spatial_table import spatial_headline
+from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
-SpatialFound = SpatialAnswer | Interlock[Any] | Ranking | Tightening
+SpatialFound = Answer[Any] | Interlock[Any] | Ranking | Tightening
 """What is shown as parts in space; rankings and tightenings of assemblies in space."""
 
 
@@ -33,9 +33,9 @@ def write_spatial(
     InputError
         If the name has another ending.
     """
-    moves = isinstance(found, SpatialAnswer | Interlock)
+    moves = isinstance(found, Answer | Interlock)
     check_ending(path, SPATIAL_ANSWERS if moves else SPATIAL_STUDIES)
-    if isinstance(found, SpatialAnswer | Interlock) and ending(path) in FILMS:
+    if isinstance(found, Answer | Interlock) and ending(path) in FILMS:
         from wiggleroom.report.solids.spatial_film import film_of_spatial
 
         film_of_spatial(found, path, progress=progress)
@@ -44,20 +44,20 @@ def write_spatial(
         write_whole(path, spatial_page(found, command))
         return
     match found:
-        case SpatialAnswer():
+        case Answer():
             draw_spatial(found, path)
         case Interlock():
             draw_separation(found, path)
         case _:
             answer, facts, fill = _coloured(found)
-            lines = [spatial_headline(answer), ", ".join(facts)]
+            lines = [headline(answer), ", ".join(facts)]
             write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts, fill)
 
 
 def spatial_page(found: SpatialFound, command: str = "") -> str:
     """The same as one HTML page."""
     match found:
-        case SpatialAnswer():
+        case Answer():
             return page_of_spatial_answer(found, command or found.command)
         case Interlock():
             return page_of_separation(found, command)
@@ -65,7 +65,7 @@ def spatial_page(found: SpatialFound, command: str = "") -> str:
     return page_of_spatial_answer(answer, command, fill, facts)
 
 
-def _coloured(found: Ranking | Tightening) -> tuple[SpatialAnswer, list[str], list[Colour]]:
+def _coloured(found: Ranking | Tightening) -> tuple[Answer[Any], list[str], list[Colour]]:
     """Answer, facts, and colours of the parts: by what their gap is worth, or by whether they were made tighter."""
     if isinstance(found, Ranking):
         value = found.importance.clip(min=0)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.errors import InputError
@@ -24,14 +23,12 @@ from wiggleroom.report.pictures.leaving_picture import picture_of_check
 from wiggleroom.report.pictures.stills import write_still
 from wiggleroom.report.results.separability import Checked
 from wiggleroom.report.write_spatial import SpatialFound, spatial_page, write_spatial
-from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan
 StudyResult = Interlock | LargestGap | FreeSpace | Study
@@ -61,7 +58,7 @@ def draw_study(
 
 def in_space(found: StudyResult) -> SpatialFound | None:
     """What is shown as parts in space; None for curves, and for drawings."""
-    if not isinstance(assembly_of(found), SpatialAssembly):
+    if assembly_of(found).dimension == 2:
         return None
     match found:
         case Ranking() | Tightening() | Interlock():
@@ -129,7 +126,7 @@ def page_of_study(found: StudyResult, command: str = "") -> str:
     shown = in_space(found)
     if shown is not None:
         return spatial_page(shown, command)
-    if isinstance(assembly_of(found), SpatialAssembly):
+    if assembly_of(found).dimension == 3:
         raise InputError("page: curves in space are not made into a page; name an .svg or .png")
     found = as_checked(found)
     match found:
@@ -153,7 +150,7 @@ def page_of_study(found: StudyResult, command: str = "") -> str:
             return pages.page_of_space(found, command=command)
 
 
-def assembly_of(found: Answer | SpatialFound | StudyResult) -> Assembly | SpatialAssembly:
+def assembly_of(found: SpatialFound | StudyResult) -> Any:
     """The assembly that was asked about."""
     match found:
         case Ranking() | Sample():

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.assembly import AnyAssembly, Assembly
 from wiggleroom.displayable import Drawable
-from wiggleroom.drawing.model import Goal
+from wiggleroom.drawing.model import Goal, Vector
 from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.search.global_search import SearchEffort
-    from wiggleroom.search.incumbent import Incumbent
 
 PROVEN_WITHIN = 1.001
 """An answer is proven where no motion is worth more than this multiple of it."""
@@ -31,15 +30,15 @@ class Contact:
     ----------
     parts : pair of names
         The normal points from the first into the second.
-    point, normal : (x, y) [mm], unit vector
+    point, normal : (x, y), in space (x, y, z) [mm], unit vector
         Assembly coordinates at the moved position.
     force : float
         Multiplier: objective gained per mm that this contact gives way.
     """
 
     parts: tuple[str, str]
-    point: tuple[float, float]
-    normal: tuple[float, float]
+    point: Vector
+    normal: Vector
     force: float
 
 
@@ -92,21 +91,23 @@ class Period:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer(Drawable):
+class Answer(Drawable, Generic[AnyAssembly]):
     """The largest safe motion that was found.
 
     Parameters
     ----------
-    assembly : Assembly
-    goals : tuple of Pull, Turn or W
+    assembly : Assembly or SpatialAssembly
+    goals : tuple of goals
         What was asked.
     verdict : Verdict
     objective : float or None
         Sum of the goals [mm] (turns in [rad]); None where nothing stops the motion.
-    motion : (n, 3) float64 [mm, mm, rad]
-        Pose minus rest pose of every part, about its reference point.
-    waypoints : (k, n, 3) float64 [mm, mm, rad]
-        Motions along a path from rest (first, all zero) to `motion` (last).
+    motion : (n, 3) float64 [mm, mm, rad], in space (n, 6) [mm, rad]
+        Pose minus rest pose of every part, about its reference point; in space the displacement of that point, and a rotation vector.
+    waypoints : (k, n, 3) or (k, n, 6) float64
+        Motions along a path from rest (first, all zero) to `motion` (last). Between them positions go straight; in space each part turns
+        about one axis.
+    contacts : tuple of Contact
     path : str
         "checked" where no two parts overlap anywhere along the path, else "not checked".
     deepest_overlap : float [mm]
@@ -116,16 +117,20 @@ class Answer(Drawable):
     period : Period or None
         Of a motion that goes on for ever because it repeats.
     at_most : float or None
-        A value that no motion can exceed, where one was worked out.
+        A value that no motion can exceed, where one was worked out; in space only where all parts move in one plane.
     bound : Bound or None
-        How that was proven, or why not; None where none was worked out.
+        How that was proven, or why not; None where none was worked out, and in space.
     search : SearchEffort or None
         What the global search came to; None where there was none.
-    warm_start : Incumbent or None
-        How it was found, from which another question about the same prepared assembly can start.
+    warm_start : Incumbent, HeldMotion or None
+        How it was found, from which another question about the same prepared assembly can start; in space the program and the forces
+        that hold the motion where it ends.
+    lead : (k, n, 6) float64 [mm, rad] or None
+        In space: first part of the path, to half way through a climb that began where a random pull led to; rest alone where it began
+        there.
     """
 
-    assembly: Assembly
+    assembly: AnyAssembly
     goals: tuple[Goal, ...]
     verdict: Verdict
     objective: float | None
@@ -147,7 +152,8 @@ class Answer(Drawable):
     bound: Bound | None = None
     command: str = ""
     search: SearchEffort | None = None
-    warm_start: Incumbent | None = field(default=None, repr=False)
+    warm_start: Any = field(default=None, repr=False)
+    lead: NDArray[np.float64] | None = field(default=None, repr=False)
 
 
 def with_bound(answer: Answer, bound: Bound) -> Answer:

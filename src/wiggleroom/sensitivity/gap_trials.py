@@ -30,7 +30,7 @@ class Trial:
         True where the value is that of a state that was checked by exact geometry, its path from rest too.
     at_most : float or None
         A value that no motion at this gap can exceed, where one was worked out.
-    answer : Answer, SpatialAnswer or None
+    answer : Answer or None
         The motion; where a smaller gap has shown more, that one, which is free here too.
     ended : bool
         True where a search or a climb at this gap came to its end.

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,12 +128,13 @@ def ended(answer: Answer) -> Incumbent:
     """
     if not can_be_ranked(answer):
         raise endless(answer)
-    return cast(Incumbent, answer.warm_start)
+    found: Incumbent = answer.warm_start
+    return found
 
 
 def can_be_ranked(answer: Answer) -> bool:
     """True where the motion ends, with multipliers that say what each contact is worth."""
-    found = answer.warm_start
+    found: Incumbent | None = answer.warm_start
     return found is not None and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
 
 

@@ -51,7 +51,7 @@ class Ranking(Drawable):
 
     Parameters
     ----------
-    answer : Answer or SpatialAnswer
+    answer : Answer
     by : str
         "duals" or "differences".
     looser, tighter : (n,) float64

@@ -30,7 +30,7 @@ class Sample(Drawable):
 
     Parameters
     ----------
-    answer : Answer or SpatialAnswer
+    answer : Answer
         Without any variation.
     spread : Spread
     seed : int

@@ -39,7 +39,7 @@ class SearchedDraws(Generic[Found]):
     Parameters
     ----------
     study : GapStudy
-    answer : Answer or SpatialAnswer
+    answer : Answer
         Without variation.
     inward : (draws, n) float64 [mm]
         How far the boundary of each part lies further in.

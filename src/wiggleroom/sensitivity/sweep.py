@@ -45,7 +45,7 @@ class SweepStep:
     verdict : Verdict
     checked : bool
         True where the path from rest was checked, at this gap.
-    answer : Answer, SpatialAnswer or None
+    answer : Answer or None
         What was found there; where a smaller gap has shown more, that motion. None where there is no such motion.
     at_most : float or None
         A value that no motion exceeds, at this gap or a smaller one; None where none was asked for or proven.

@@ -61,7 +61,7 @@ class Tightening(Drawable):
 
     Parameters
     ----------
-    before, after : Answer or SpatialAnswer
+    before, after : Answer
         As it is, and with the chosen parts tightened.
     chosen : tuple of names
         In the order they were chosen, those that were not chosen by rank in that of the assembly.

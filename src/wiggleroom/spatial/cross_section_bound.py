@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.answer import MAX_BOUND_RATIO, PROVEN_WITHIN
+from wiggleroom.search.answer import MAX_BOUND_RATIO, PROVEN_WITHIN, Answer
 from wiggleroom.spatial.rotations import unit_vector
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.verdict import PathState, Verdict
 
@@ -37,7 +36,7 @@ MARGIN = 1e-9
 """The bound is larger by this share, for rounding."""
 
 
-def with_cross_section_bound(answer: SpatialAnswer, stop: Stop | None = None) -> SpatialAnswer:
+def with_cross_section_bound(answer: Answer[SpatialAssembly], stop: Stop | None = None) -> Answer[SpatialAssembly]:
     """The answer with a bound, where one says something; its verdict `proven` where that is near enough."""
     began = time.perf_counter()
     value = answer.objective
@@ -52,7 +51,7 @@ def with_cross_section_bound(answer: SpatialAnswer, stop: Stop | None = None) ->
     return with_known_bound(replace(answer, seconds=seconds), most)
 
 
-def with_known_bound(answer: SpatialAnswer, most: float | None) -> SpatialAnswer:
+def with_known_bound(answer: Answer[SpatialAssembly], most: float | None) -> Answer[SpatialAssembly]:
     """The answer with a bound that holds, where one is known that says something; `proven` where it is near enough."""
     value = answer.objective
     if most is None or not value or not answer.verdict.ends or not value <= most <= MAX_BOUND_RATIO * value:

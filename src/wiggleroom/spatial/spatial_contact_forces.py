@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from wiggleroom.search.answer import Contact
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialContact
 from wiggleroom.spatial.spatial_bodies import Grouping
 
 WEAK = 1e-5
@@ -16,15 +18,23 @@ NOISE = 1e-7
 """Neither are those with less than this share of the load: where locks alone hold a part, the solver leaves forces that hold nothing."""
 
 
-def spatial_contacts(
-    assembly: SpatialAssembly, grouping: Grouping, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
-) -> tuple[SpatialContact, ...]:
+@dataclass(frozen=True, eq=False)
+class HeldMotion:
+    """How a motion is held: the last program, its solution, and which part every piece belongs to."""
+
+    grouping: Grouping
+    program: SeparatingPlaneProgram
+    found: SeparatingPlaneSolution
+
+
+def spatial_contacts(assembly: SpatialAssembly, held: HeldMotion) -> tuple[Contact, ...]:
     """Contacts in assembly coordinates, strongest first.
 
     The corners of one piece that touch the plane, weighted by their multipliers, have the point of contact as their mean; it lies in that
     piece, and as the plane holds no moment, the other piece's mean is the same point.
     """
-    P, lam, pose = program, found.lam, found.point.pose
+    P, found = held.program, held.found
+    lam, pose = found.lam, found.point.pose
     contacts = []
     total = np.add.reduceat(lam, P.row[:-1]) if P.planes else np.zeros(0)
     load = np.abs(P.objective.gradient(pose)).max(initial=0.0)
@@ -40,8 +50,8 @@ def spatial_contacts(
         point = pose.T[b] + pose.R[b] @ corner
         normal = pose.R[a] @ found.point.n[k]
         _, pi, _, pj = P.pieces[k].tolist()
-        names = tuple(assembly.names[int(grouping.bodies.owner[body][piece])] for body, piece in ((a, pi), (b, pj)))
-        contacts.append(
-            SpatialContact((names[0], names[1]), tuple(point.tolist()), tuple(normal.tolist()), force)  # type: ignore[arg-type]
+        names = tuple(
+            assembly.names[int(held.grouping.bodies.owner[body][piece])] for body, piece in ((a, pi), (b, pj))
         )
+        contacts.append(Contact((names[0], names[1]), tuple(point.tolist()), tuple(normal.tolist()), force))
     return tuple(sorted(contacts, key=lambda c: -c.force))

@@ -13,14 +13,14 @@ from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.assembly.statements import given_goals, missing_roles
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.search.answer import Answer
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.cross_section_bound import with_cross_section_bound, with_known_bound
 from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.solids.spatial_assembly import spatial_goal_findings
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
-from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
+from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts, is_free, random_leads
@@ -40,7 +40,7 @@ def flex_spatial(
     bound: bool = False,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
-) -> SpatialAnswer:
+) -> Answer[SpatialAssembly]:
     """How far a spatial assembly can move; see `wiggleroom.flex`.
 
     Parameters
@@ -49,7 +49,7 @@ def flex_spatial(
         Number of climbs beside the one from rest; by default a few, of up to six free bodies and within a fixed amount of work,
         where that one came to an end.
     lead : (k, n, 6) float64, optional [mm, rad]
-        First part of the path of an answer to nearly the same question (`SpatialAnswer.lead`): one climb begins at its end, too.
+        First part of the path of an answer to nearly the same question (`Answer.lead`): one climb begins at its end, too.
     bound : bool
         Whether an upper bound is looked for. Where it proves the climb from rest, no other follows.
 
@@ -94,7 +94,7 @@ def flex_spatial(
 
 def _answer(
     climb: SpatialSearch, best: BestOfStarts, asked: tuple[Goal, ...], began: float, prepared: float
-) -> SpatialAnswer:
+) -> Answer[SpatialAssembly]:
     """What a climb has come to, as an answer."""
     ready, its, done = climb.ready, climb.ready.assembly, best.end
     verdict, leaves, turns = _verdict(ready, climb.objective, done)
@@ -102,17 +102,22 @@ def _answer(
     found, path = done.found, done.path  # free as far as it goes, which may be short of the solution
     motion = path[-1]
     deepest = deepest_overlap(its, motion)
-    held = _at_end(ready, done) and found.status is SolverStatus.CONVERGED
-    contacts = spatial_contacts(its, ready.grouping, done.program, found) if held else ()
+    held = (
+        HeldMotion(ready.grouping, done.program, found)
+        if _at_end(ready, done) and found.status is SolverStatus.CONVERGED
+        else None
+    )
+    contacts = () if held is None else spatial_contacts(its, held)
     ended = time.perf_counter()
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
     value = None if verdict is Verdict.UNBOUNDED else climb.value(done)
-    return SpatialAnswer(
+    return Answer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
         path=PathState.CHECKED, collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
-        deepest_overlap=deepest, solver=climb.solver, rounds=best.rounds, iterations=best.iterations, search=best.effort,
+        deepest_overlap=deepest, model="planes", solver=climb.solver, rounds=best.rounds, iterations=best.iterations,
+        search=best.effort,
         lead=best.lead, seconds=spent,
-        leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
+        leaves=leaves, turns=turns, warm_start=held,
     )  # fmt: skip
 
 

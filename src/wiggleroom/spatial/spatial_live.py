@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
@@ -14,13 +15,14 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.live.drag_target import target_in_sight
-from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram, build_planes
-from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
+from wiggleroom.live.live_result import LiveResult
+from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.spatial.planes.separating_plane_program import build_planes
+from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
-from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
+from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
@@ -49,34 +51,6 @@ MAX_LEFT = 24
 def _key(motion: Floats) -> bytes:
     """A motion as a page knows it, rounded."""
     return (np.round(motion, 4) + 0.0).tobytes()
-
-
-@dataclass(frozen=True, eq=False)
-class SpatialDrag:
-    """Where a dragged part came to.
-
-    Parameters
-    ----------
-    motion : (n, 6) float64 [mm, rad]
-        Motions of all parts; no two overlap there, nor anywhere on the path that led there.
-    settled : bool
-        True where the part cannot come nearer by going on; False where time ran out.
-    reached : (x, y, z) [mm]
-        Where the grip is now.
-    distance : float [mm]
-        From there to the target.
-    contacts : tuple of SpatialContact
-        What holds the part, with the forces against a pull of 1 at the grip.
-    blocking : tuple of names
-        Parts that touch the dragged one and hold it.
-    """
-
-    motion: Floats
-    settled: bool
-    reached: tuple[float, float, float]
-    distance: float
-    contacts: tuple[SpatialContact, ...] = ()
-    blocking: tuple[str, ...] = ()
 
 
 class SpatialLive:
@@ -141,7 +115,7 @@ class SpatialLive:
         *,
         stop: Stop | None = None,
         progress: Callable[[int, float], None] | None = None,
-    ) -> SpatialAnswer:
+    ) -> Answer[SpatialAssembly]:
         """Return the answer of `wiggleroom.flex`; a drag may begin at its end.
 
         Raises
@@ -169,7 +143,7 @@ class SpatialLive:
         pinned: Collection[str] = (),
         seconds: float = 0.4,
         stop: Stop | None = None,
-    ) -> SpatialDrag:
+    ) -> LiveResult:
         """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
 
         First the part alone goes straight. Where that is not free, the program of the separating planes is solved with every iterate
@@ -198,6 +172,7 @@ class SpatialLive:
         InputError
             If there is no such part, it cannot move, or parts overlap at the motion where it is to begin.
         """
+        began = time.perf_counter()
         ready = self.ready
         names = ready.assembly.names
         if part not in names:
@@ -226,10 +201,17 @@ class SpatialLive:
         self._motion = motion
         reached = search.grip(group.pose_of(motion))
         blocking = dict.fromkeys(n for c in contacts if part in c.parts for n in c.parts if n != part)
-        x, y, z = reached.tolist()
         whole = within is None or bool(search.bodies.moves.sum() + len(held) >= group.bodies.moves.sum())
         distance = float(np.linalg.norm(np.subtract(target, reached)))
-        return SpatialDrag(motion, settled and (whole or not contacts), (x, y, z), distance, contacts, tuple(blocking))
+        return LiveResult(
+            motion,
+            settled and (whole or not contacts),
+            time.perf_counter() - began,
+            contacts,
+            tuple(blocking),
+            reached=tuple(reached.tolist()),
+            distance=distance,
+        )
 
     @property
     def dragged(self) -> bool:
@@ -293,7 +275,7 @@ class _Drag:
         """Where the grip is (3,) [mm]."""
         return np.asarray(pose.T[self.body] + pose.R[self.body] @ self.arm)
 
-    def run(self, motion: Floats) -> tuple[Floats, bool, tuple[SpatialContact, ...]]:
+    def run(self, motion: Floats) -> tuple[Floats, bool, tuple[Contact, ...]]:
         """Motion (n, 6) at the end, whether that settles it, and what holds it."""
         group = self.ready.grouping
         near = ARRIVED * self.ready.clearance
@@ -327,7 +309,7 @@ class _Drag:
         end[mine, :3] += step
         return None if self.ready.checker.doubtful(motion, end, first=True, only=mine) else end
 
-    def _solved(self, motion: Floats, distance: float) -> tuple[Floats, tuple[SpatialContact, ...] | None]:
+    def _solved(self, motion: Floats, distance: float) -> tuple[Floats, tuple[Contact, ...] | None]:
         """Motion as far as the path to the nearest point is free, and the contacts there; None where it is not the end."""
         ready = self.ready
         begin = ready.grouping.pose_of(motion)
@@ -342,11 +324,5 @@ class _Drag:
         if ready.checker.overlaps(motion, path[0]):
             return motion, None
         ended = whole and found.status is SolverStatus.CONVERGED
-        return path[-1], _held(ready, program, found) if ended else None
-
-
-def _held(
-    ready: SpatialPrepared, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
-) -> tuple[SpatialContact, ...]:
-    """Contacts with their forces."""
-    return spatial_contacts(ready.assembly, ready.grouping, program, found)
+        held = HeldMotion(ready.grouping, program, found)
+        return path[-1], spatial_contacts(ready.assembly, held) if ended else None

@@ -17,6 +17,7 @@ from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import Work
+from wiggleroom.search.answer import Answer
 from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
@@ -25,11 +26,12 @@ from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotient
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
+from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
+from wiggleroom.spatial.spatial_contact_forces import HeldMotion
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial, spatial_question_findings
 from wiggleroom.spatial.spatial_joint_gains import HoldingCorners, spatial_joint_gains
@@ -49,7 +51,7 @@ class SpatialStudy:
 
     assembly: SpatialAssembly
     goals: tuple[Goal, ...]
-    found: SpatialAnswer | None = None
+    found: Answer[SpatialAssembly] | None = None
 
     @cached_property
     def ready(self) -> SpatialPrepared:
@@ -69,7 +71,7 @@ class SpatialStudy:
         """The same question with all faces of each part moved inward by `inward` (n,) [mm]."""
         return replace(self, assembly=_moved_inward(self.assembly, inward), found=None)
 
-    def answer(self, stop: Stop | None) -> SpatialAnswer:
+    def answer(self, stop: Stop | None) -> Answer[SpatialAssembly]:
         """Largest motion from rest; the one that was found before, where there is one."""
         return self.found or flex_spatial(
             self.ready if "ready" in vars(self) else self.assembly, self.goals, search=0, stop=stop
@@ -80,48 +82,48 @@ class SpatialStudy:
         search: int | None,  # noqa: ARG002
         stop: Stop | None,
         progress: Callable[[Progress], None] | None,  # noqa: ARG002
-    ) -> SpatialAnswer:
+    ) -> Answer[SpatialAssembly]:
         """Largest motion from rest, without more starts."""
         return self.answer(stop)
 
     def bound(self, *_: Any) -> None:
         """Nothing bounds motions in space."""
 
-    def with_assembly(self, answer: SpatialAnswer) -> SpatialAnswer:
+    def with_assembly(self, answer: Answer[SpatialAssembly]) -> Answer[SpatialAssembly]:
         """The motion of an answer at a smaller gap, as an answer for this one."""
         return replace(answer, assembly=self.assembly)
 
-    def in_place_of(self, lower: SpatialAnswer, smaller: SpatialAnswer) -> SpatialAnswer:
+    def in_place_of(self, lower: Answer[SpatialAssembly], smaller: Answer[SpatialAssembly]) -> Answer[SpatialAssembly]:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
         verdict = verdict_of_carried(smaller, lower)
         return replace(self.with_assembly(smaller), verdict=verdict, at_most=None, search=None)
 
-    def with_room(self, answer: SpatialAnswer, *_: Any) -> SpatialAnswer:
+    def with_room(self, answer: Answer[SpatialAssembly], *_: Any) -> Answer[SpatialAssembly]:
         """The answer as it is: paths in space are not followed."""
         return answer
 
     def followed(self, *_: Any) -> None:
         """None: checking a path in space for larger parts costs as much as looking for one."""
 
-    def can_be_ranked(self, answer: SpatialAnswer) -> bool:
+    def can_be_ranked(self, answer: Answer[SpatialAssembly]) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
         return answer.warm_start is not None and answer.objective is not None and answer.verdict.ends
 
-    def derivatives(self, answer: SpatialAnswer) -> GapDerivatives:
+    def derivatives(self, answer: Answer[SpatialAssembly]) -> GapDerivatives:
         """Derivatives by the gap of every part and joint."""
         assert answer.warm_start is not None  # see `can_be_ranked`
         return _derivatives(answer.assembly, answer.warm_start)
 
-    def quotients(self, answer: SpatialAnswer) -> DifferenceQuotients:
+    def quotients(self, answer: Answer[SpatialAssembly]) -> DifferenceQuotients:
         """How derivatives are found by solving again from where the answer's climb began."""
         shared = (self.assembly, answer.goals, answer.lead, answer.objective, self.clearance)
         return DifferenceQuotients(spatial_slope, shared, self.derivatives(answer))
 
-    def moved(self, answer: SpatialAnswer, inward: Floats, stop: Stop | None) -> SpatialAnswer:
+    def moved(self, answer: Answer[SpatialAssembly], inward: Floats, stop: Stop | None) -> Answer[SpatialAssembly]:
         """Largest motion when all faces of each part move inward by `inward` (n,) [mm], from rest and where the answer's climb began."""
         return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, search=0, lead=answer.lead, stop=stop)
 
-    def draws(self, answer: SpatialAnswer, stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
+    def draws(self, answer: Answer[SpatialAssembly], stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
         """What many such motions need: each is worked out from nothing."""
         return one_spatial_draw, (self.assembly, answer.goals, answer.lead)
 
@@ -147,6 +149,21 @@ def spatial_study_of(assembly: SpatialAssembly, goals: Goal | Sequence[Goal] | N
     if wrong:
         raise InputError(wrong)
     return SpatialStudy(assembly, asked)
+
+
+def sweep_spatial(
+    assembly: SpatialAssembly,
+    gaps: Sequence[float] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    each: Callable[[SweepStep, Any], None] | None = None,
+) -> Sweep:
+    """Largest motion for several gaps; see `wiggleroom.sweep`."""
+    asked = given_goals(goals, assembly.goals)
+    wrong = spatial_question_findings(assembly, asked)
+    return sweep_over(SpatialStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
 
 
 def spatial_largest_gap(assembly: SpatialAssembly, *, stop: Stop | None = None) -> LargestGap:

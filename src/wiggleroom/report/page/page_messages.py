@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -23,7 +23,6 @@ from wiggleroom.search.answer import Answer, Contact
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
-    from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 DOWN = (0.0, 0.0, -1.0)
 """Where everything sinks in the page."""
@@ -86,32 +85,18 @@ def digits_of(size: float) -> int:
     return max(0, OUTLINE_DIGITS - math.floor(math.log10(size)))
 
 
-def answer_message(answer: Answer, command: str) -> FlexReply:
+def answer_message(answer: Answer[Any], command: str) -> FlexReply:
     """What an answer says, in the words of the commands."""
-    return flex_reply(
-        answer, command, headline(answer), facts(answer), answer_sure(answer), contacts_message(answer.contacts)
-    )
-
-
-def flex_reply(
-    answer: Answer | SpatialAnswer,
-    command: str,
-    headline: str,
-    facts: list[str],
-    sure: list[tuple[str, str]],
-    contacts: list[ContactEntry],
-) -> FlexReply:
-    """An answer of either dimension with its words and contacts."""
     return FlexReply(
         objective=answer.objective,
         verdict=answer.verdict,
-        headline=headline,
-        facts=facts,
-        sure=sure,
+        headline=headline(answer),
+        facts=facts(answer),
+        sure=answer_sure(answer),
         at_most=answer.at_most,
         leaves=list(answer.leaves),
         turns=list(answer.turns),
-        contacts=contacts,
+        contacts=contacts_message(answer.contacts),
         collision_free=bool(answer.collision_free),
         path=answer.path,
         seconds=answer.seconds.get("total", 0.0),

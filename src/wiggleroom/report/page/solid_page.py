@@ -13,18 +13,23 @@ from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.drawing.writers.plain_json import json_bytes
 from wiggleroom.report.page.standalone_page import hashed, shipped
 from wiggleroom.report.pictures.text import escape
-from wiggleroom.report.results.answer_words import assembly_lines, certainty, few, number, short, towards
+from wiggleroom.report.results.answer_words import (
+    assembly_lines,
+    certainty,
+    few,
+    headline,
+    number,
+    short,
+    towards,
+    verdict_sentence,
+)
 from wiggleroom.report.results.separability import check_title, last_direction, why
 from wiggleroom.report.results.table import fixed
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.solid_colours import Colour, part_colours
 from wiggleroom.report.solids.spatial_path import timed_path, with_quaternions
-from wiggleroom.report.solids.spatial_table import (
-    spatial_headline,
-    spatial_sentence,
-)
+from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 
 Floats = NDArray[np.float64]
 
@@ -62,12 +67,15 @@ code { font-size: 12px; overflow-wrap: anywhere; }
 
 
 def page_of_spatial_answer(
-    answer: SpatialAnswer, command: str = "", colours: Sequence[Colour] | None = None, facts: Sequence[str] = ()
+    answer: Answer[SpatialAssembly],
+    command: str = "",
+    colours: Sequence[Colour] | None = None,
+    facts: Sequence[str] = (),
 ) -> str:
     """Answer as a page: orbit, the path from rest by a slider, contacts at its end; `facts` stand first."""
     sure = [
         *(f"<p>{escape(line)}</p>" for line in facts),
-        f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(spatial_sentence(answer))}</p>',
+        f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(verdict_sentence(answer))}</p>',
         f"<p>gap {number(answer.assembly.gap)} mm; {escape(certainty(answer))}; "
         f"deepest overlap {number(answer.deepest_overlap, 2)} mm</p>",
     ]
@@ -84,9 +92,7 @@ def page_of_spatial_answer(
     if held:
         body += _table("Held by", ("contact", "x mm", "y mm", "z mm", "force"), held)
     foot = f"{answer.solver} on {answer.model}, {answer.iterations} iterations"
-    return _page(
-        spatial_headline(answer), body, foot, command, answer.assembly, answer.waypoints, answer.contacts, colours
-    )
+    return _page(headline(answer), body, foot, command, answer.assembly, answer.waypoints, answer.contacts, colours)
 
 
 def page_of_separation(found: Interlock[SpatialAssembly], command: str = "") -> str:
@@ -140,7 +146,7 @@ def _page(
     command: str,
     assembly: SpatialAssembly,
     waypoints: Floats,
-    contacts: Sequence[SpatialContact],
+    contacts: Sequence[Contact],
     colours: Sequence[Colour] | None = None,
 ) -> str:
     data = json_bytes(_scene(assembly, waypoints, contacts, colours)).decode().replace("<", "\\u003c")
@@ -164,7 +170,7 @@ def _page(
 def _scene(
     assembly: SpatialAssembly,
     waypoints: Floats,
-    contacts: Sequence[SpatialContact],
+    contacts: Sequence[Contact],
     colours: Sequence[Colour] | None,
 ) -> dict[str, object]:
     """What the view shows, as data."""

@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.report.page.page_messages import design_message, flex_reply
+from wiggleroom.report.page.page_messages import design_message
 from wiggleroom.report.page.solid_page import packed
-from wiggleroom.report.results.answer_words import fact_lines, sure_rows
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.spatial_path import along_path, with_quaternions
-from wiggleroom.report.solids.spatial_table import (
-    spatial_bound_sentence,
-    spatial_headline,
-    spatial_sentence,
-)
-from wiggleroom.schema.fields import ContactEntry
-from wiggleroom.schema.replies import FlexReply, Opened, PartShape, Solids, SolidShape
+from wiggleroom.schema.replies import Opened, PartShape, Solids, SolidShape
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialDrawing
-from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 
 Floats = NDArray[np.float64]
 
@@ -70,23 +60,6 @@ def solids_message(assembly: SpatialAssembly) -> Solids:
 
 def _triples(points: Floats) -> list[tuple[float, float, float]]:
     return [(float(x), float(y), float(z)) for x, y, z in points]
-
-
-def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
-    """What an answer says, in the words of the commands."""
-    return flex_reply(
-        answer,
-        command,
-        spatial_headline(answer),
-        fact_lines(answer),
-        sure_rows(answer, spatial_sentence(answer), spatial_bound_sentence(answer)),
-        spatial_contacts_message(answer.contacts),
-    )
-
-
-def spatial_contacts_message(contacts: Iterable[SpatialContact]) -> list[ContactEntry]:
-    """Contacts with a force, the strongest first."""
-    return [ContactEntry(c.parts, c.point, c.normal, c.force) for c in contacts if c.force > 0]
 
 
 def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:

@@ -10,17 +10,15 @@ from wiggleroom.report.pictures.importance_picture import tightening_facts
 from wiggleroom.report.pictures.plots import histogram
 from wiggleroom.report.results.answer_words import headline, number, unit
 from wiggleroom.report.results.study_results import QUANTILES, sample_sure
-from wiggleroom.report.solids.spatial_table import spatial_headline
 from wiggleroom.schema.study_replies import StudyReply, StudyTab, Tints, Title
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 
 def tightening_message(found: Tightening, command: str) -> StudyReply:
     """Which parts to make tighter: what is left, who is chosen in which order, and how choices at random do."""
     after, before = found.after, found.before
-    axes = 3 if isinstance(after, SpatialAnswer) else 2
+    axes = after.assembly.dimension
     moved = [
         dict(zip(a.assembly.names, np.linalg.norm(a.motion[:, :axes], axis=1).tolist(), strict=True))
         for a in (before, after)
@@ -41,9 +39,7 @@ def tightening_message(found: Tightening, command: str) -> StudyReply:
         sections.append(section(f"As many parts at random, {len(found.random)} times", svg=plot))
     return StudyReply(
         of="tighten",
-        said=Title(
-            spatial_headline(after) if isinstance(after, SpatialAnswer) else headline(after), tightening_facts(found)
-        ),
+        said=Title(headline(after), tightening_facts(found)),
         study=StudyTab("Tighter", sections),
         tints=Tints("", dict.fromkeys(found.chosen, 1.0)),
         command=command,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, Vector, W, Weight
 from wiggleroom.verdict import PathState, Verdict
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from wiggleroom.drawing.model import Goal
     from wiggleroom.search.answer import Answer, Contact
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-    from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 MAX_NAME_LENGTH = 40
 """Longer names are cut in the middle [characters]."""
@@ -22,6 +21,10 @@ MIN_MOTION = 1e-12
 """Parts that never move further are left out of paths [mm, rad]."""
 MAX_GOALS = 4
 """Goals that a headline names; the others are counted."""
+_SENTENCES_IN_SPACE = {
+    Verdict.OPTIMAL: "the optimality conditions hold, contacts balance the pull",
+    Verdict.STATIONARY: "the optimality conditions of first order hold, but there is a direction that curves upwards",
+}
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -125,7 +128,7 @@ def per_gap(goals: tuple[Goal, ...]) -> str:
     return f"{unit(goals)} per mm of gap".strip()
 
 
-def headline(answer: Answer) -> str:
+def headline(answer: Answer[Any]) -> str:
     """Say what was found, in one line, such as "b10 moves 1.372 mm in +y"."""
     goals, value = answer.goals, answer.objective
     if not goals:
@@ -136,26 +139,28 @@ def headline(answer: Answer) -> str:
         goal = goals[0]
         own = value / goal.weight if goal.weight else value
         match goal:
-            case Pull(point=None):
-                return f"{short(goal.part)} moves {number(own)} mm in {towards(goal.direction)}"
-            case Pull(point=(x, y)):
-                place = f"({number(x)}, {number(y)})"
-                return f"{short(goal.part)} at {place} moves {number(own)} mm in {towards(goal.direction)}"
+            case Pull():
+                place = "" if goal.point is None else f" at ({', '.join(number(x) for x in goal.point)})"
+                return f"{short(goal.part)}{place} moves {number(own)} mm in {towards(goal.direction)}"
             case Turn():
-                return f"{short(goal.part)} turns {number(math.degrees(own))}° {goal.sense}"
+                return f"{short(goal.part)} turns {number(math.degrees(own))}° {sense_text(goal.sense)}"
             case Towards(target=(x, y)):
                 return f"{short(goal.part)} towards ({number(x)}, {number(y)}): the squared distance loses {number(own)} mm²"
             case Translation():
                 return f"sum of squared translations {number(own)} mm²"
             case Closer():
                 return f"neighbours closer: their squared distances lose {number(own)} mm²"
+            case Weight():
+                return f"sum of volume times density times sinking {number(own)}, towards {towards(goal.direction)}"
     return f"{number(value)} {unit(goals)}".strip() + f": {goals_text(goals, MAX_GOALS)}"
 
 
-def verdict_sentence(answer: Answer) -> str:
+def verdict_sentence(answer: Answer[Any]) -> str:
     """Say what the verdict means; of a model that approximates the free space, what it does not."""
     if answer.period is not None:
         return f"{answer.verdict.sentence}: {repeats(answer)}"
+    if answer.assembly.dimension == 3:
+        return _SENTENCES_IN_SPACE.get(answer.verdict, answer.verdict.sentence)
     if answer.model == "walls" or answer.verdict is Verdict.UNBOUNDED:
         return answer.verdict.sentence
     end = "reached its end" if answer.verdict is Verdict.STATIONARY else "stopped before its end"
@@ -163,7 +168,7 @@ def verdict_sentence(answer: Answer) -> str:
     return f"the model {answer.model} {end}; it only approximates the contacts: {truth}"
 
 
-def repeats(answer: Answer) -> str:
+def repeats(answer: Answer[Any]) -> str:
     """Say after which turns a motion begins anew, such as "it repeats after gear0 21.18°, gear1 -15.65°"; empty where it does not."""
     if answer.period is None:
         return ""
@@ -171,7 +176,7 @@ def repeats(answer: Answer) -> str:
     return f"it repeats after {few([f'{short(name)} {number(turn)}°' for name, turn in turned if turn], 4)}"
 
 
-def proven(answer: Answer) -> str:
+def proven(answer: Answer[Any]) -> str:
     """Say between which values the largest motion lies, "between 1.372 and 1.379 mm, proven"; nothing where that is not known.
 
     The lower value is rounded down and the upper one up. Of a quick bound, which nobody asked for, only "at most 1.412 mm".
@@ -207,8 +212,10 @@ def rounded_up(value: float) -> str:
     return f"{high:.{max(places, 0)}f}".rstrip("0").rstrip(".") if places > 0 else f"{high:.0f}"
 
 
-def bound_sentence(answer: Answer) -> str:
+def bound_sentence(answer: Answer[Any]) -> str:
     """Say what was proven about the largest motion, how near it comes and what it took; or why nothing was."""
+    if answer.assembly.dimension == 3:
+        return _bound_in_space(answer)
     bound, between = answer.bound, proven(answer)
     if not between:
         return f"no bound: {bound.why}" if bound is not None and bound.why else "not worked out"
@@ -217,7 +224,13 @@ def bound_sentence(answer: Answer) -> str:
     return between + near + spent + (f"; no nearer one: {bound.why}" if bound is not None and bound.why else "")
 
 
-def searched(answer: Answer | SpatialAnswer) -> str:
+def _bound_in_space(answer: Answer[Any]) -> str:
+    if answer.at_most is not None:
+        return f"{rounded_up(answer.at_most)} {unit(answer.goals)}, as a cross-section shows".replace(" ,", ",")
+    return "no bound was found; one is worked out only where all parts are locked to one plane"
+
+
+def searched(answer: Answer[Any]) -> str:
     """Say how many starts were made, how many ended at the value reported, and the best value but one."""
     effort = answer.search
     if effort is None:
@@ -225,34 +238,29 @@ def searched(answer: Answer | SpatialAnswer) -> str:
             return "from rest only"
         unfound = "a better local optimum may remain unfound"
         hint = "--search 8 may find a better local optimum"
-        return f"from rest only; {hint if answer.motion.shape[1] == 6 else unfound}"
+        return f"from rest only; {hint if answer.assembly.dimension == 3 else unfound}"
     if effort.starts == 1:
         return "1 start"
     ends = f"{effort.starts} starts, {effort.at_value} ended at this value"
     return ends if effort.next_best is None else f"{ends}; the best of the others at {number(effort.next_best, 4)}"
 
 
-def solved(answer: Answer | SpatialAnswer) -> str:
+def solved(answer: Answer[Any]) -> str:
     """Say which solver answered, on which model, and what it took."""
     rounds = f"{answer.rounds} round{'s' * (answer.rounds != 1)}"
     return f"{answer.solver} on {answer.model}, {rounds}, {answer.iterations} iteration{'s' * (answer.iterations != 1)}"
 
 
-def answer_sure(answer: Answer) -> list[tuple[str, str]]:
+def answer_sure(answer: Answer[Any]) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
-    return sure_rows(answer, verdict_sentence(answer), bound_sentence(answer))
-
-
-def sure_rows(answer: Answer | SpatialAnswer, verdict: str, bound: str) -> list[tuple[str, str]]:
-    """The same of the plane and of space, with what the verdict and the bound mean there."""
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
     if answer.objective is not None and unit(answer.goals) == "rad":
         found += f", {number(math.degrees(answer.objective))}°"
     return [
         ("found", found.strip()),
-        ("verdict", f"{answer.verdict.value}: {verdict}"),
+        ("verdict", f"{answer.verdict.value}: {verdict_sentence(answer)}"),
         ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
-        ("at most", bound),
+        ("at most", bound_sentence(answer)),
         ("search", searched(answer)),
         ("solved", solved(answer)),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
@@ -264,7 +272,7 @@ def force_bearing_contacts(contacts: Iterable[Contact]) -> list[Contact]:
     return sorted((c for c in contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
 
 
-def certainty(answer: Answer | SpatialAnswer) -> str:
+def certainty(answer: Answer[Any]) -> str:
     """Say what was checked about the motion, in a few words."""
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
@@ -275,22 +283,17 @@ def certainty(answer: Answer | SpatialAnswer) -> str:
     )
 
 
-def facts(answer: Answer) -> list[str]:
+def facts(answer: Answer[Any]) -> list[str]:
     """Facts under the headline: verdict, size of the question, and how sure it is."""
     if not answer.goals:
         return [f"gap {number(answer.assembly.gap)} mm"]
-    more = [repeats(answer), proven(answer)]
-    return fact_lines(answer, [line for line in more if line])
-
-
-def fact_lines(answer: Answer | SpatialAnswer, more: Sequence[str] = ()) -> list[str]:
-    """The same of the plane and of space, with what is known besides."""
     found = [f"{answer.verdict}", f"gap {number(answer.assembly.gap)} mm", f"{len(answer.assembly.parts)} parts"]
     if answer.verdict is Verdict.UNBOUNDED and answer.leaves:
         found.append(f"leaves: {few(answer.leaves)}")
     if answer.verdict is Verdict.UNBOUNDED and answer.turns:
         found.append(f"turns: {few(answer.turns)}")
-    return [*found, *more, certainty(answer)]
+    said = (repeats(answer), proven(answer), certainty(answer))
+    return [*found, *filter(None, said)]
 
 
 def few(names: Sequence[str], most: int = 8) -> str:

@@ -15,7 +15,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.writers.plain_json import plain
 from wiggleroom.schema.fields import ContactEntry, PartMotion
 from wiggleroom.schema.flex_schema import BoundEntry, FlexResult, PeriodEntry, SearchEntry
-from wiggleroom.schema.spatial_result_schema import SpatialMotion
+from wiggleroom.schema.spatial_result_schema import SpatialFlexResult, SpatialMotion
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 
@@ -23,18 +23,18 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 
-def flex_result(answer: Answer) -> FlexResult:
+def flex_result(answer: Answer[Any]) -> FlexResult | SpatialFlexResult:
     """Everything `flex --json` says; lengths in mm, angles in degrees."""
     free = answer.verdict is Verdict.UNBOUNDED
-    return FlexResult(
+    in_space = answer.assembly.dimension == 3
+    kind: Any = SpatialFlexResult if in_space else FlexResult
+    return kind(
         verdict=answer.verdict,
         objective=None if free or answer.objective is None else float(answer.objective),
         at_most=answer.at_most,
-        bound=_bound(answer),
         search=UNSET if answer.search is None else SearchEntry(**vars(answer.search)),
         leaves=list(answer.leaves) if free else UNSET,
         turns=list(answer.turns) if free else UNSET,
-        period=_period(answer),
         parts=_motions(answer, answer.motion, set(answer.assembly.names)),
         collision_free=bool(answer.collision_free),
         deepest_overlap=float(answer.deepest_overlap),
@@ -46,12 +46,13 @@ def flex_result(answer: Answer) -> FlexResult:
         seconds={stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
         notes=list(answer.assembly.drawing.notes),
         command=answer.command,
+        **({} if in_space else {"bound": _bound(answer), "period": _period(answer)}),
     )
 
 
 def dimension(assembly: Assembly | SpatialAssembly) -> Literal[3] | msgspec.UnsetType:
     """What the result of a study says of an assembly in space; nothing in the plane."""
-    return UNSET if isinstance(assembly, Assembly) else 3
+    return 3 if assembly.dimension == 3 else UNSET
 
 
 def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:
@@ -65,7 +66,7 @@ def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:
     return PeriodEntry(float(period.objective), turned, period.first, path)
 
 
-def _motions(answer: Answer, motion: NDArray[np.float64], names: Container[str]) -> dict[str, PartMotion]:
+def _motions(answer: Answer[Any], motion: NDArray[np.float64], names: Container[str]) -> dict[str, Any]:
     """Motions of some parts, by name."""
     return {name: part_motion(m) for name, m in zip(answer.assembly.names, motion, strict=True) if name in names}
 
@@ -89,8 +90,8 @@ def _bound(answer: Answer) -> BoundEntry | msgspec.UnsetType:
 
 def contact_entry(contact: Contact) -> ContactEntry:
     """One contact in plain numbers."""
-    (x, y), (nx, ny) = contact.point, contact.normal
-    return ContactEntry(contact.parts, (float(x), float(y)), (float(nx), float(ny)), float(contact.force))
+    point, normal = (tuple(float(x) for x in place) for place in (contact.point, contact.normal))
+    return ContactEntry(contact.parts, point, normal, float(contact.force))
 
 
 def to_json(result: Struct | dict[str, Any]) -> str:

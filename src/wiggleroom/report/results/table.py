@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wiggleroom.drawing.model import part_of
 from wiggleroom.report.results.answer_words import (
+    bound_sentence,
     certainty,
     force_bearing_contacts,
     goal_text,
@@ -49,7 +50,7 @@ _COLOURS = {
 }
 
 
-def table(answer: Answer) -> Group:
+def table(answer: Answer[Any]) -> Group:
     """Page that `flex` prints: headline, verdict, the parts that move most, what holds them, and how sure it is.
 
     Fits into 80 columns; colours show on a terminal only.
@@ -74,49 +75,56 @@ def table(answer: Answer) -> Group:
     return Group(*page, *[Text(line) for line in _sure(answer)])
 
 
-def _parts(answer: Answer) -> Table:
+def _parts(answer: Answer[Any]) -> Table:
     """Parts moved most, the pulled ones always among them and first."""
-    asked = {part_of(goal) for goal in answer.goals}
-    names, moved = answer.assembly.names, np.hypot(answer.motion[:, 0], answer.motion[:, 1]).tolist()
+    asked, axes = {part_of(goal) for goal in answer.goals}, answer.assembly.dimension
+    names, shift, turn = answer.assembly.names, answer.motion[:, :axes], answer.motion[:, axes:]
+    moved = np.linalg.norm(shift, axis=1).tolist()
+    turned = np.degrees(turn[:, 0] if axes == 2 else np.linalg.norm(turn, axis=1)).tolist()
     farthest = max(moved)
     order = sorted(range(len(names)), key=lambda k: (names[k] not in asked, -round(moved[k], 9), k))
     moves = (answer.motion != 0).any(axis=1).tolist()
     still = [k for k in order if not moves[k]]
     order = [k for k in order if moves[k]]
-    found = columns("part", "dx mm", "dy mm", "turn deg")
+    found = columns("part", *(f"d{axis} mm" for axis in "xyz"[:axes]), "turn deg")
     for k in order[:MAX_PARTS]:
-        x, y, turn = answer.motion[k].tolist()
         style = "bold" if names[k] in asked else ""
-        found.add_row(short(names[k]), fixed(x, farthest), fixed(y, farthest), f"{math.degrees(turn):.3f}", style=style)
+        found.add_row(
+            short(names[k]), *(fixed(x, farthest) for x in shift[k].tolist()), f"{turned[k]:.3f}", style=style
+        )
     rest = len(order) - MAX_PARTS
     if rest > 0:
-        found.add_row(f"... and {rest} more", "", "", "", style="dim")
+        found.add_row(f"... and {rest} more", style="dim")
     if still:
-        found.add_row(f"{len(still)} at rest", "", "", "", style="dim")
+        found.add_row(f"{len(still)} at rest", style="dim")
     return found
 
 
-def _contacts(answer: Answer) -> Table:
+def _contacts(answer: Answer[Any]) -> Table:
     """Contacts that hold the motion, largest force first."""
     held = force_bearing_contacts(answer.contacts)
-    found = columns("held by", "x mm", "y mm", "force")
+    found = columns("held by", *(f"{axis} mm" for axis in "xyz"[: answer.assembly.dimension]), "force")
     size = answer.assembly.size
     for c in held[:MAX_CONTACT_ROWS]:
         found.add_row(" | ".join(short(n) for n in c.parts), *(fixed(x, size) for x in c.point), number(c.force, 3))
     if len(held) > MAX_CONTACT_ROWS:
-        found.add_row(f"... and {len(held) - MAX_CONTACT_ROWS} more", "", "", "", style="dim")
+        found.add_row(f"... and {len(held) - MAX_CONTACT_ROWS} more", style="dim")
     return found
 
 
-def _sure(answer: Answer) -> list[str]:
+def _sure(answer: Answer[Any]) -> list[str]:
     """How sure the answer is, and what it cost."""
     spent = ", ".join(f"{stage} {seconds:.2f}" for stage, seconds in answer.seconds.items())
-    most = [f"truth:    {proven(answer)}"] if answer.at_most is not None else []
+    in_space = answer.assembly.dimension == 3
+    most = [f"at most:  {bound_sentence(answer)}" if in_space else f"truth:    {proven(answer)}"]
+    if answer.at_most is None:
+        most = []
     if answer.bound is not None and answer.bound.kind == "quick" and not answer.bound.why:
         most = [f"truth:    {proven(answer)}, a quick bound; --prove 0.01 brings it nearer"]
+    tried = answer.search is not None or (in_space and answer.objective is not None)
     return [
         *most,
-        *([f"search:   {searched(answer)}"] if answer.search is not None else []),
+        *([f"search:   {searched(answer)}"] if tried else []),
         f"checked:  {certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm",
         f"solved:   {solved(answer)}",
         *([f"seconds:  {spent}"] if spent else []),

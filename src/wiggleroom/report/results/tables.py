@@ -21,12 +21,11 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.verdict import PathState
 
 
 def csv_of(
-    found: Answer | SpatialAnswer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap
+    found: Answer[Any] | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap
     | WorstCase | Plan
 ) -> str:  # fmt: skip
     """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
@@ -40,10 +39,10 @@ def csv_of(
     heads: tuple[str, ...]
     rows: Sequence[Sequence[Any]]
     match found:
+        case Answer() if found.assembly.dimension == 3:
+            heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.assembly.names, [found.waypoints])
         case Answer():
             heads, rows = ("step", *MOTION_COLUMNS), _steps(found.assembly.names, found.waypoints)
-        case SpatialAnswer():
-            heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.assembly.names, [found.waypoints])
         case Checked() if found.found.assembly.dimension == 3:
             paths = [e.path for e in found.found.escapes]
             heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.found.assembly.names, paths)

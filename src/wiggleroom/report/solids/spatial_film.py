@@ -18,14 +18,13 @@ from wiggleroom.report.films.film_svg import PAUSES
 from wiggleroom.report.films.film_timing import ease_in_out
 from wiggleroom.report.pictures.file_endings import FILM_SVG, FILMS, check_ending, ending
 from wiggleroom.report.pictures.png import png
-from wiggleroom.report.results.answer_words import certainty, few, towards
+from wiggleroom.report.results.answer_words import certainty, few, headline, towards
 from wiggleroom.report.results.separability import last_direction
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces
 from wiggleroom.report.solids.spatial_path import IN_SIGHT, along_path
 from wiggleroom.report.solids.spatial_picture import HEIGHT, WIDTH, frame_of, spatial_svg
-from wiggleroom.report.solids.spatial_table import spatial_headline
+from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -42,7 +41,7 @@ PIXELS = 680
 
 
 def film_of_spatial(
-    found: SpatialAnswer | Interlock[SpatialAssembly], path: Path, *, progress: Progress | None = None
+    found: Answer[SpatialAssembly] | Interlock[SpatialAssembly], path: Path, *, progress: Progress | None = None
 ) -> None:
     """Write a film of an answer, from rest along its path and back where something holds it, or of all escape paths.
 
@@ -54,9 +53,9 @@ def film_of_spatial(
         If the library for this kind of film is not installed.
     """
     check_ending(path, FILMS)
-    if isinstance(found, SpatialAnswer):
+    if isinstance(found, Answer):
         facts = f"{found.verdict}, gap {found.assembly.gap:g} mm, {certainty(found)}"
-        lines = [[spatial_headline(found), facts]]
+        lines = [[headline(found), facts]]
         paths, back = [found.waypoints], not found.leaves
     else:
         title = f"{found.verdict} at gap {found.assembly.gap:g} mm"

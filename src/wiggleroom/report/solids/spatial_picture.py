@@ -15,13 +15,12 @@ from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 from wiggleroom.report.pictures.file_endings import ending
 from wiggleroom.report.pictures.palette import FONT, INK, PAPER, SUBDUED
-from wiggleroom.report.results.answer_words import certainty
+from wiggleroom.report.results.answer_words import certainty, headline
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces, part_colours
 from wiggleroom.report.solids.spatial_model_file import glb
 from wiggleroom.report.solids.spatial_path import in_sight
-from wiggleroom.report.solids.spatial_table import spatial_headline
+from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, Surface
-from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +46,7 @@ class _Facet:
     part: int
 
 
-def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
+def draw_spatial(answer: Answer[SpatialAssembly], path: Path) -> None:
     """Write an answer: a page (.html), or a picture of moved parts over their outlines at rest, with contacts (.svg, .png, .glb).
 
     Raises
@@ -60,7 +59,7 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
     if answer.leaves and ending(path) != ".glb":
         motion = in_sight(answer.waypoints, EXPLODED * answer.assembly.size)
         facts += ", shown while it is in sight"
-    lines = [spatial_headline(answer), facts]
+    lines = [headline(answer), facts]
     write_moved_parts(answer.assembly, motion, path, lines, answer.contacts, waypoints=answer.waypoints)
 
 
@@ -84,7 +83,7 @@ def write_moved_parts(
     motion: Floats,
     path: Path,
     lines: Sequence[str],
-    contacts: Sequence[SpatialContact] = (),
+    contacts: Sequence[Contact] = (),
     colours: Sequence[Colour] | None = None,
     names: Sequence[str] = (),
     waypoints: Floats | None = None,
@@ -116,7 +115,7 @@ def spatial_svg(
     assembly: SpatialAssembly,
     motion: Floats,
     lines: Sequence[str],
-    contacts: Sequence[SpatialContact] = (),
+    contacts: Sequence[Contact] = (),
     colours: Sequence[Colour] | None = None,
     names: Sequence[str] = (),
     frame: tuple[Floats, Floats] | None = None,
