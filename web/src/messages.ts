@@ -344,7 +344,7 @@ export interface FlexReply {
   seconds: number;
   command: string; // the command that answers the same
   settled: boolean; // false where a fuller answer is to come
-  search: "done" | "from rest" | "to come"; // whether a search from other starts has ended; from rest: too many parts move for one
+  search: "done" | "to come" | "from rest"; // whether a search from other starts has ended; from rest: too many parts move for one
   rings?: [number, number][][][]; // where the page shows others
   solids?: Solids; // in space, as the outlines
   shown?: string; // name of these outlines

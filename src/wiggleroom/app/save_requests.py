@@ -23,7 +23,7 @@ from wiggleroom.report.results.separability import Checked, check_result
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest
-from wiggleroom.sensitivity.perturbation import is_searched
+from wiggleroom.verdict import SearchState
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -88,8 +88,8 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
     if request.of == "plan":
         _write_plan(document.last_plan(design, out), request.what, path, said, out)
         return
-    answer = document.answer(design, out)
-    if answer.search is None and is_searched(answer.assembly):  # saved before the search in idle time came to an end
+    answer = document.told(design, document.answer(design, out))
+    if answer.search_state is SearchState.TO_COME:  # saved before the search in idle time came to an end
         said = command("flex", document.file, design, ("--search", "0"))
     answer = replace(answer, command=said)
     if request.what == "json":

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.verdict import PathState, Verdict
+from wiggleroom.verdict import PathState, SearchState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.search.global_search import SearchEffort
@@ -119,6 +119,8 @@ class Answer(Drawable):
         How that was proven, or why not; None where none was worked out.
     search : SearchEffort or None
         What the global search came to; None where there was none.
+    search_state : SearchState
+        Whether one that is still under way, or left out, may find more.
     warm_start : Incumbent or None
         How it was found, from which another question about the same prepared assembly can start.
     """
@@ -145,6 +147,7 @@ class Answer(Drawable):
     bound: Bound | None = None
     command: str = ""
     search: SearchEffort | None = None
+    search_state: SearchState = SearchState.DONE
     warm_start: Incumbent | None = field(default=None, repr=False)
 
 

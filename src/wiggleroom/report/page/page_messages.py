@@ -70,9 +70,11 @@ def digits_of(size: float) -> int:
 
 def answer_message(answer: Answer, command: str) -> FlexReply:
     """What an answer says, in the words of the commands."""
-    return flex_reply(
+    told = flex_reply(
         answer, command, headline(answer), facts(answer), answer_sure(answer), contacts_message(answer.contacts)
     )
+    told.search = answer.search_state
+    return told
 
 
 def flex_reply(

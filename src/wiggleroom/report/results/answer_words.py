@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
-from wiggleroom.verdict import PathState, Verdict
+from wiggleroom.verdict import PathState, SearchState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
@@ -263,7 +263,14 @@ def solved(answer: Answer | SpatialAnswer) -> str:
 
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
-    return sure_rows(answer, verdict_sentence(answer), bound_sentence(answer))
+    rows = sure_rows(answer, verdict_sentence(answer), bound_sentence(answer))
+    state = answer.search_state
+    if state is SearchState.DONE:
+        return rows
+    said = dict(rows)
+    said["verdict"] = f"{state.found}: {state.sentence}; of the climb from rest: {said['verdict']}"
+    said["search"] = f"from rest only; {state.sentence}"
+    return list(said.items())
 
 
 def sure_rows(answer: Answer | SpatialAnswer, verdict: str, bound: str) -> list[tuple[str, str]]:
@@ -303,7 +310,8 @@ def facts(answer: Answer) -> list[str]:
     if not answer.goals:
         return [f"gap {number(answer.assembly.gap)} mm"]
     more = [repeats(answer), proven(answer)]
-    return fact_lines(answer, [line for line in more if line])
+    verdict, *others = fact_lines(answer, [line for line in more if line])
+    return [answer.search_state.found or verdict, *others]
 
 
 def fact_lines(answer: Answer | SpatialAnswer, more: Sequence[str] = ()) -> list[str]:
