@@ -186,6 +186,7 @@ export interface SaveRequest {
   design: Design;
   what: "assembly" | "cut-dxf" | "cut-svg" | "gif" | "glb" | "html" | "json" | "mp4" | "png" | "stills" | "svg";
   of?: "check" | "flex" | "plan";
+  kerf?: number; // width of the cut [mm]; of outlines to cut
 }
 
 /** Where a panel stands in the frame of another, as in a file of hints. */

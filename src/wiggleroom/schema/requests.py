@@ -248,6 +248,7 @@ class SaveRequest(DesignRequest, tag="save", kw_only=True):
 
     what: WHAT
     of: Literal["flex", "check", "plan"] = "flex"
+    kerf: Annotated[float, Meta(ge=0, le=1e6, description="width of the cut [mm]; of outlines to cut")] = 0.0
 
 
 Triple = tuple[Length, Length, Length]
