@@ -14,6 +14,7 @@ export interface GoalEntry {
 export interface Design {
   gap: number | null;
   extra: Record<string, number>;
+  gaps?: [string, string, number][];
   fixed: string[];
   glue: string[][];
   goals: GoalEntry[] | "closer" | "translation" | "weight";

@@ -130,7 +130,7 @@ export function backToRest(): void {
 let reviewed: Design | null = null;
 
 /** What findings of a kind depend on. */
-const DEPENDS: Record<Finding["about"], (keyof Design)[]> = { stands: ["fixed"], pulled: ["goals"], gap: ["gap", "extra", "glue"], parts: ["gap", "extra"] };
+const DEPENDS: Record<Finding["about"], (keyof Design)[]> = { stands: ["fixed"], pulled: ["goals"], gap: ["gap", "extra", "gaps", "glue"], parts: ["gap", "extra", "gaps"] };
 const changed = (about: Finding["about"], before: Design, now: Design): boolean => DEPENDS[about].some((key) => before[key] !== now[key]);
 
 function preview(gap: number): void {

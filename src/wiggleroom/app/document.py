@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from wiggleroom.app.design_cache import DesignCache, LruCache
+from wiggleroom.app.design_cache import DesignCache, LruCache, joint_gaps
 from wiggleroom.app.open_requests import File, opened_reply
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.findings import question_findings
@@ -101,7 +101,8 @@ class Document:
     def live(self, design: Design) -> Live | SpatialLive:
         """The live session, its design set."""
         if isinstance(self.designs, DesignCache):
-            self._live.design(self.designs.gap(design), design.extra, design.fixed, design.glue)
+            gaps = joint_gaps(design, self.file.drawing.gaps)
+            self._live.design(self.designs.gap(design), design.extra, design.fixed, design.glue, gaps)
             return self._live
         self._spatial_live.take(self.designs.assembly(design))
         return self._spatial_live

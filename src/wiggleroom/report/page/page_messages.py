@@ -49,6 +49,7 @@ def design_message(drawing: Drawing) -> Design:
     """What a drawing asks, as a design."""
     return Design(
         gap=drawing.gap,
+        gaps=[(*joint.parts, joint.gap) for joint in drawing.gaps],
         fixed=[part.name for part in drawing.parts if part.fixed],
         glue=[list(group) for group in drawing.glue],
         goals=msgspec.convert(goal_entries(drawing.goals), Goals),

@@ -74,6 +74,7 @@ def spatial_design(drawing: SpatialDrawing) -> Design:
     """
     return Design(
         gap=drawing.gap,
+        gaps=[(*joint.parts, joint.gap) for joint in drawing.gaps],
         fixed=[part.name for part in drawing.parts if part.fixed],
         glue=[list(group) for group in drawing.glue],
         goals=_goals(drawing.goals),
