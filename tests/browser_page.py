@@ -89,6 +89,16 @@ def answered(page: Any, words: str) -> None:
     page.locator("#answer[data-settled=true]", has_text=words).wait_for()
 
 
+def without(page: Any, kind: str) -> None:
+    """Requests of a kind never reach the server."""
+
+    def between(line: Any) -> None:
+        server = line.connect_to_server()
+        line.on_message(lambda said: None if json.loads(said)["kind"] == kind else server.send(said))
+
+    page.route_web_socket(re.compile("/socket"), between)
+
+
 def foot(page: Any) -> tuple[float, float]:
     """Where the arrow of the pull stands on the canvas [px]."""
     base = page.locator(".pull .base").first

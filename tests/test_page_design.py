@@ -11,7 +11,7 @@ import pytest
 
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served
-from tests.browser_page import PEG, answered, at_rest, pixels_per_mm, serving, still, visiting
+from tests.browser_page import PEG, answered, at_rest, pixels_per_mm, serving, still, visiting, without
 from tests.page_waits import settled, until
 from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
@@ -119,16 +119,6 @@ def test_a_part_that_is_pressed_leaves_what_is_to_be_set_and_each_thing_has_one_
         page.wait_for_timeout(600)
         settled(page, lambda: page.locator(".findings").inner_text())
         assert page.locator(".findings").inner_text() == before
-
-
-def without(page: Any, kind: str) -> None:
-    """Requests of a kind never reach the server."""
-
-    def between(line: Any) -> None:
-        server = line.connect_to_server()
-        line.on_message(lambda said: None if json.loads(said)["kind"] == kind else server.send(said))
-
-    page.route_web_socket(re.compile("/socket"), between)
 
 
 def test_an_answer_is_called_optimal_only_when_the_search_has_ended(browser: Any, peg: Served) -> None:

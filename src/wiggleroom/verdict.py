@@ -41,6 +41,33 @@ _SENTENCES = {
 }
 
 
+class SearchState(StrEnum):
+    """Whether a search from other starts than rest has ended: before that a verdict is about the climb from rest alone."""
+
+    DONE = "done"
+    TO_COME = "to come"
+    FROM_REST = "from rest"
+    """None follows: too many parts move."""
+
+    @property
+    def found(self) -> str:
+        """How an answer is called in place of its verdict; empty where that one counts.
+
+        >>> SearchState.TO_COME.found
+        'found so far'
+        """
+        return {"done": "", "to come": "found so far", "from rest": "found from rest"}[self]
+
+    @property
+    def sentence(self) -> str:
+        """What may remain unfound."""
+        return {
+            "done": "",
+            "to come": "a search from other starts has not ended and may find more",
+            "from rest": "too many parts move for a search from other starts, and a larger motion may remain unfound",
+        }[self]
+
+
 class PathState(StrEnum):
     """Whether no two parts overlap anywhere on the path from rest."""
 

@@ -181,6 +181,17 @@ export function setExtras(names: readonly string[], value: number, merge = ""): 
   change({ extra: Object.fromEntries(value === 0 ? others : [...others, ...names.map((name) => [name, value] as const)]) }, merge);
 }
 
+const isJoint = (pair: readonly string[], [a, b]: readonly string[]): boolean => pair.includes(a!) && pair.includes(b!);
+
+/** The gap of the joint of two parts [mm], where it has one of its own. */
+export const jointGap = (a: string, b: string): number | null => design.value.gaps?.find(([one, other]) => isJoint([one, other], [a, b]))?.[2] ?? null;
+
+/** Gives a joint a gap of its own; null gives it that of all others. */
+export function setJointGap(a: string, b: string, value: number | null, merge = ""): void {
+  const others = (design.value.gaps ?? []).filter(([one, other]) => !isJoint([one, other], [a, b]));
+  change({ gaps: value === null ? others : [...others, [a, b, value]] }, merge);
+}
+
 /** Text that is the same for designs that differ in the gap alone. */
 export const questionOf = (one: Design): string => JSON.stringify({ ...one, gap: 0 });
 export const question = computed(() => questionOf(design.value));

@@ -103,10 +103,12 @@ const numbers = (list: unknown): boolean => all(list, Number.isFinite);
 
 /** Whether something is a design: what was kept or linked may come from another version of the page, or from any hand. */
 export function isDesign(one: unknown): one is Design {
-  const { gap, extra, fixed, glue, goals } = Object(one) as Record<string, unknown>;
+  const { gap, extra, gaps, fixed, glue, goals } = Object(one) as Record<string, unknown>;
   return Number.isFinite(gap) && (gap as number) >= 0 && extra instanceof Object && numbers(Object.values(extra)) && all(fixed, isText)
-    && all(glue, (group) => all(group, isText)) && (isText(goals) || all(goals, isGoal));
+    && (gaps === undefined || all(gaps, isJointGap)) && all(glue, (group) => all(group, isText)) && (isText(goals) || all(goals, isGoal));
 }
+
+const isJointGap = (one: unknown): boolean => Array.isArray(one) && one.length === 3 && isText(one[0]) && isText(one[1]) && Number.isFinite(one[2]) && one[2] >= 0;
 
 const isPose = (one: unknown): one is Pose | null | undefined => one == null || (one instanceof Object && Object.values(one).every(numbers));
 function isStep(one: unknown): one is Step {
@@ -230,8 +232,8 @@ function sound(text: string | null, of: Opened): KeptDesign | null {
 }
 
 /** Whether all parts that a design names are there. */
-export function fitsParts({ extra, fixed, glue, goals }: Design, of: Opened): boolean {
+export function fitsParts({ extra, gaps, fixed, glue, goals }: Design, of: Opened): boolean {
   const there = new Set(of.parts.map((part) => part.name));
-  const named = [...Object.keys(extra), ...fixed, ...glue.flat(), ...(typeof goals === "string" ? [] : goals.map((goal) => goal.part))];
+  const named = [...Object.keys(extra), ...(gaps ?? []).flatMap(([a, b]) => [a, b]), ...fixed, ...glue.flat(), ...(typeof goals === "string" ? [] : goals.map((goal) => goal.part))];
   return named.every((name) => there.has(name));
 }

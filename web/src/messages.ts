@@ -14,6 +14,7 @@ export interface GoalEntry {
 export interface Design {
   gap: number | null;
   extra: Record<string, number>;
+  gaps?: [string, string, number][];
   fixed: string[];
   glue: string[][];
   goals: GoalEntry[] | "closer" | "translation" | "weight";
@@ -186,6 +187,7 @@ export interface SaveRequest {
   design: Design;
   what: "assembly" | "cut-dxf" | "cut-svg" | "gif" | "glb" | "html" | "json" | "mp4" | "png" | "stills" | "svg";
   of?: "check" | "flex" | "plan";
+  kerf?: number; // width of the cut [mm]; of outlines to cut
 }
 
 /** Where a panel stands in the frame of another, as in a file of hints. */
@@ -344,7 +346,7 @@ export interface FlexReply {
   seconds: number;
   command: string; // the command that answers the same
   settled: boolean; // false where a fuller answer is to come
-  search: "done" | "from rest" | "to come"; // whether a search from other starts has ended; from rest: too many parts move for one
+  search: "done" | "to come" | "from rest"; // whether a search from other starts has ended; from rest: too many parts move for one
   rings?: [number, number][][][]; // where the page shows others
   solids?: Solids; // in space, as the outlines
   shown?: string; // name of these outlines

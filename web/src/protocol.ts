@@ -19,7 +19,7 @@ export type Goals = AnyDesign["goals"];
 export type Cell = string | readonly string[] | number | null;
 export type SaveWhat = SaveRequest["what"];
 
-/** Everything the user set: a page always knows its gap. Lengths in mm, angles in degrees. */
+/** Everything the user set: a page always knows its gap; without `gaps` joints have those of the file. Lengths in mm, angles in degrees. */
 export type Design = AnyDesign & { gap: number };
 
 /** Motions of all parts along a path: k frames of n parts, (dx mm, dy mm, turn rad) each; in space (dx, dy, dz mm, quaternion x, y, z, w). */

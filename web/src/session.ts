@@ -130,7 +130,7 @@ export function backToRest(): void {
 let reviewed: Design | null = null;
 
 /** What findings of a kind depend on. */
-const DEPENDS: Record<Finding["about"], (keyof Design)[]> = { stands: ["fixed"], pulled: ["goals"], gap: ["gap", "extra", "glue"], parts: ["gap", "extra"] };
+const DEPENDS: Record<Finding["about"], (keyof Design)[]> = { stands: ["fixed"], pulled: ["goals"], gap: ["gap", "extra", "gaps", "glue"], parts: ["gap", "extra", "gaps"] };
 const changed = (about: Finding["about"], before: Design, now: Design): boolean => DEPENDS[about].some((key) => before[key] !== now[key]);
 
 function preview(gap: number): void {
@@ -329,9 +329,9 @@ let file: Opening | null = null;
 let again = false;
 
 /** Saves the answer to the present design, or the film that is shown, whichever design that is of. */
-export function save(what: SaveWhat): void {
+export function save(what: SaveWhat, kerf = 0): void {
   const film = leavingAbout();
-  ask("save", { design: film?.design ?? design.peek(), what, of: film?.reply.kind ?? "flex" });
+  ask("save", { design: film?.design ?? design.peek(), what, of: film?.reply.kind ?? "flex", ...(kerf > 0 && { kerf }) });
 }
 
 /** The address that leads to this design. */

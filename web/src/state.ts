@@ -44,7 +44,7 @@ export const rings = signal<Ring[][]>([]);
 export const shaped = signal<Design | null>(null);
 /** Whether they are those of the present design. */
 export const shapedNow = computed(() => shaped.value !== null && (shaped.value === design.value || shapeOf(shaped.value) === shapeOf(design.value)));
-const shapeOf = ({ gap, extra, glue }: Design): string => JSON.stringify([gap, extra, glue]);
+const shapeOf = ({ gap, extra, gaps, glue }: Design): string => JSON.stringify([gap, extra, gaps, glue]);
 /** Parts in space as they are made. */
 export const solids = signal<Solids | null>(null);
 export const names = computed(() => drawing.value?.parts.map((part) => part.name) ?? []);

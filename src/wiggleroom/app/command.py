@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING
 
-from wiggleroom.app.design_cache import goals_of
+from wiggleroom.app.design_cache import goals_of, joint_gaps
 from wiggleroom.app.open_requests import File, saved_name
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.strokes.chord_error import chord_error
@@ -41,6 +41,9 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
     drawing = file.drawing
     before = {p.name for p in drawing.parts if p.fixed}
     glue = {frozenset(group) for group in design.glue}
+    joints = joint_gaps(design, drawing.gaps)
+    if not {frozenset(j.parts) for j in file.joints} <= {frozenset(j.parts) for j in joints}:
+        return None  # options give joints a gap of their own, and take none away
     if design.extra or glue != {frozenset(g) for g in drawing.glue} or not before <= set(design.fixed):
         return None
     gap = drawing.gap if design.gap is None else design.gap
@@ -48,7 +51,10 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
     how = file.flattening
     if file.flatten is not None and (how is None or file.flatten != chord_error(gap, how.at_no_gap, how.finest)):
         found += ["--flatten", repr(file.flatten)]
-    found += ["--gap", f"{gap:.12g}", *file.joints]
+    found += ["--gap", f"{gap:.12g}", *file.ignored]
+    for joint in joints:
+        if joint not in file.joints:
+            found += ["--gap-of", f"{','.join(joint.parts)}:{joint.gap:.12g}"]
     for part in design.fixed:
         if part not in before:
             found += _option("--fix", part)

@@ -7,10 +7,12 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
+from msgspec import UNSET
+
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.statements import statement_findings, unknown
-from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Pull, Turn, W, Weight
+from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Pull, Turn, W, Weight
 from wiggleroom.errors import InputError
 from wiggleroom.report.page.page_messages import DOWN
 from wiggleroom.schema.requests import Design, GoalEntry
@@ -68,7 +70,12 @@ class DesignCache:
 
     def shape(self, design: Design) -> Hashable:
         """What the outlines as made depend on."""
-        return self.gap(design), tuple(sorted(design.extra.items())), tuple(map(tuple, design.glue))
+        return (
+            self.gap(design),
+            tuple(sorted(design.extra.items())),
+            joint_gaps(design, ()),
+            tuple(map(tuple, design.glue)),
+        )
 
     def body(self, design: Design) -> Hashable:
         """What the free spaces of pairs depend on."""
@@ -82,14 +89,15 @@ class DesignCache:
         InputError
             If the design names parts that are not there.
         """
-        named = [("fixed", n) for n in design.fixed] + [("extra", n) for n in design.extra]
+        named = named_parts(design)
         wrong = [f"{what}: {unknown(name, self._names)}" for what, name in named if name not in self._names]
         if wrong:
             raise InputError(wrong)
         fixed = set(design.fixed)
         parts = tuple(p if p.fixed == (p.name in fixed) else replace(p, fixed=not p.fixed) for p in self._drawing.parts)
         glue = tuple(map(tuple, design.glue))
-        return replace(self._drawing, parts=parts, gap=self.gap(design), glue=glue, goals=goals_of(design))
+        gaps = joint_gaps(design, self._drawing.gaps)
+        return replace(self._drawing, parts=parts, gap=self.gap(design), glue=glue, gaps=gaps, goals=goals_of(design))
 
     def assembly(self, design: Design) -> Assembly:
         """Parts as made for a design.
@@ -115,6 +123,18 @@ class DesignCache:
         offset = {name: -extra / 2 for name, extra in design.extra.items()}
         drawn = tuple(replace(p, offset=p.offset + offset[p.name]) if p.name in offset else p for p in used.parts)
         return replace(used, parts=drawn)
+
+
+def named_parts(design: Design) -> list[tuple[str, str]]:
+    """Parts that a design names besides its glue, each with what it says of them."""
+    named = [("fixed", n) for n in design.fixed] + [("extra", n) for n in design.extra]
+    joints = [] if design.gaps is UNSET else design.gaps
+    return named + [("gaps", n) for *pair, _ in joints for n in pair]
+
+
+def joint_gaps(design: Design, otherwise: tuple[JointGap, ...]) -> tuple[JointGap, ...]:
+    """Gaps of single joints that a design says, or those that stand where it says none."""
+    return otherwise if design.gaps is UNSET else tuple(JointGap((a, b), gap) for a, b, gap in design.gaps)
 
 
 def goals_of(design: Design) -> tuple[Goal, ...]:

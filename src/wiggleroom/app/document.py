@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from wiggleroom.app.design_cache import DesignCache, LruCache
+from wiggleroom.app.design_cache import DesignCache, LruCache, joint_gaps
 from wiggleroom.app.open_requests import File, opened_reply
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
-from wiggleroom.schema.replies import Finding, Opened, SearchState
+from wiggleroom.schema.replies import Finding, Opened
 from wiggleroom.schema.requests import Design
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import SearchState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.app.display import Display
@@ -99,7 +99,8 @@ class Document:
     def live(self, design: Design) -> Live | SpatialLive:
         """The live session, its design set."""
         if isinstance(self.designs, DesignCache):
-            self._live.design(self.designs.gap(design), design.extra, design.fixed, design.glue)
+            gaps = joint_gaps(design, self.file.drawing.gaps)
+            self._live.design(self.designs.gap(design), design.extra, design.fixed, design.glue, gaps)
             return self._live
         self._spatial_live.take(self.designs.assembly(design))
         return self._spatial_live
@@ -157,17 +158,24 @@ class Document:
             out.check()
             answer = found if exceeds(found, answer) else replace(answer, search=found.search)
             self.know(design, answer)
-        self._searched.keep(key, "done" if few else "from rest")
+        self._searched.keep(key, SearchState.DONE if few else SearchState.FROM_REST)
         return answer
 
-    def search_of(self, design: Design, answer: Any) -> SearchState:
-        """Whether the search from other starts has ended that a direct question makes; a bound that was met or no end need none."""
-        sure = answer.objective is None or answer.verdict is Verdict.PROVEN
-        if self.in_space or sure or self._searched.peek(whole(design)) == "done":
-            return "done"
-        from wiggleroom.sensitivity.perturbation import is_searched
+    def told(self, design: Design, answer: Any) -> Any:
+        """An answer, with whether the search from other starts has ended that a direct question makes.
 
-        return "to come" if is_searched(answer.assembly) else "from rest"
+        A bound that was met or no end need none; in space the full answer has one.
+        """
+        if self.in_space:
+            return answer
+        state = self._searched.peek(whole(design)) or SearchState.TO_COME
+        if answer.objective is None or answer.verdict is Verdict.PROVEN:
+            state = SearchState.DONE
+        elif state is SearchState.TO_COME:
+            from wiggleroom.sensitivity.perturbation import is_searched
+
+            state = state if is_searched(answer.assembly) else SearchState.FROM_REST
+        return replace(answer, search_state=state)
 
     def know(self, design: Design, answer: Answer[Any]) -> None:
         """Keep a fuller answer to a design."""

@@ -26,12 +26,10 @@ from wiggleroom.report.free_space.stacked_slices import rings
 from wiggleroom.report.page.page_messages import answer_message, contacts_message
 from wiggleroom.schema.replies import (
     DragReply,
-    FlexReply,
     ModeEntry,
     Modes,
     PoseReply,
     ReachReply,
-    SearchState,
     ShapeReply,
 )
 from wiggleroom.schema.requests import (
@@ -120,30 +118,10 @@ def searched(document: Document, design: Design, out: Reporter) -> Any:
 def tell_answer(document: Document, design: Design, answer: Any, shown: str, out: Reporter) -> None:
     """Tell the page a full answer."""
     document.display.move(answer.assembly, answer.motion)
-    content = answer_message(answer, command("flex", document.file, design))
-    tell_how_far_searched(content, document.search_of(design, answer))
+    content = answer_message(document.told(design, answer), command("flex", document.file, design))
     shape = document.designs.shape(design)
     tell_outlines(content, document.display.new_outlines(shape, answer.assembly, shown))
     out.reply(content, [frames_of(answer.assembly, answer.waypoints)])
-
-
-def tell_how_far_searched(content: FlexReply, search: SearchState) -> None:
-    """Say in place of the verdict that the search from other starts has not ended, or that there is none: rest is one start of many."""
-    content.search = search
-    if search == "done":
-        return
-    so_far = "found so far" if search == "to come" else "found from rest"
-    why = (
-        "a search from other starts has not ended and may find more"
-        if search == "to come"
-        else "too many parts move for a search from other starts, and a larger motion may remain unfound"
-    )
-    content.facts[0] = so_far
-    rows = {
-        "verdict": f"{so_far}: {why}; of the climb from rest: {dict(content.sure)['verdict']}",
-        "search": f"from rest only; {why}",
-    }
-    content.sure = [(term, rows.get(term, words)) for term, words in content.sure]
 
 
 def drag(document: Document, request: DragRequest, out: Reporter) -> None:

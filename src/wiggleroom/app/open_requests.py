@@ -64,8 +64,10 @@ class File:
         Of a drawing, as it is: it may be a cutting sheet.
     options : ReadOptions
         What is read of a drawing.
-    joints : tuple of str
-        Options of commands that say gaps of joints and pairs to ignore that are not in the file.
+    joints : tuple of JointGap
+        Gaps of single joints that stand in the file itself.
+    ignored : tuple of str
+        Options of commands that say pairs to ignore that are not in the file.
     """
 
     name: str
@@ -77,7 +79,8 @@ class File:
     text: str = ""
     data: bytes = b""
     options: ReadOptions = dataclasses.field(default_factory=ReadOptions)
-    joints: tuple[str, ...] = ()
+    joints: tuple[JointGap, ...] = ()
+    ignored: tuple[str, ...] = ()
 
 
 def opened(request: OpenRequest) -> File:
@@ -97,7 +100,8 @@ def opened(request: OpenRequest) -> File:
             path.write_bytes(request.data)
         if is_spatial_file(path):
             return _in_space(path, request)
-        drawing, joints = _with_joints(_read(path, request), request)
+        read = _read(path, request)
+        drawing, ignored = _with_joints(read, request)
     how = drawing.flattening
     flatten = request.flatten if how is None else how.error
     if path.suffix.lower() == ".json":
@@ -112,7 +116,8 @@ def opened(request: OpenRequest) -> File:
         how,
         data=request.data,
         options=_options(request),
-        joints=joints,
+        joints=read.gaps,
+        ignored=ignored,
     )
 
 
@@ -192,15 +197,16 @@ def _in_space(path: Path, request: OpenRequest) -> File:
         other.write_bytes(data)
     from wiggleroom.spatial.solids.spatial_file import read_spatial  # slow to import, and of no use to drawings
 
-    drawing, joints = _with_joints(read_spatial(path, alone=not request.beside), request)
+    read = read_spatial(path, alone=not request.beside)
+    drawing, ignored = _with_joints(read, request)
     if request.gap is not None:
         drawing = dataclasses.replace(drawing, gap=request.gap)
     text = load(path, opening="{", name="assembly").text
-    return File(path.name, request.path or path.name, drawing, text=text, joints=joints)
+    return File(path.name, request.path or path.name, drawing, text=text, joints=read.gaps, ignored=ignored)
 
 
 def _with_joints(drawing: AnyDrawing, request: OpenRequest) -> tuple[AnyDrawing, tuple[str, ...]]:
-    """The drawing with gaps of joints and pairs to ignore as the request says, and the options of commands that say so.
+    """The drawing with gaps of joints and pairs to ignore as the request says, and the options of commands that say these pairs.
 
     Raises
     ------
@@ -217,7 +223,6 @@ def _with_joints(drawing: AnyDrawing, request: OpenRequest) -> tuple[AnyDrawing,
     if wrong:
         raise InputError(wrong)
     said = [word for pair in ignore if pair not in drawing.ignore for word in ("--ignore", ",".join(pair))]
-    said += [word for j in gaps if j not in drawing.gaps for word in ("--gap-of", f"{','.join(j.parts)}:{j.gap:.12g}")]
     return dataclasses.replace(drawing, gaps=gaps, ignore=ignore), tuple(said)
 
 

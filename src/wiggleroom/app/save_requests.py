@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.app.command import command
-from wiggleroom.app.open_requests import saved_name
+from wiggleroom.app.open_requests import saved_name, temporary_file
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.drawing import write_drawing
+from wiggleroom.assembly.kerf import compensated
+from wiggleroom.drawing import write_drawing, write_in_place
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.page.pages import page_of_answer
@@ -23,7 +23,7 @@ from wiggleroom.report.results.separability import Checked, check_result
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest
-from wiggleroom.sensitivity.perturbation import is_searched
+from wiggleroom.verdict import SearchState
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -68,11 +68,11 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
         return
     if request.what == "glb":
         raise InputError("glb: models are of assemblies in space; save a picture or a film")
-    if request.what in ("assembly", "cut-svg", "cut-dxf"):
-        assembly = document.assembly(design)
-        assert isinstance(assembly, Assembly)
-        drawing = assembly.drawing if request.what == "assembly" else assembly.as_cut()
-        write_drawing(drawing, path)
+    if request.what == "assembly":
+        write_drawing(document.flat(design).drawing, path)
+        return
+    if request.what in ("cut-svg", "cut-dxf"):
+        _write_outlines(document, request, path)
         return
     said = command(request.of, document.file, design, pulled=request.of == "flex")
     if request.what == "stills" and request.of != "plan":
@@ -88,8 +88,8 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
     if request.of == "plan":
         _write_plan(document.last_plan(design, out), request.what, path, said, out)
         return
-    answer = document.answer(design, out)
-    if answer.search is None and is_searched(answer.assembly):  # saved before the search in idle time came to an end
+    answer = document.told(design, document.answer(design, out))
+    if answer.search_state is SearchState.TO_COME:  # saved before the search in idle time came to an end
         said = command("flex", document.file, design, ("--search", "0"))
     answer = replace(answer, command=said)
     if request.what == "json":
@@ -98,6 +98,20 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
         path.write_text(page_of_answer(answer, document.kept_check(design)), encoding="utf-8")
     else:
         write_picture(answer, path, progress=out.counted)
+
+
+def _write_outlines(document: Document, request: SaveRequest, path: Path) -> None:
+    """Outlines to cut; in a file of the format that was opened all else in it stays as it is."""
+    file, assembly = document.file, document.flat(request.design)
+    made = compensated(assembly, request.kerf)
+    if Path(file.name).suffix.lower() != path.suffix:
+        write_drawing(made, path)
+        return
+    with temporary_file(file.name) as source:
+        source.write_bytes(file.data)
+        write_in_place(
+            source, path, assembly.drawing, made.parts, unit=file.unit, flatten=file.flatten, options=file.options
+        )
 
 
 def _write_in_space(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:

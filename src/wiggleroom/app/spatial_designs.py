@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.app.design_cache import LruCache, goals_of
+from wiggleroom.app.design_cache import LruCache, goals_of, joint_gaps, named_parts
 from wiggleroom.app.open_requests import File
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
@@ -61,15 +61,14 @@ class SpatialDesignCache:
         InputError
             If the design names parts that are not there, or asks what makes no sense.
         """
-        named = [("fixed", n) for n in design.fixed] + [("extra", n) for n in design.extra]
-        named += [("glue", n) for group in design.glue for n in group]
+        named = named_parts(design) + [("glue", n) for group in design.glue for n in group]
         wrong = [f"{what}: {unknown(name, self._names)}" for what, name in named if name not in self._names]
         if wrong:
             raise InputError(wrong)
         fixed = set(design.fixed)
         parts = tuple(replace(p, fixed=p.name in fixed) for p in self._drawing.parts)
         used = replace(self._drawing, parts=parts, gap=self.gap(design), glue=tuple(map(tuple, design.glue)))
-        used = replace(used, goals=goals_of(design))
+        used = replace(used, gaps=joint_gaps(design, self._drawing.gaps), goals=goals_of(design))
         wrong = spatial_goal_findings(used, used.goals)
         if wrong:
             raise InputError(wrong)
@@ -90,7 +89,7 @@ class SpatialDesignCache:
 
     def _made_by(self, design: Design) -> Hashable:
         """What the solids as made depend on."""
-        return self.gap(design), tuple(sorted(design.extra.items()))
+        return self.gap(design), tuple(sorted(design.extra.items())), joint_gaps(design, ())
 
 
 def spatial_opened_reply(file: File, designs: SpatialDesignCache, design: Design | None) -> Opened:
@@ -129,7 +128,7 @@ def volumes(assembly: SpatialAssembly) -> NDArray[np.float64]:
 
 
 def designed_file(text: str, drawing: SpatialDrawing, design: Design) -> str:
-    """The text of a file of format wiggleroom/2 with the gap, the roles and the question of a design, and the drawing's joints.
+    """The text of a file of format wiggleroom/2 with the gap, the roles and the question of a design, and the drawing's ignored pairs.
 
     Raises
     ------
@@ -152,7 +151,8 @@ def designed_file(text: str, drawing: SpatialDrawing, design: Design) -> str:
             del part["fixed"]
     content["glue"] = design.glue
     content["ignore"] = [list(pair) for pair in drawing.ignore]
-    content["gaps"] = [{"parts": list(joint.parts), "gap": joint.gap / mm} for joint in drawing.gaps]
+    gaps = joint_gaps(design, drawing.gaps)
+    content["gaps"] = [{"parts": list(joint.parts), "gap": joint.gap / mm} for joint in gaps]
     content["pull"] = [_entry(goal, mm) for goal in design.goals if isinstance(goal, GoalEntry)]
     for key in ("glue", "ignore", "gaps", "pull"):
         if not content[key]:

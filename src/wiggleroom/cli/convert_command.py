@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wiggleroom.cli.options import QuestionOptions, read
+from wiggleroom.cli.options import QuestionOptions, read, read_options
 from wiggleroom.cli.outputs import Force, check_outputs
 
 _NONE_ASKED = QuestionOptions()
 
 
-def convert(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force: Force = False) -> int:
+def convert(
+    file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, kerf: float = 0.0, force: Force = False
+) -> int:
     """Write a drawing as an assembly file, or ready to cut.
 
     Example: wiggleroom convert puzzle.svg puzzle.json --gap 0.2 --fix p1 --pull p20:+x
@@ -21,17 +23,37 @@ def convert(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, fo
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     out
         .json: curves flattened for the gap, which the file carries, so that flex on it equals flex on the drawing.
-        .svg, .dxf: the outlines as they are cut, gap and offsets applied, and the names in a layer of their own,
+        .svg, .dxf: the outlines as they are cut, gap and offsets applied. Where FILE has the same format, all else in
+        it stays: page, units, places, layers, colours, what is engraved. Else the names stand in a layer of their own,
         labels, to engrave or leave out.
+    kerf
+        Width of the cut [mm], where the cutter follows the lines: every outline lies half of it further out.
     force
         Write over a file that was not made by this program, or was changed since.
     """
     from wiggleroom.cli.say import note
-    from wiggleroom.drawing import write_drawing
+    from wiggleroom.drawing import write_drawing, write_in_place
+    from wiggleroom.errors import InputError
 
     check_outputs(file, {"OUT": (out, (".json", ".svg", ".dxf"))}, force)
+    kind = out.suffix.lower()
+    if kerf and kind == ".json":
+        raise InputError(
+            "--kerf is for outlines that are cut (.svg, .dxf); an assembly file holds parts as they are drawn"
+        )
     assembly = read(file, asked)
-    drawing = assembly.drawing if out.suffix.lower() == ".json" else assembly.as_cut()
-    write_drawing(drawing, out)
-    note(f"{len(drawing.parts)} parts: {out}")
+    if kind == ".json":
+        write_drawing(assembly.drawing, out)
+    else:
+        from wiggleroom.assembly.kerf import compensated
+
+        made = compensated(assembly, kerf)
+        if kind == Path(file).suffix.lower():
+            how = read_options(asked)
+            write_in_place(
+                file, out, assembly.drawing, made.parts, unit=asked.length_unit, flatten=asked.flatten, options=how
+            )
+        else:
+            write_drawing(made, out)
+    note(f"{len(assembly.parts)} parts: {out}")
     return 0

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from wiggleroom.drawing.limits import check_options
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.drawing.outlines.file_reading import Reading, sound
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError, go_on
@@ -104,7 +104,45 @@ def write_drawing(drawing: Drawing, path: str | Path, *, labels: Sequence[Label]
         If the extension is not known or the file cannot be written.
     """
     path = Path(path)
-    text = _by_extension(path, WRITERS, "written")(drawing, labels)
+    _write(path, _by_extension(path, WRITERS, "written")(drawing, labels))
+
+
+def write_in_place(
+    source: str | Path,
+    path: str | Path,
+    drawn: Drawing,
+    made: Sequence[Part],
+    *,
+    unit: str | None = None,
+    flatten: float | None = None,
+    options: ReadOptions | None = None,
+) -> None:
+    """Write the file in which parts were drawn with the outlines of the parts as they are made; all else in it stays as it is.
+
+    Page, units, places, layers, colours and whatever is engraved are those of the file; a file in which nothing moves is the same.
+
+    Parameters
+    ----------
+    source : str or Path
+        Drawing of a format of `IN_PLACE`.
+    path : str or Path
+        What is written, of the same format.
+    drawn : Drawing
+        As it was read, with the same `unit`, `flatten` and `options`.
+    made : sequence of Part
+        The same parts as they are made.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written, or draws an outline as a copy of something else.
+    """
+    write = _by_extension(Path(source), IN_PLACE, "written in place")
+    error = flatten or (drawn.flattening.error if drawn.flattening is not None else 0.0)
+    _write(Path(path), write(Path(source), drawn.parts, made, error, unit, options or ReadOptions()))
+
+
+def _write(path: Path, text: str) -> None:
     try:
         write_whole(path, text)
     except OSError as error:
@@ -180,6 +218,23 @@ def _write_dxf(drawing: Drawing, labels: Sequence[Label] | None) -> str:
     return write_dxf(drawing, labels)
 
 
+def _svg_in_place(
+    path: Path, drawn: Sequence[Part], made: Sequence[Part], error: float, unit: str | None, options: ReadOptions
+) -> str:
+    from wiggleroom.drawing.readers.source import load
+    from wiggleroom.drawing.writers.svg_in_place import svg_in_place
+
+    return svg_in_place(load(path, opening="<", name="drawing"), drawn, made, error, unit, options)
+
+
+def _dxf_in_place(
+    path: Path, drawn: Sequence[Part], made: Sequence[Part], error: float, unit: str | None, options: ReadOptions
+) -> str:
+    from wiggleroom.drawing.writers.dxf_in_place import dxf_in_place
+
+    return dxf_in_place(path, drawn, made, error, unit, options)
+
+
 def _write_assembly(drawing: Drawing, _: Sequence[Label] | None) -> str:
     from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
@@ -194,3 +249,7 @@ READERS: dict[str, Reader] = {
     ".json": _read_assembly,
 }
 WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg, ".dxf": _write_dxf}
+IN_PLACE: dict[str, Callable[[Path, Sequence[Part], Sequence[Part], float, str | None, ReadOptions], str]] = {
+    ".svg": _svg_in_place,
+    ".dxf": _dxf_in_place,
+}

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
-from wiggleroom.drawing.model import Drawing, Goal, Towards
+from wiggleroom.drawing.model import Drawing, Goal, JointGap, Towards
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
@@ -118,6 +118,7 @@ class Live:
         extra: Mapping[str, float] | None = None,
         fixed: Collection[str] | None = None,
         glue: Sequence[Sequence[str]] | None = None,
+        gaps: Sequence[JointGap] | None = None,
     ) -> Assembly:
         """Change the design; quick where it was seen before, or where only gaps change.
 
@@ -128,6 +129,7 @@ class Live:
             Extra gap round single parts: their outlines alone move inward by half of it.
         fixed : names, optional
         glue : groups of names, optional
+        gaps : sequence of JointGap, optional
             Each in place of what the drawing says; by default that.
 
         Returns
@@ -142,7 +144,7 @@ class Live:
         TouchingError
             If two parts touch at rest.
         """
-        new, old = self._designs.design(gap, extra or {}, fixed, glue), self._now
+        new, old = self._designs.design(gap, extra or {}, fixed, glue, gaps), self._now
         if new is not old:
             last, self._dragged, self._now = self._dragged, None, new
             state = None if last is None or old is None else kept(last.state, replace(old, ready=last.ready), new)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.statements import unknown
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.model import Drawing, JointGap
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.cells.cells import replaced
 from wiggleroom.geometry.bodies import Bodies, corners
@@ -41,7 +41,7 @@ class GapDesign:
     Parameters
     ----------
     roles : tuple
-        Who is fixed and who is glued; designs that agree in this share bodies and pairs.
+        Who is fixed, who is glued and which joints have a gap of their own; designs that agree in this share bodies and pairs.
     inward : (parts,) float64 [mm]
         How far each outline lies inside the drawn one.
     assembly : Assembly
@@ -91,15 +91,18 @@ class PreparedDesigns:
         extra: Mapping[str, float],
         fixed: Collection[str] | None,
         glue: Sequence[Sequence[str]] | None,
+        gaps: Sequence[JointGap] | None = None,
     ) -> GapDesign:
         """Return one design; arguments and errors as for `wiggleroom.Live.design`."""
         stand, groups = (None if some is None else list(some) for some in (fixed, glue))
-        asked = (gap, dict(extra), stand, groups)
+        joints = None if gaps is None else tuple(gaps)
+        asked = (gap, dict(extra), stand, groups, joints)
         if self._last is not None and self._last[0] == asked:  # as for every place of a dragged part
             return self._kept[self._last[1]]
         drawing = self._with_roles(fixed, glue)
+        drawing = drawing if joints is None else replace(drawing, gaps=joints)
         gap = drawing.gap if gap is None else float(gap)
-        roles = (tuple(p.fixed for p in drawing.parts), drawing.glue)
+        roles = (tuple(p.fixed for p in drawing.parts), drawing.glue, drawing.gaps)
         key = (*roles, gap, tuple(sorted((name, float(x)) for name, x in extra.items() if x)))
         if key not in self._kept:
             made = assemble(drawing, gap=gap, offset={name: -x / 2 for name, x in extra.items() if x})

@@ -31,9 +31,7 @@ from wiggleroom.schema.study_replies import (
     StudyReply,
     SweepReply,
 )
-from wiggleroom.verdict import PathState, Verdict
-
-SearchState = Literal["done", "to come", "from rest"]
+from wiggleroom.verdict import PathState, SearchState, Verdict
 
 
 class UploadLimits(Struct):
@@ -136,7 +134,7 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     search: Annotated[
         SearchState,
         Meta(description="whether a search from other starts has ended; from rest: too many parts move for one"),
-    ] = "done"
+    ] = SearchState.DONE
     rings: Annotated[list[Outline] | UnsetType, Meta(description="where the page shows others")] = UNSET
     solids: Annotated[Solids | UnsetType, Meta(description="in space, as the outlines")] = UNSET
     shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET

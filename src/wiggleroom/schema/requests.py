@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import msgspec
-from msgspec import Meta, Struct
+from msgspec import UNSET, Meta, Struct, UnsetType
 
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
@@ -30,6 +30,7 @@ class GoalEntry(Struct, forbid_unknown_fields=True, omit_defaults=True):
     weight: float = 1.0
 
 
+JointEntry = tuple[str, str, Annotated[float, Meta(ge=0, le=1e9)]]
 Goals = list[GoalEntry] | Literal["translation", "closer", "weight"]
 
 
@@ -42,6 +43,8 @@ class Design(Struct, forbid_unknown_fields=True):
         In place of the drawing's.
     extra : dict
         Extra gap [mm] round single parts: the outline of that part alone moves inward by half of it.
+    gaps : list, optional
+        Gaps [mm] of single joints, by their two parts, in place of the drawing's.
     fixed, glue, goals
         In place of the drawing's; goals are as in an assembly file's `pull`, or
         "translation" or "closer"; in space "weight": everything sinks in -z.
@@ -49,6 +52,7 @@ class Design(Struct, forbid_unknown_fields=True):
 
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     extra: dict[str, Length] = {}
+    gaps: list[JointEntry] | UnsetType = UNSET
     fixed: list[str] = []
     glue: list[list[str]] = []
     goals: Goals = []
@@ -116,7 +120,7 @@ class OpenRequest(Request, tag="open", kw_only=True):
     join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     solid: tuple[str, ...] = ()
     hole: tuple[str, ...] = ()
-    gaps: list[tuple[str, str, Annotated[float, Meta(ge=0, le=1e9)]]] | None = None
+    gaps: list[JointEntry] | None = None
     ignore: list[tuple[str, str]] | None = None
     design: Design | None = None
 
@@ -248,6 +252,7 @@ class SaveRequest(DesignRequest, tag="save", kw_only=True):
 
     what: WHAT
     of: Literal["flex", "check", "plan"] = "flex"
+    kerf: Annotated[float, Meta(ge=0, le=1e6, description="width of the cut [mm]; of outlines to cut")] = 0.0
 
 
 Triple = tuple[Length, Length, Length]

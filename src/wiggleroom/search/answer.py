@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import AnyAssembly, Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal, Vector
-from wiggleroom.verdict import PathState, Verdict
+from wiggleroom.verdict import PathState, SearchState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.search.global_search import SearchEffort
@@ -122,6 +122,8 @@ class Answer(Drawable, Generic[AnyAssembly]):
         How that was proven, or why not; None where none was worked out, and in space.
     search : SearchEffort or None
         What the global search came to; None where there was none.
+    search_state : SearchState
+        Whether one that is still under way, or left out, may find more.
     warm_start : Incumbent, HeldMotion or None
         How it was found, from which another question about the same prepared assembly can start; in space the program and the forces
         that hold the motion where it ends.
@@ -152,6 +154,7 @@ class Answer(Drawable, Generic[AnyAssembly]):
     bound: Bound | None = None
     command: str = ""
     search: SearchEffort | None = None
+    search_state: SearchState = SearchState.DONE
     warm_start: Any = field(default=None, repr=False)
     lead: NDArray[np.float64] | None = field(default=None, repr=False)
 

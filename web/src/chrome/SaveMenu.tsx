@@ -1,13 +1,15 @@
 /** What can be saved: picture, film, report, numbers, the assembly, files to cut, and the command that says it again. */
 
+import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { dimension } from "../design.ts";
+import { dimension, inSpace } from "../design.ts";
 import type { SaveWhat } from "../protocol.ts";
 import { copy } from "../save.ts";
 import { link, save } from "../session.ts";
 import { leavingAbout } from "../leaving.ts";
 import { answer, can, current, drawing, running } from "../state.ts";
 import { Button } from "./Button.tsx";
+import { NumberBox } from "./NumberBox.tsx";
 
 interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true; of?: 2 | 3 }
 const CHOICES: Choice[] = [
@@ -24,6 +26,13 @@ const CHOICES: Choice[] = [
   { what: "cut-dxf", words: "Outlines to cut", ending: "dxf", needs: "dxf", of: 2 },
 ];
 
+/** Width of the cut [mm], where the cutter follows the lines: outlines to cut lie half of it further out. */
+const kerf = signal(0);
+
+/** Outlines go into the file that was opened, where that is of their format, and all else in it stays. */
+const named = ({ what, words, ending }: Choice): string =>
+  !what.startsWith("cut-") ? words : drawing.value?.name.toLowerCase().endsWith(`.${ending}`) ? `${words}, in your file` : `${words}, alone`;
+
 export function SaveMenu() {
   const [open, setOpen] = useState(false);
   const root = useRef<HTMLDivElement>(null);
@@ -39,7 +48,7 @@ export function SaveMenu() {
   const film = leavingAbout();
   const pick = (what: SaveWhat): void => {
     setOpen(false);
-    save(what);
+    save(what, what.startsWith("cut-") ? kerf.peek() : 0);
     root.current?.querySelector("button")?.focus();
   };
   const keys = (event: KeyboardEvent): void => {
@@ -63,25 +72,33 @@ export function SaveMenu() {
         {running.value.has("save") ? "Saving…" : "Save"}
       </Button>
       {open && (
-        <div class="popup" role="menu" aria-label="Save">
-          {CHOICES.filter(({ what, of }) => (what !== "stills" || film?.reply.kind === "plan") && (of ?? dimension.value) === dimension.value).map(({ what, words, ending, needs, asked }) => {
-            const missing = needs !== undefined && !can(needs);
-            return (
-              <button
-                key={what} type="button" role="menuitem" disabled={missing || (asked && !answer.value && !film)} onClick={() => pick(what)}
-                title={missing ? `needs the extra ${needs}: pip install '.[${needs}]'` : undefined}
-              >
-                <span>{words}</span><kbd>{ending}</kbd>
-              </button>
-            );
-          })}
-          <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(link(), "copied: the link opens this design in this browser while the server runs"))}>
-            <span>Copy a link to this design</span><kbd>link</kbd>
-          </button>
-          {command && (
-            <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(command))}>
-              <span>Copy the command</span><kbd>text</kbd>
+        <div class="popup">
+          <div role="menu" aria-label="Save">
+            {CHOICES.filter(({ what, of }) => (what !== "stills" || film?.reply.kind === "plan") && (of ?? dimension.value) === dimension.value).map((one) => {
+              const { what, ending, needs, asked } = one;
+              const missing = needs !== undefined && !can(needs);
+              return (
+                <button
+                  key={what} type="button" role="menuitem" disabled={missing || (asked && !answer.value && !film)} onClick={() => pick(what)}
+                  title={missing ? `needs the extra ${needs}: pip install '.[${needs}]'` : undefined}
+                >
+                  <span>{named(one)}</span><kbd>{ending}</kbd>
+                </button>
+              );
+            })}
+            <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(link(), "copied: the link opens this design in this browser while the server runs"))}>
+              <span>Copy a link to this design</span><kbd>link</kbd>
             </button>
+            {command && (
+              <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(command))}>
+                <span>Copy the command</span><kbd>text</kbd>
+              </button>
+            )}
+          </div>
+          {!inSpace() && (
+            <label class="kerf" title="Where the cutter follows the lines: outlines to cut lie half of it further out. Leave it where the cutter compensates.">
+              <span>kerf of the cut</span><NumberBox value={kerf.value} min={0} step={0.01} unit="mm" none="none" label="kerf of the cut" onChange={(value) => (kerf.value = value)} />
+            </label>
           )}
         </div>
       )}

@@ -1,6 +1,6 @@
 /** What can be done with the chosen part. */
 
-import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pinned, pulledNames, setExtras, settle, togglePinned, togglePull, toggleTwist, unglue } from "../design.ts";
+import { design, extraOf, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, jointGap, pinned, pulledNames, setExtras, setJointGap, settle, togglePinned, togglePull, toggleTwist, unglue } from "../design.ts";
 import { askModes, askReach, fixOrNot } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
 import { along, farOf, place, playing, shown, turnOf } from "../motion.ts";
@@ -88,13 +88,14 @@ function Several({ names }: { names: string[] }) {
   const gap = extraOf(names[0]!);
   return (
     <div class="selection" role="toolbar" aria-label={`${names.length} parts`}>
-      <span class="name" title={names.join(", ")}>{names.length} parts</span>
+      <span class="name" title={names.join(", ")}>{names.length === 2 ? names.map((one) => short(one, 12)).join(" | ") : `${names.length} parts`}</span>
       <Button icon="fix" label="Fix these parts" onClick={() => fixAll(names, fixed.length < names.length)} pressed={fixed.length === names.length}>Fix</Button>
       <Button icon="glue" label="Glue these parts to each other" onClick={() => glueAll(names)}>Glue</Button>
-      <div class="extra">
+      <div class="extra named">
         <span aria-hidden="true">extra gap</span>
         <NumberBox value={gap} step={stepOf(design.value.gap || extent.value.radius / 50)} unit="mm" label="extra gap around each of these parts" onChange={(value) => setExtras(names, value)} />
       </div>
+      {names.length === 2 && <JointGap pair={names as [string, string]} />}
       <Button icon="close" label="Choose none" onClick={() => chooseMany([])} class="small" />
     </div>
   );
@@ -114,6 +115,27 @@ function ExtraGap({ name }: { name: string }) {
         onInput={(event) => slide(Number(event.currentTarget.value))} onPointerDown={settle} onPointerUp={settle} onBlur={settle}
       />
       <NumberBox value={extra} step={step} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtras([name], value)} />
+    </div>
+  );
+}
+
+/** The gap of the joint of two parts: that of all others until it has one of its own. */
+function JointGap({ pair: [a, b] }: { pair: [string, string] }) {
+  const own = jointGap(a, b);
+  const { gap } = design.value;
+  const step = stepOf(gap || extent.value.radius / 50);
+  const value = own ?? gap;
+  const most = 10 * step * Math.max(2, Math.ceil(value / (10 * step) - 1e-9) + 1);
+  const slide = (to: number): void => setJointGap(a, b, Number((Math.round(to / step) * step).toPrecision(6)), `joint ${a}|${b}`);
+  return (
+    <div class="extra named" title="the gap between these two parts alone">
+      <span aria-hidden="true">gap between</span>
+      <input
+        type="range" min={0} max={most} step={step} value={value} aria-label={`gap between ${a} and ${b}`} aria-valuetext={`${number(value)} mm`}
+        onInput={(event) => slide(Number(event.currentTarget.value))} onPointerDown={settle} onPointerUp={settle} onBlur={settle}
+      />
+      <NumberBox value={value} min={0} step={step} unit="mm" label={`gap between ${a} and ${b}`} onChange={(to) => setJointGap(a, b, to)} />
+      {own !== null && <button type="button" class="link" aria-label={`Give ${a} and ${b} the gap of all others`} onClick={() => setJointGap(a, b, null)}>as all</button>}
     </div>
   );
 }

@@ -2,7 +2,7 @@
 
 import { computed } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
-import { asks, change, design, goals, inSpace, pinned, removeGoal, setGoal, toggleFixed, togglePinned, unglue } from "../design.ts";
+import { asks, change, design, goals, inSpace, pinned, removeGoal, setGoal, setJointGap, toggleFixed, togglePinned, unglue } from "../design.ts";
 import { type Cell, type ContactEntry, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
 import { answer, standalone, dragged, drawing, extent, findings, highlit, names, selected, tab } from "../state.ts";
 import { columns, end, farOf, shown, turnOf } from "../motion.ts";
@@ -71,6 +71,11 @@ function Gap() {
   return (
     <Section title="The gap" step={3} done={!wrong && drawing.value !== null && answer.value !== null} side={<span>{number(design.value.gap)} mm</span>}>
       {wrong && <p class="quiet">Parts need room to move: the gap is taken off all outlines, half on each side.</p>}
+      {(design.value.gaps ?? []).length > 0 && (
+        <ul class="chips" aria-label="gaps of single joints">
+          {design.value.gaps!.slice(0, 40).map(([a, b, gap]) => <Chip key={`${a}|${b}`} class="" name={`${short(a, 12)} | ${short(b, 12)}: ${number(gap)} mm`} onRemove={() => setJointGap(a, b, null)} words={`give ${a} and ${b} the gap of all others`} />)}
+        </ul>
+      )}
     </Section>
   );
 }

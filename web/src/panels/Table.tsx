@@ -1,9 +1,9 @@
 /** A table that is sorted by a click on the head of a column; of many rows it shows the first ones. */
 
 import { useSignal } from "@preact/signals";
-import { Fragment } from "preact";
 import type { Cell } from "../protocol.ts";
-import { indexOf, printing, selected } from "../state.ts";
+import { chooseMany } from "../stage/lasso.ts";
+import { indexOf, many, printing, selected } from "../state.ts";
 import { places, short } from "../words.ts";
 
 const MORE = 200;
@@ -41,9 +41,13 @@ export function Table({ columns, rows, bar, first = 12, onHover }: Asked) {
   const cell = (one: Cell, k: number) => {
     if (numeric[k]) return one === null ? "–" : one === "∞" ? one : (value(one) + 0).toFixed(decimals[k]);
     const names = typeof one === "string" ? [one] : (one as readonly string[]);
-    return names.map((name, i) => (
-      <Fragment key={i}>{i > 0 && " | "}{indexOf.value.has(name) ? <button type="button" class="link" title={name} onClick={() => (selected.value = name)}>{short(name, names.length > 1 ? 12 : 18)}</button> : name}</Fragment>
-    ));
+    if (!names.every((name) => indexOf.value.has(name))) return names.join(" | ");
+    const words = names.map((name) => short(name, names.length > 1 ? 12 : 18)).join(" | ");
+    return <button type="button" class="link" title={names.length > 1 ? `${names.join(" | ")}: choose both` : names[0]} onClick={() => chooseMany(names)}>{words}</button>;
+  };
+  const isChosen = (first: Cell): boolean => {
+    const names = [first].flat() as Cell[];
+    return names.includes(selected.value ?? "\n") || (many.value.size > 0 && names.every((name) => many.value.has(name as string)));
   };
   return (
     <>
@@ -60,7 +64,7 @@ export function Table({ columns, rows, bar, first = 12, onHover }: Asked) {
           </thead>
           <tbody>
             {shown.map((i) => (
-              <tr key={i} aria-selected={[rows[i]![0]!].flat().includes(selected.value ?? "\n")} onPointerEnter={() => onHover?.(i)} onPointerLeave={() => onHover?.(null)}>
+              <tr key={i} aria-selected={isChosen(rows[i]![0]!)} onPointerEnter={() => onHover?.(i)} onPointerLeave={() => onHover?.(null)}>
                 {rows[i]!.map((one, k) => (
                   <td key={k} class={numeric[k] ? "n" : ""}>
                     {k === bar && <meter min={0} max={largest} value={Math.abs(value(one))} aria-label={columns[k]} />}

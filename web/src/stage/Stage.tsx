@@ -11,7 +11,7 @@ import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, pointIn, siz
 import { colours } from "./colours.ts";
 import { groupAt, lead, led, type Wanted } from "./lead.ts";
 import { chooseMany, chooseToo, close, draw, lassoing } from "./lasso.ts";
-import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
+import { contactAt, cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
 import { paintMarks } from "./marks.ts";
 import { measuring, pick, picked } from "./measure.ts";
 import { clear, paint, paintGhost, paintOver, type Scene } from "./paint.ts";
@@ -82,7 +82,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
       if (lead.peek()) paintGhost(g, size.peek(), ratio, view.peek(), scene, held, [desired[0] - free[0], desired[1] - free[1]]);
     }
     const marks = marksNow();
-    if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, current.motion, scene.factor, marks);
+    current.spots = !marks ? [] : paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, current.motion, scene.factor, marks);
     requestAnimationFrame((next) => { // painting goes on after this function: only the next frame tells
       cost.last = next - now;
       retained.tune(next - now);
@@ -233,8 +233,10 @@ function pointers(canvas: HTMLCanvasElement): () => void {
       pointerTarget.value = null;
       release();
     } else if (!held.moved && event.type === "pointerup") {
+      const contact = contactAt(here(event), event.pointerType === "touch" ? 14 : 8);
       if (measuring.peek()) pick(here(event));
       else if (event.shiftKey && held.part) chooseToo(held.part);
+      else if (contact && !state.gluing.peek()) chooseMany(contact.parts);
       else {
         state.pressed.value = held.part ? held.grip : null;
         choose(held.part);

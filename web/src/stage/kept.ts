@@ -46,9 +46,9 @@ export function difference(): string {
   const told: string[] = [];
   if (before.design.gap !== now.design.gap) told.push(`gap ${before.design.gap} → ${now.design.gap} mm`);
   for (const [what, differ] of [
-    ["gaps of parts", before.design.extra], ["fixed parts", before.design.fixed], ["glue", before.design.glue], ["pull", before.design.goals],
+    ["gaps of parts", before.design.extra], ["gaps of joints", before.design.gaps ?? []], ["fixed parts", before.design.fixed], ["glue", before.design.glue], ["pull", before.design.goals],
   ] as const) {
-    const other = { "gaps of parts": now.design.extra, "fixed parts": now.design.fixed, glue: now.design.glue, pull: now.design.goals }[what];
+    const other = { "gaps of parts": now.design.extra, "gaps of joints": now.design.gaps ?? [], "fixed parts": now.design.fixed, glue: now.design.glue, pull: now.design.goals }[what];
     if (JSON.stringify(differ) !== JSON.stringify(other)) told.push(`other ${what}`);
   }
   const [a, b] = [before.reply.objective, now.reply.objective];

@@ -21,7 +21,7 @@ const MARK_AREA = 4000;
 export const mostMarks = ({ width, height }: Size): number => Math.min(MOST_MARKS, Math.ceil((width * height) / MARK_AREA));
 
 /** A contact and where it is on the screen [px]. */
-interface Spot { contact: ContactEntry; x: number; y: number }
+export interface Spot { contact: ContactEntry; x: number; y: number }
 
 /** Of the contacts that are in view the strongest: coming nearer shows others. */
 export function strongest(spots: readonly Spot[], { width, height }: Size, most: number): Spot[] {
@@ -29,10 +29,11 @@ export function strongest(spots: readonly Spot[], { width, height }: Size, most:
   return seen.length > most ? seen.sort((a, b) => b.contact.force - a.contact.force).slice(0, most) : seen;
 }
 
+/** Paints them; the contacts that are drawn, and where. */
 export function paintMarks(
   g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, colours: Colours,
   shapes: readonly Shape[], indexOf: ReadonlyMap<string, number>, motion: Float32Array, factor: number, marks: Marks,
-): void {
+): Spot[] {
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
   const longest = Math.min(32, Math.min(size.width, size.height) / 18);
   const most = marks.contacts.reduce((largest, { force }) => Math.max(largest, force), 1e-12);
@@ -44,7 +45,8 @@ export function paintMarks(
     const [x, y] = toScreen(view, size, outOf(placed(carrier, motion, i, factor), local));
     return [{ contact, x, y }];
   });
-  for (const { contact, x, y } of strongest(spots, size, mostMarks(size))) {
+  const drawn = strongest(spots, size, mostMarks(size));
+  for (const { contact, x, y } of drawn) {
     const share = contact.force / most;
     const picked = marks.highlit !== null && marks.highlit[0] === contact.point[0] && marks.highlit[1] === contact.point[1];
     if (share > 1e-3) force(g, [x, y], contact.normal as Point, 8 + longest * Math.sqrt(share), colours.force, colours.paper);
@@ -63,6 +65,7 @@ export function paintMarks(
     dot(g, a[0], a[1], 4.5, colours.motion, colours.paper);
     dot(g, b[0], b[1], 2.5, colours.motion, colours.paper);
   }
+  return drawn;
 }
 
 function dot(g: CanvasRenderingContext2D, x: number, y: number, radius: number, fill: string, edge: string): void {

@@ -33,14 +33,18 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
     MissingExtraError
         If ezdxf is not installed.
     """
-    file = load_dxf(Path(path))
+    return walked_dxf(load_dxf(Path(path)), unit, stop)[1]
+
+
+def walked_dxf(file: DxfFile, unit: str | None = None, stop: Stop | None = None) -> tuple[DxfWalk, Artwork]:
+    """The same with the entity that every stroke comes from; see `dxf_artwork`."""
     scale, assumed = scale_of(file, unit, lambda: _sizes(_walked(file, 1.0, stop).strokes))
     go_on(stop)
     walk = _walked(file, scale, stop)
     notes = [*assumed, *file.notes]
     if walk.hidden:
         notes.append(f"{file.name}: layers that are off or frozen are left out: {', '.join(sorted(walk.hidden))}")
-    return Artwork(
+    artwork = Artwork(
         file=file.name,
         strokes=tuple(walk.strokes),
         texts=tuple(walk.texts),
@@ -48,6 +52,7 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
         findings=tuple(walk.findings),
         left_out=tuple(walk.left_out.items()),
     )
+    return walk, artwork
 
 
 def _walked(file: DxfFile, scale: float, stop: Stop | None) -> DxfWalk:

@@ -39,17 +39,22 @@ class _DxfState:
     colour: str = ""
     place: tuple[int, ...] = ()
     blocks: tuple[str, ...] = ()
+    insert: Any = None
 
 
 @dataclass
 class DxfWalk:
-    """Strokes, texts, notes and findings of one drawing; `scale` is the length of its unit [mm]."""
+    """Strokes, texts, notes and findings of one drawing; `scale` is the length of its unit [mm].
+
+    `origins` hold the entity of every stroke, and the insert in the model space that shows it, if one does.
+    """
 
     file: str
     document: Any
     scale: float
     stop: Stop | None = None
     strokes: list[Stroke] = field(default_factory=list)
+    origins: list[tuple[Any, Any]] = field(default_factory=list)
     texts: list[Lettering] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
@@ -157,6 +162,7 @@ class DxfWalk:
                 pool=(state.layer.lower(), *state.place),
             )
         )
+        self.origins.append((entity, state.insert))
 
     def _colour(self, entity: Any, state: _DxfState) -> str:
         """Colour of an entity, of its layer or of its block, as `#rrggbb`."""
@@ -221,6 +227,7 @@ class DxfWalk:
                 groups=(*state.groups, *((grouped,) if grouped else ()), group),
                 place=(*state.place, self._copies),
                 blocks=(*state.blocks, name),
+                insert=state.insert or insert,
             )
             self._entities(block, inner)
 

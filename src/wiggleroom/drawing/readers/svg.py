@@ -8,7 +8,7 @@ from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.outlines.file_reading import sound
 from wiggleroom.drawing.outlines.parts import reading_of
-from wiggleroom.drawing.readers.source import load
+from wiggleroom.drawing.readers.source import Source, load
 from wiggleroom.drawing.readers.svg_page import page_map
 from wiggleroom.drawing.readers.svg_walk import SvgWalk
 from wiggleroom.drawing.readers.xmltree import parse_xml
@@ -36,7 +36,11 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
     InputError
         If the text is no SVG.
     """
-    text = load(source, opening="<", name="drawing")
+    return walked_svg(load(source, opening="<", name="drawing"), unit, stop)[1]
+
+
+def walked_svg(text: Source, unit: str | None = None, stop: Stop | None = None) -> tuple[SvgWalk, Artwork]:
+    """The same with where in the text every stroke comes from; see `svg_artwork`."""
     root = parse_xml(text)
     if root.tag != "svg":
         message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
@@ -57,7 +61,7 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
         )
     low = matrix.point(complex(port.x, port.y + port.height))
     view = (low.real, low.imag, matrix.a * port.width, -matrix.d * port.height)
-    return Artwork(
+    artwork = Artwork(
         file=text.name,
         strokes=tuple(walk.strokes),
         texts=tuple(walk.texts),
@@ -67,6 +71,7 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
         view=view if min(view[2:]) > 0 else None,
         program="boxes.py" if _BOXES in text.text else "",
     )
+    return walk, artwork
 
 
 def read_svg(

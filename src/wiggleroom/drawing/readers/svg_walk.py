@@ -68,14 +68,25 @@ class _SvgState:
     depth: int = 0
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Origin:
+    """Where a stroke comes from: its element, the map from there to the page, what it inherits, and whether it is a copy."""
+
+    element: Element
+    matrix: Affine
+    style: dict[str, str]
+    copied: bool
+
+
 @dataclass
 class SvgWalk:
-    """Shapes, notes and findings of one drawing."""
+    """Shapes, notes and findings of one drawing; `origins` are those of the strokes."""
 
     file: str
     root: Element
     stop: Stop | None = None
     strokes: list[Stroke] = field(default_factory=list)
+    origins: list[Origin] = field(default_factory=list)
     texts: list[Lettering] = field(default_factory=list)
     repeated: list[str] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
@@ -210,6 +221,7 @@ class SvgWalk:
             self.left_out[NO_SIZE] += 1
         else:
             self.strokes.append(stroke)
+            self.origins.append(Origin(element, state.matrix, state.style, copied))
 
     def _clipped(self, element: Element, state: _SvgState) -> _SvgState:
         """With the region on the page that a clip path of an element leaves; None where it is not known."""

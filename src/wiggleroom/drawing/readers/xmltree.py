@@ -17,13 +17,15 @@ _ENTITY = re.compile(r"<!ENTITY\s+(?:%\s*)?([^\s>\"']*)", re.IGNORECASE)
 
 @dataclass(eq=False, slots=True)
 class Element:
-    """One element: its name without prefix, "" where it is not of SVG."""
+    """One element: its name without prefix, "" where it is not of SVG, and where its first and its last tag begin in the text."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list[Element] = field(default_factory=list)
     text: str = ""
+    at: int = 0
+    end: int = 0
 
 
 def parse_xml(source: Source) -> Element:
@@ -48,9 +50,10 @@ def parse_xml(source: Source) -> Element:
             "entities are not read, save the drawing as plain SVG"
         )
         raise InputError(message)
-    builder = _Builder()
+    text = _without_comments(source.text)
+    builder = _Builder(text)
     try:
-        builder.parser.Parse(_without_comments(source.text), True)
+        builder.parser.Parse(text, True)
     except expat.ExpatError as error:
         message = (
             f"{source.name}: line {error.lineno}, column {error.offset + 1}: "
@@ -78,7 +81,9 @@ def _without_comments(text: str) -> str:
 
 
 class _Builder:
-    def __init__(self) -> None:
+    def __init__(self, text: str) -> None:
+        self._raw = b"" if text.isascii() else text.encode()
+        self._known = (0, 0)
         self.parser = expat.ParserCreate()
         self.parser.buffer_text = True
         self.parser.StartElementHandler = self._start
@@ -93,12 +98,22 @@ class _Builder:
             if key.startswith("xmlns:") and value == _SVG:
                 self._prefixes.add(key[6:])
         prefix, _, local = name.rpartition(":")
-        element = Element(local if prefix in self._prefixes else "", attributes, self.parser.CurrentLineNumber)
+        tag = local if prefix in self._prefixes else ""
+        element = Element(tag, attributes, self.parser.CurrentLineNumber, at=self._place())
         self._open[-1].children.append(element)
         self._open.append(element)
 
     def _end(self, _name: str) -> None:
-        self._open.pop()
+        self._open.pop().end = self._place()
+
+    def _place(self) -> int:
+        """Character of the text at which the parser is: it counts bytes."""
+        byte = int(self.parser.CurrentByteIndex)
+        if not self._raw:
+            return byte
+        before, characters = self._known
+        self._known = byte, characters + len(self._raw[before:byte].decode())
+        return self._known[1]
 
     def _data(self, text: str) -> None:
         self._open[-1].text += text

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from io import StringIO
 from typing import Any
 
@@ -38,13 +39,25 @@ def write_dxf(drawing: Drawing, labels: Sequence[Label] | None = None) -> str:
         If ezdxf is not installed.
     """
     ezdxf = import_ezdxf("written")
+    with without_dates(ezdxf):
+        return dxf_text(_document(ezdxf, drawing, labels_of(drawing.parts) if labels is None else labels))
+
+
+@contextmanager
+def without_dates(ezdxf: Any) -> Iterator[None]:
+    """Documents that are made and written meanwhile hold no dates: the same drawing gives the same file."""
     before = ezdxf.options.write_fixed_meta_data_for_testing
-    stream = StringIO()
-    ezdxf.options.write_fixed_meta_data_for_testing = True  # no dates: the same drawing gives the same file
+    ezdxf.options.write_fixed_meta_data_for_testing = True
     try:
-        _document(ezdxf, drawing, labels_of(drawing.parts) if labels is None else labels).write(stream)
+        yield
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = before
+
+
+def dxf_text(document: Any) -> str:
+    """Text of an ezdxf document; plain ASCII."""
+    stream = StringIO()
+    document.write(stream)
     return _ascii(stream.getvalue())
 
 

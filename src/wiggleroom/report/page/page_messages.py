@@ -58,6 +58,7 @@ def design_message(drawing: Drawing | SpatialDrawing) -> Design:
     """
     return Design(
         gap=drawing.gap,
+        gaps=[(*joint.parts, joint.gap) for joint in drawing.gaps],
         fixed=[part.name for part in drawing.parts if part.fixed],
         glue=[list(group) for group in drawing.glue],
         goals=_goals(drawing.goals),
@@ -101,6 +102,7 @@ def answer_message(answer: Answer[Any], command: str) -> FlexReply:
         path=answer.path,
         seconds=answer.seconds.get("total", 0.0),
         command=command,
+        search=answer.search_state,
     )
 
 

@@ -129,7 +129,9 @@ def kerf_sentences(found: AllowableGap, kerf: float) -> list[str]:
     side = "outward" if offset >= 0 else "inward"
     lines = [f"with a kerf of {number(kerf)} mm: offset the cut by {number(abs(offset))} mm {side}, drawing as it is"]
     if found.gap >= kerf:
-        lines.append(f"or cut along the lines of: wiggleroom convert FILE cut.svg --gap {number(found.gap - kerf)}")
+        lines.append(
+            f"or cut along the lines of: wiggleroom convert FILE cut.svg --gap {number(found.gap)} --kerf {number(kerf)}"
+        )
     return lines
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, Vector, W, Weight
-from wiggleroom.verdict import PathState, Verdict
+from wiggleroom.verdict import PathState, SearchState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
@@ -256,12 +256,17 @@ def answer_sure(answer: Answer[Any]) -> list[tuple[str, str]]:
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
     if answer.objective is not None and unit(answer.goals) == "rad":
         found += f", {number(math.degrees(answer.objective))}°"
+    state = answer.search_state
+    verdict, search = f"{answer.verdict.value}: {verdict_sentence(answer)}", searched(answer)
+    if state is not SearchState.DONE:
+        verdict = f"{state.found}: {state.sentence}; of the climb from rest: {verdict}"
+        search = f"from rest only; {state.sentence}"
     return [
         ("found", found.strip()),
-        ("verdict", f"{answer.verdict.value}: {verdict_sentence(answer)}"),
+        ("verdict", verdict),
         ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
         ("at most", bound_sentence(answer)),
-        ("search", searched(answer)),
+        ("search", search),
         ("solved", solved(answer)),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
     ]
@@ -287,7 +292,11 @@ def facts(answer: Answer[Any]) -> list[str]:
     """Facts under the headline: verdict, size of the question, and how sure it is."""
     if not answer.goals:
         return [f"gap {number(answer.assembly.gap)} mm"]
-    found = [f"{answer.verdict}", f"gap {number(answer.assembly.gap)} mm", f"{len(answer.assembly.parts)} parts"]
+    found = [
+        f"{answer.search_state.found or answer.verdict}",
+        f"gap {number(answer.assembly.gap)} mm",
+        f"{len(answer.assembly.parts)} parts",
+    ]
     if answer.verdict is Verdict.UNBOUNDED and answer.leaves:
         found.append(f"leaves: {few(answer.leaves)}")
     if answer.verdict is Verdict.UNBOUNDED and answer.turns:

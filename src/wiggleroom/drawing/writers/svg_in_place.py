@@ -1,0 +1,155 @@
+"""Write parts as they are made into the SVG that they were drawn in: page, layers, colours and all else stay as they are."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from wiggleroom.drawing.model import Part, Points
+from wiggleroom.drawing.readers.source import Source
+from wiggleroom.drawing.readers.svg import walked_svg
+from wiggleroom.drawing.readers.svg_walk import Origin
+from wiggleroom.drawing.strokes.layers import cut_strokes
+from wiggleroom.drawing.strokes.pathdata import Arc, Cubic, Subpath
+from wiggleroom.drawing.strokes.read_options import ReadOptions
+from wiggleroom.drawing.strokes.strokes import mapped
+from wiggleroom.drawing.strokes.transforms import Affine
+from wiggleroom.drawing.writers.drawn_rings import Redrawn, redrawn
+from wiggleroom.errors import InputError
+
+_TAG = re.compile(r"<[^>\"']*(?:\"[^\"]*\"[^>\"']*|'[^']*'[^>\"']*)*>")
+_ATTRIBUTE = re.compile(r"\s+([^\s=<>\"'/]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
+_ENCODING = re.compile(r"(^\s*<\?xml[^>]*encoding\s*=\s*[\"'])[A-Za-z0-9._-]+")
+_SHAPE = frozenset(
+    ("d", "points", "x", "y", "width", "height", "rx", "ry", "cx", "cy", "r", "x1", "y1", "x2", "y2", "pathLength")
+)
+"""Attributes that say what a shape looks like; those of Inkscape by which it would draw the shape anew do so too."""
+_OWN = ("id", "inkscape:label", "data-pieces")
+"""Attributes that only one of several paths in the place of one may have."""
+_PAINT = ("fill", "stroke", "stroke-width")
+
+
+def svg_in_place(
+    source: Source, drawn: Sequence[Part], made: Sequence[Part], flatten: float, unit: str | None, options: ReadOptions
+) -> str:
+    """Text of the same file with the outlines of `made` in place of those of `drawn`.
+
+    Raises
+    ------
+    InputError
+        If an outline is drawn by a copy of something else in the file.
+    """
+    walk, artwork = walked_svg(source, unit)
+    origins = {id(stroke): origin for stroke, origin in zip(walk.strokes, walk.origins, strict=True)}
+    strokes = cut_strokes(artwork, options)[0].strokes
+    changed = redrawn(strokes, drawn, made, flatten)
+    if changed is None:
+        return source.text
+    pieces, end = [], 0
+    told = [(origins[id(s)], s, new) for s, new in zip(strokes, changed, strict=True) if len(new.kept) < len(s.paths)]
+    for origin, stroke, new in sorted(told, key=lambda one: one[0].element.at):
+        if origin.copied:
+            message = f"{source.name}: {stroke}: an outline is a copy (use) of another shape; unlink the copies first"
+            raise InputError(message)
+        begin, after = _span(source.text, origin)
+        pieces += [source.text[end:begin], _element(source.text[begin:after], origin, new)]
+        end = after
+    return _ENCODING.sub(r"\1UTF-8", "".join([*pieces, source.text[end:]]), count=1)
+
+
+def _span(text: str, origin: Origin) -> tuple[int, int]:
+    """Where an element begins and ends."""
+    element = origin.element
+    tag = _TAG.match(text, element.at)
+    if tag is not None and tag.group().endswith("/>"):
+        return element.at, tag.end()
+    return element.at, text.index(">", element.end) + 1
+
+
+def _element(text: str, origin: Origin, new: Redrawn) -> str:
+    """The paths in place of an element, with what else it says."""
+    tag = _TAG.match(text)
+    assert tag is not None
+    inner = "" if tag.group().endswith("/>") else text[tag.end() : text.rindex("</")]
+    name = tag.group()[1:].split(None, 1)[0].rstrip("/>")
+    prefix = name.rpartition(":")[0]
+    path = f"{prefix}:path" if prefix else "path"
+    said = _ATTRIBUTE.findall(tag.group())
+    kept = [
+        (k, v)
+        for k, v in said
+        if k not in _SHAPE and not k.startswith(("sodipodi:", "inkscape:path-effect", "inkscape:original"))
+    ]
+    if name != path:  # rules about its kind no longer find it
+        style = dict(kept).get("style", '""')[1:-1].rstrip("; ")
+        paint = [f"{key}:{origin.style[key]}" for key in _PAINT if key in origin.style and f"{key}:" not in style]
+        if paint:
+            words = "; ".join([*([style] if style else []), *paint]).replace('"', "'")
+            kept = [(k, v) for k, v in kept if k != "style"] + [("style", f'"{words}"')]
+    inverse = _inverse(origin.matrix)
+    digits = max(0, min(15, 9 + math.floor(math.log10(_scale(origin.matrix)))))
+    data = ["".join(_ring(ring, inverse, digits) for ring in rings) for rings in new.rings.values()]
+    rest = "".join(_curve(mapped(one, inverse), digits) for one in new.kept)
+    if rest:
+        data.append(rest)
+    found = []
+    for k, shape in enumerate(data):
+        words = "".join(f" {key}={value}" for key, value in kept if k == 0 or key not in _OWN)
+        body = f">{inner}</{path}>" if inner.strip() and k == 0 else "/>"
+        found.append(f'<{path}{words} d="{shape}"{body}')
+    return "\n".join(found)
+
+
+def _scale(matrix: Affine) -> float:
+    """Millimetres of a unit."""
+    return math.sqrt(abs(matrix.a * matrix.d - matrix.b * matrix.c))
+
+
+def _inverse(m: Affine) -> Affine:
+    """The map from the page back.
+
+    >>> _inverse(Affine(2.0, 0.0, 0.0, -2.0, 1.0, 6.0)).point(3 + 4j)
+    (1+1j)
+    """
+    size = m.a * m.d - m.b * m.c
+    back = Affine(m.d / size, -m.b / size, -m.c / size, m.a / size)
+    shift = back.vector(complex(m.e, m.f))
+    return back._replace(e=-shift.real, f=-shift.imag)
+
+
+def _ring(ring: Points, inverse: Affine, digits: int) -> str:
+    corners = (inverse.point(complex(x, y)) for x, y in ring.tolist())
+    return "M" + "L".join(_point(p, digits) for p in corners) + "z"
+
+
+def _curve(path: Subpath, digits: int) -> str:
+    """Path data of a stroke; arcs as cubics of a quarter turn at most."""
+    words = [f"M{_point(path.start, digits)}"]
+    for segment in path.segments:
+        if isinstance(segment, Cubic):
+            words.append("C" + " ".join(_point(p, digits) for p in segment))
+        elif isinstance(segment, Arc):
+            words += ["C" + " ".join(_point(p, digits) for p in three) for three in _cubics(segment)]
+        else:
+            words.append(f"L{_point(segment.end, digits)}")
+    return "".join(words) + ("z" if path.closed else "")
+
+
+def _cubics(arc: Arc) -> list[tuple[complex, complex, complex]]:
+    """Control points and ends of cubics along an arc, off by less than 0.03 % of its radius."""
+    count = max(1, math.ceil(abs(arc.sweep) / (math.pi / 2) - 1e-9))
+    step = arc.sweep / count
+    angles = [arc.start + k * step for k in range(count + 1)]
+    at = [arc.centre + arc.u * math.cos(angle) + arc.v * math.sin(angle) for angle in angles]
+    reach = 4 / 3 * math.tan(step / 4)
+    along = [reach * (arc.v * math.cos(angle) - arc.u * math.sin(angle)) for angle in angles]
+    if arc.flipped:
+        at, along = at[::-1], [-vector for vector in reversed(along)]
+    return [(at[k] + along[k], at[k + 1] - along[k + 1], at[k + 1]) for k in range(count)]
+
+
+def _point(at: complex, digits: int) -> str:
+    """Two numbers without trailing zeros, and no minus before a zero."""
+    words = [f"{round(value, digits) + 0.0:.{digits}f}" for value in (at.real, at.imag)]
+    return " ".join(word.rstrip("0").rstrip(".") if digits else word for word in words)

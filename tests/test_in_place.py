@@ -1,0 +1,153 @@
+"""Parts as they are made, written into the file that they were drawn in: all that is no outline of a part stays as it is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+import wiggleroom as wr
+from wiggleroom.assembly.assembly import rings_at
+from wiggleroom.drawing import read_drawing
+from wiggleroom.drawing.model import Part
+
+Command = Callable[..., tuple[int, str, list[str]]]
+
+SHEET = """<?xml version="1.0" encoding="UTF-8"?>
+<!-- drawn by – hand -- for a laser -->
+<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
+ width="100mm" height="60mm" viewBox="0 0 200 120">
+<style>rect{fill:none;stroke:#ff0000;stroke-width:0.4}</style>
+<g inkscape:groupmode="layer" inkscape:label="cut" transform="translate(30,10) rotate(90) scale(1,-1)">
+  <rect id="frame" width="80" height="80"/>
+  <path id="peg" d="M20 20h40v40h-40z" style="fill:none;stroke:#00f"/>
+  <path class="two" d="M100 20h30v30h-30z M140 60q5 5 8 0" fill="none" stroke="#0f0"/>
+</g>
+<g inkscape:groupmode="layer" inkscape:label="engrave">
+  <text x="120" y="60">Grüße</text><path d="M120 40 c5 5 10 5 20 0" fill="none" stroke="blue"/>
+</g>
+</svg>
+"""
+
+
+def area(part: Part) -> Any:
+    """What a part covers."""
+    outer, *holes = rings_at(part)
+    return shapely.Polygon(outer, holes)
+
+
+def areas(path: Path, **how: Any) -> list[Any]:
+    """What the parts of a drawing cover, in an order that a gap does not change."""
+    return sorted(
+        (area(p) for p in read_drawing(path, **how).parts),
+        key=lambda one: (round(one.centroid.x), round(one.centroid.y), one.area),
+    )
+
+
+@pytest.fixture
+def sheet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sheet.svg").write_text(SHEET, encoding="utf-8")
+    return tmp_path / "sheet.svg"
+
+
+def test_only_outlines_move_in_an_svg_and_by_half_the_gap_less_half_the_kerf(
+    sheet: Path, command_output: Command
+) -> None:
+    assert command_output("convert", sheet, "cut.svg", "--gap", "0.4", "--kerf", "0.1", "--solid", "peg")[0] == 0
+    text = Path("cut.svg").read_text(encoding="utf-8")
+    before, after = (re.sub(r"<(rect|path)[^>]*/>\s*", "", t) for t in (SHEET, text))
+    assert after.startswith(before.rstrip().removesuffix("</svg>"))  # page, comment, rules, layers, text
+    assert '<path d="M120 40 c5 5 10 5 20 0" fill="none" stroke="blue"/>' in text
+    for was, now in zip(areas(sheet, options=SOLID), areas(Path("cut.svg"), options=SOLID), strict=True):
+        assert now.symmetric_difference(was.buffer(-0.15, join_style="mitre")).area < 1e-6 * was.area
+    kept = [re.sub(r'\sd="[^"]*"', "", found) for found in re.findall(r"<path[^>]*/>", text)]
+    assert kept[:2] == [
+        '<path id="frame" style="fill:none; stroke:#ff0000; stroke-width:0.4"/>',
+        '<path id="peg" style="fill:none;stroke:#00f"/>',
+    ]
+    assert kept[2] == '<path style="fill:none;stroke:#00f"/>'  # of two parts that share an outline one keeps its name
+    assert kept[3:5] == 2 * ['<path class="two" fill="none" stroke="#0f0"/>']  # the open line of the same element stays
+
+
+SOLID = wr.drawing.strokes.read_options.ReadOptions(solid=("peg",))
+
+
+def test_a_file_in_which_nothing_moves_stays_as_it_is(sheet: Path, command_output: Command) -> None:
+    assert command_output("convert", sheet, "same.svg", "--gap", "0.2", "--kerf", "0.2")[0] == 0
+    assert Path("same.svg").read_text(encoding="utf-8").startswith(SHEET.rstrip())
+
+
+def test_lines_that_two_parts_share_become_the_outlines_of_both(tmp_path: Path, command_output: Command) -> None:
+    lines = "M0 0H40 M0 20H40 M0 0V20 M40 0V20 M20 0V20"
+    engraved = '<path class="deco" stroke="blue" d="M5 5 10 10"/>'
+    (tmp_path / "grid.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" viewBox="0 0 40 20">'
+        f'<g fill="none" stroke="black">{"".join(f"<path d={q}M{d}{q}/>" for q in [chr(34)] for d in lines.split("M")[1:])}'
+        f"{engraved}</g></svg>"
+    )
+    assert command_output("convert", tmp_path / "grid.svg", tmp_path / "cut.svg", "--gap", "1")[0] == 0
+    text = (tmp_path / "cut.svg").read_text()
+    assert engraved in text
+    found = sorted(area(p).bounds for p in read_drawing(tmp_path / "cut.svg").parts)
+    assert np.array(found) == pytest.approx(np.array([[0.5, 0.5, 19.5, 19.5], [20.5, 0.5, 39.5, 19.5]]))
+    assert text.count(" d=") == 3  # no line is cut twice
+
+
+def test_a_kerf_that_the_gap_does_not_leave_room_for_is_refused(sheet: Path, command_output: Command) -> None:
+    code, _, said = command_output("convert", sheet, "cut.svg", "--gap", "0.1", "--kerf", "0.2", "--solid", "peg")
+    assert code != 0
+    assert said[-1].endswith(
+        "kerf 0.2 mm: parts that lie beside each other would overlap at gap 0.1 mm; give a larger gap, lay them apart, or let the "
+        "cutter compensate"
+    )
+    for wrong in (("cut.svg", "--kerf", "-1"), ("cut.json", "--kerf", "0.1")):
+        assert command_output("convert", sheet, *wrong)[0] != 0
+    assert not Path("cut.svg").exists()
+
+
+def test_outlines_that_are_copies_are_refused_and_other_copies_stay(tmp_path: Path, command_output: Command) -> None:
+    head = '<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="40mm" viewBox="0 0 90 40">'
+    part = '<path id="a" fill="none" stroke="black" d="M1 1h20v20h-20z"/>'
+    mark = '<path id="m" fill="none" stroke="black" d="M30 3l4 4"/><use href="#m" x="5"/>'
+    (tmp_path / "marks.svg").write_text(f"{head}{part}{mark}</svg>")
+    assert command_output("convert", tmp_path / "marks.svg", tmp_path / "cut.svg", "--gap", "1")[0] == 0
+    assert mark in (tmp_path / "cut.svg").read_text()
+    (tmp_path / "copies.svg").write_text(f'{head}{part}<use href="#a" x="40"/></svg>')
+    code, _, said = command_output("convert", tmp_path / "copies.svg", tmp_path / "no.svg", "--gap", "1")
+    assert code != 0
+    assert "an outline is a copy (use) of another shape; unlink the copies first" in said[-1]
+
+
+def test_only_outlines_move_in_a_dxf_also_those_in_blocks(tmp_path: Path, command_output: Command) -> None:
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new("R2010")
+    document.units = ezdxf.units.CM
+    document.layers.add("Schnitt", color=1)
+    document.layers.add("Gravur", color=5)
+    space = document.modelspace()
+    space.add_lwpolyline([(0, 0), (3, 0), (3, 2), (0, 2)], close=True, dxfattribs={"layer": "Schnitt", "color": 3})
+    space.add_text("front", dxfattribs={"layer": "Gravur", "height": 0.3}).set_placement((1, 1))
+    space.add_line((0.2, 0.2), (0.8, 0.2), dxfattribs={"layer": "Gravur"})
+    block = document.blocks.new("disc")
+    block.add_circle((0, 0), 1, dxfattribs={"layer": "0"})
+    for x in (5, 8):
+        space.add_blockref("disc", (x, 1), dxfattribs={"layer": "Schnitt"})
+    document.saveas(tmp_path / "sheet.dxf")
+    assert (
+        command_output("convert", tmp_path / "sheet.dxf", tmp_path / "cut.dxf", "--gap", "0.4", "--kerf", "0.1")[0] == 0
+    )
+    made = ezdxf.readfile(tmp_path / "cut.dxf")
+    assert made.units == ezdxf.units.CM
+    assert made.dxfversion == document.dxfversion
+    assert sorted(e.dxftype() for e in made.modelspace().query('*[layer=="Gravur"]')) == ["LINE", "TEXT"]
+    cut = list(made.modelspace().query('*[layer=="Schnitt"]'))
+    assert [e.dxftype() for e in cut] == 3 * ["LWPOLYLINE"]
+    assert sorted(e.dxf.get("color", 256) for e in cut) == [3, 256, 256]
+    for was, now in zip(areas(tmp_path / "sheet.dxf"), areas(tmp_path / "cut.dxf"), strict=True):
+        assert now.symmetric_difference(was.buffer(-0.15, join_style="mitre")).area < 5e-3 * was.area
