@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.outlines.connected_components import components
 from wiggleroom.drawing.outlines.naming import place_of, rows_at
 from wiggleroom.drawing.outlines.nesting import direct_parents
-from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
+from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import name_of
 from wiggleroom.drawing.strokes.elements import Stroke
 from wiggleroom.drawing.strokes.layers import has_own_name
@@ -94,9 +94,10 @@ def without_lettering(
     """
     if options.only or "all" in options.solid or "all" in options.hole:
         return lines
-    glyphs = _glyphs(found, lines, options)
-    if glyphs is None:
+    if not found.outlines:
         return lines
+    total = shapely.total_bounds([*(outline.polygon for outline in found.outlines), *lines])
+    glyphs = _glyphs(found.outlines, lines, _SMALL_OUTSIDE * float((total[2:] - total[:2]).max()), options)
     word = _words(glyphs)
     members = np.flatnonzero(word >= 0)
     if not len(members):
@@ -133,20 +134,47 @@ def without_lettering(
     return lines[[row for row in range(len(lines)) if row not in used]]
 
 
-def _glyphs(found: Traced, drawn: NDArray[np.object_], options: ReadOptions) -> _Glyphs | None:
+def without_annotation(found: Traced, lines: Sequence[OpenLine], options: ReadOptions) -> list[OpenLine]:
+    """Leave out lines in a colour in which letters are drawn and nothing that is larger and closed: dimensions, arrows, legends."""
+    kept = list(lines)
+    large = [outline.polygon for outline in found.outlines]
+    if options.only or not large and not lines:
+        return kept
+    drawn = np.array([shapely.LineString(line.corners) for line in lines], dtype=object)
+    total = shapely.total_bounds([*large, *drawn])
+    least = _SMALL_OUTSIDE * float((total[2:] - total[:2]).max())
+    parts = {o.stroke.colour for o in found.outlines if np.ptp(o.region.outer, axis=0).max() > least}
+    colours = {line.stroke.colour for line in lines}
+    for colour in sorted(colours - parts if len(colours | parts) > 1 else ()):
+        own = [o for o in found.outlines if o.stroke.colour == colour]
+        mine = np.array([line.stroke.colour == colour for line in lines])
+        glyphs = _glyphs(own, drawn[mine], least, options)
+        word = _words(glyphs)
+        if not any(glyphs.lines[k] for k in np.flatnonzero(word >= 0).tolist()):
+            continue
+        count = int(mine.sum()) + len(own)
+        found.note(
+            f"{count} lines in {name_of(colour)}, some of which are letters and none of which bounds a part, are taken as dimensions or "
+            f"notes, and left out; --only {','.join(sorted(name_of(c) for c in colours | parts))} reads them"
+        )
+        found.remarks.append(Remark("left out", tuple(line.corners for line in kept if line.stroke.colour == colour)))
+        found.outlines = [o for o in found.outlines if o.stroke.colour != colour]
+        kept = [line for line in kept if line.stroke.colour != colour]
+    return kept
+
+
+def _glyphs(
+    outlines: Sequence[Outline], drawn: NDArray[np.object_], most_outside: float, options: ReadOptions
+) -> _Glyphs:
     """What may be letters, by size and by what the file says."""
-    outlines = found.outlines
-    if not outlines:
-        return None
     polygons = np.array([outline.polygon for outline in outlines], dtype=object)
-    total = shapely.total_bounds(np.concatenate([polygons, drawn]))
-    most = _SMALL * float((total[2:] - total[:2]).max())
-    box = shapely.bounds(polygons)
+    most = _SMALL / _SMALL_OUTSIDE * most_outside
+    box = shapely.bounds(polygons).reshape(-1, 4)
     height = (box[:, 2:] - box[:, :2]).max(axis=1)
     places = [place for name in (*options.solid, *options.hole) if (place := place_of(name))]
     asked = set(rows_at(places, polygons)) if places else set()
     names = {name.casefold() for name in (*options.solid, *options.hole)}
-    told = np.array([row in asked or _told(o.stroke, names) for row, o in enumerate(outlines)])
+    told = np.array([row in asked or _told(o.stroke, names) for row, o in enumerate(outlines)], dtype=bool)
     small = (height <= most) & ~told & shapely.is_valid(polygons)
     inner, outer = shapely.STRtree(polygons).query(polygons, predicate="within")
     apart = inner != outer
@@ -174,8 +202,8 @@ def _glyphs(found: Traced, drawn: NDArray[np.object_], options: ReadOptions) -> 
     for i, j in zip(inner.tolist(), outer.tolist(), strict=True):
         inside_of.setdefault(j, []).append(i)
     bent &= around | (stem <= _THIN_OUTSIDE)
-    may_be = may_be[around[may_be] | (height[may_be] <= most * _SMALL_OUTSIDE / _SMALL)]
-    pieces = _pieces_of_lines(drawn, polygons, may_be, most * _SMALL_OUTSIDE / _SMALL)
+    may_be = may_be[around[may_be] | (height[may_be] <= most_outside)]
+    pieces = _pieces_of_lines(drawn, polygons, may_be, most_outside)
     of_lines = {row for _, rows in pieces for row in rows}
     may_be = np.array([row for row in may_be.tolist() if row not in of_lines], dtype=int)
     lined = [shapely.union_all([*drawn[list(own)], *shapely.boundary(polygons[list(rows)])]) for own, rows in pieces]

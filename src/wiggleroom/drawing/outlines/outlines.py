@@ -9,7 +9,7 @@ import shapely
 
 from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
 from wiggleroom.drawing.model import Points
-from wiggleroom.drawing.outlines.engraving import without_lettering
+from wiggleroom.drawing.outlines.engraving import without_annotation, without_lettering
 from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.outlines.open_lines import joined_lines, net_of_lines, say_dangles
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
@@ -100,6 +100,7 @@ def traced(
         go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
     lines = joined_lines(found, lines, size)
+    lines = without_annotation(found, lines, options)
     loose = net_of_lines(found, lines, size, view) if lines else np.empty(0, dtype=object)
     say_dangles(found, lines, without_lettering(found, loose, options))
     found.outlines.sort(key=lambda outline: outline.row)
