@@ -18,8 +18,8 @@ JOIN_DISTANCE = 0.05
 """Open ends nearer than this [mm] are joined, ..."""
 JOIN_SHARE = 0.01
 """... and nearer than this share of the shortest line."""
-PAIR_SHARE = 0.02
-"""Two ends with no other one near are joined over this share of the shorter of their lines."""
+BEAM, PAIR_SHARE = 0.1, 0.02
+"""An end with one other alone near is joined over the width of a beam [mm], and this share of the shorter of their lines."""
 CLOSING_SHARE = 1e-3
 """The two ends of one line nearer than this share of its size are one, if no other end is near; ..."""
 ALONE = 3.0
@@ -47,7 +47,9 @@ class Ends:
     widest: float
 
 
-def join_ends(lines: Sequence[Points], tolerance: float, size: float, *, further: bool = False) -> Ends:
+def join_ends(
+    lines: Sequence[Points], tolerance: float, size: float, *, further: bool = False, rings: Sequence[Points] = ()
+) -> Ends:
     """Which ends meet: those in one place, and open ones with the nearest within `tolerance` [mm].
 
     An end that meets another one already is not drawn to a third, so that a clearance between two closed outlines of
@@ -60,8 +62,10 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float, *, further
     size : float [mm]
         Of the drawing.
     further : bool
-        Whether two ends with no other one near are joined over more than `tolerance`: up to `JOIN_DISTANCE` and `PAIR_SHARE` of
+        Whether two ends with no other one near are joined over more than `tolerance`: up to `BEAM` and `PAIR_SHARE` of
         the shorter of their lines, the two ends of one line up to `CLOSING_SHARE` of its size.
+    rings : sequence of (n, 2) float64 [mm]
+        Closed outlines; an end that lies on one of them, or on another line, is not joined further.
 
     Examples
     --------
@@ -94,6 +98,7 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float, *, further
         widest = max(widest, float(apart[k]))
     if further:
         lengths = np.repeat([float(np.ptp(line, axis=0).max()) for line in lines], 2)
+        loose &= ~_on_lines(ends, label, loose, lines, rings, COINCIDENCE_TOLERANCE * size)
         for a, b, apart_here in _pairs_alone(ends, label, loose, lengths, tree):
             merged[merged == merged[a]] = merged[b]
             widest = max(widest, apart_here)
@@ -107,12 +112,25 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float, *, further
     return Ends(rank[node].reshape(-1, 2), at[order], widest)
 
 
+def _on_lines(
+    ends: Points, label: Ints, loose: NDArray[np.bool_], lines: Sequence[Points], rings: Sequence[Points], within: float
+) -> NDArray[np.bool_]:
+    """Labels of loose ends that lie on a closed outline or on another line."""
+    rows = np.flatnonzero(loose[label])
+    drawn = [shapely.LineString(line) for line in lines] + [shapely.LinearRing(ring) for ring in rings]
+    tree = shapely.STRtree(drawn)
+    k, other = tree.query(shapely.points(ends[rows]), predicate="dwithin", distance=within)
+    found = np.zeros(len(loose), dtype=bool)
+    found[label[rows[k[other != rows[k] // 2]]]] = True
+    return found
+
+
 def _pairs_alone(
     ends: Points, label: Ints, loose: NDArray[np.bool_], lengths: NDArray[np.float64], tree: shapely.STRtree
 ) -> list[tuple[int, int, float]]:
     """Labels of two loose ends with no other end near, and how far they are apart [mm]."""
     rows = np.flatnonzero(loose[label])
-    reach = np.maximum(JOIN_DISTANCE, CLOSING_SHARE * lengths)
+    reach = np.maximum(BEAM, CLOSING_SHARE * lengths)
     found = []
     for row in rows.tolist():
         near = tree.query(shapely.Point(ends[row]), predicate="dwithin", distance=ALONE * reach[row])
@@ -123,7 +141,7 @@ def _pairs_alone(
             continue
         other, gap = int(near[1]), float(apart[1])
         closing = other // 2 == row // 2
-        most = CLOSING_SHARE * lengths[row] if closing else min(JOIN_DISTANCE, PAIR_SHARE * lengths[[row, other]].min())
+        most = CLOSING_SHARE * lengths[row] if closing else min(BEAM, PAIR_SHARE * lengths[[row, other]].min())
         third = (
             np.hypot(*(ends[near[2:], None] - ends[[row, other]]).transpose(2, 0, 1)).min() if len(near) > 2 else np.inf
         )

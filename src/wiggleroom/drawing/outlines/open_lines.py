@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.outlines.cuts import SMALL
-from wiggleroom.drawing.outlines.joining import closed_loops, join_ends, open_chains, outline_of
+from wiggleroom.drawing.outlines.joining import BEAM, closed_loops, join_ends, open_chains, outline_of
 from wiggleroom.drawing.outlines.planar_faces import net_of
 from wiggleroom.drawing.outlines.rings import clean_ring
 from wiggleroom.drawing.outlines.sheet_frame import View, page_edge
@@ -26,16 +27,22 @@ _CRUMB = 0.01
 _ALIKE = 0.02
 """... and whose size differs by no more than this share from that of another such face, are slots over an edge."""
 
+_GAP, _CLOSED_IN = 0.1, 0.6
+"""A face between parts is waste where it is smaller than this share of two beside it, with which it shares this share of its edge."""
 
-def open_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View | None = None) -> None:
-    """Outlines that open lines make one after the other, and faces that they cut, also of the page."""
+
+def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
+    """Outlines that open lines make one after the other; returns the lines that make none."""
+    if not lines:
+        return []
     once = _distinct_lines(lines, size)
     if len(once) < len(lines):
         found.note(f"{len(lines) - len(once)} open lines are drawn twice; the copies are left out")
     lines = once
     found.open_lines = len(lines)
     corners = [line.corners for line in lines]
-    ends = join_ends(corners, found.join, size, further=found.further)
+    rings = [ring for outline in found.outlines for ring in (outline.region.outer, *outline.region.holes)]
+    ends = join_ends(corners, found.join, size, further=found.further, rings=rings)
     if ends.widest > 1e-6 * size:
         found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
     used = set()
@@ -55,11 +62,7 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View
             used |= {row for row, _ in chain}
             ring = np.vstack([ring, ring[:1]])
             found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
-    rest = [row for row in range(len(lines)) if row not in used]
-    if rest:
-        page = page_edge(found, [lines[row] for row in rest], view)
-        found.outlines += [page] if page is not None else []
-        _net(found, [lines[row] for row in rest], size)
+    return [line for row, line in enumerate(lines) if row not in used]
 
 
 def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
@@ -71,13 +74,20 @@ def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
     return list(seen.values())
 
 
-def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
-    """Closed outlines cut by lines, and faces of the lines themselves."""
+def net_of_lines(
+    found: Traced, lines: Sequence[OpenLine], size: float, view: View | None
+) -> NDArray[np.object_]:
+    """Closed outlines cut by lines, also that of the page, and faces of the lines themselves; returns lines that bound nothing."""
+    page = page_edge(found, lines, view)
+    found.outlines += [page] if page is not None else []
     corners = [line.corners for line in lines]
-    ends = join_ends(corners, found.join, size, further=found.further)
-    reached = _reached(found, corners, max(found.join, found.tolerance))
+    rings = [ring for outline in found.outlines for ring in (outline.region.outer, *outline.region.holes)]
+    ends = join_ends(corners, found.join, size, further=found.further, rings=rings)
+    reached = _reached(found, corners, max(found.join, found.tolerance, BEAM if found.further else 0.0))
     rings = [ring for k in reached for ring in (found.outlines[k].region.outer, *found.outlines[k].region.holes)]
-    net = net_of(corners, ends, rings, join=found.join, chord=found.tolerance)
+    net = net_of(
+        corners, ends, rings, join=found.join, chord=found.tolerance, reach=BEAM if found.further else 0.0
+    )
     by_owner, outside = _owners(found, reached, net.faces)
     replaced = {k for k, faces in by_owner.items() if len(faces) > 1}
     made: list[Outline] = []
@@ -99,6 +109,15 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     faces = np.array(net.faces, dtype=object)
     neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
     shared = np.bincount(neighbours, minlength=len(net.faces)) > 1
+    gaps = _gaps(faces, outside)
+    if gaps:
+        at = faces[gaps[0]].representative_point()
+        found.note(
+            f"{_many(len(gaps), 'small face')} between outlines that share their edges taken as waste, and left out "
+            f"(the first at ({at.x:.6g}, {at.y:.6g}) mm); close them if they are parts"
+        )
+        found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(faces[f].exterior) for f in gaps)))
+        outside = [f for f in outside if f not in gaps]
     edges = [np.mean(net.faces[f].exterior.coords[:2], axis=0) for f in outside]
     nearest = tree.nearest(shapely.points(edges)).tolist() if outside else []
     for f, line in zip(outside, nearest, strict=True):
@@ -122,7 +141,7 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
         found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(face.exterior) for face in cut_out)))
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
-    _say_dangles(found, lines, tree, net.dangles)
+    return np.array(net.dangles, dtype=object)
 
 
 def _reached(found: Traced, lines: Sequence[Points], within: float) -> list[int]:
@@ -190,6 +209,24 @@ def _without_slots(faces: Sequence[shapely.Polygon]) -> tuple[list[shapely.Polyg
     return [face for k, face in enumerate(faces) if k not in slots], [faces[k] for k in sorted(slots)]
 
 
+def _gaps(faces: NDArray[np.object_], outside: Sequence[int]) -> list[int]:
+    """Faces in no outline that others close in: small beside at least two, one a closed outline, with which they share most of their edge."""
+    if not outside:
+        return []
+    area, edges = shapely.area(faces), shapely.boundary(faces)
+    own = np.array(outside)
+    first, second = shapely.STRtree(faces).query(faces[own], predicate="intersects")
+    first = own[first]
+    large = area[first] <= _GAP * area[second]
+    first, second = first[large], second[large]
+    shared = shapely.length(shapely.intersection(edges[first], edges[second]))
+    first, second, shared = first[shared > 0], second[shared > 0], shared[shared > 0]
+    total = np.bincount(first, shared, minlength=len(faces))
+    closed = (total >= _CLOSED_IN * shapely.length(edges)) & (np.bincount(first, minlength=len(faces)) > 1)
+    closed &= np.bincount(first, ~np.isin(second, own), minlength=len(faces)) > 0
+    return np.flatnonzero(closed).tolist()
+
+
 def _enclosed(
     found: Traced,
     reached: Sequence[int],
@@ -235,12 +272,11 @@ def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: R
     return made
 
 
-def _say_dangles(
-    found: Traced, lines: Sequence[OpenLine], tree: shapely.STRtree, dangles: Sequence[shapely.Geometry]
-) -> None:
+def say_dangles(found: Traced, lines: Sequence[OpenLine], dangles: NDArray[np.object_]) -> None:
     """Note open lines that bound no face, whole ones by name and ends of others by place."""
-    if not dangles:
+    if not len(dangles):
         return
+    tree = shapely.STRtree([shapely.LineString(line.corners) for line in lines])
     owner = tree.nearest([line.interpolate(0.5, normalized=True) for line in dangles])
     unused = np.zeros(len(lines))
     np.add.at(unused, owner, [line.length for line in dangles])
@@ -265,11 +301,11 @@ def _say_dangles(
     found.remarks += [Remark("open end", (point[None],)) for pair in tips for point in pair]
 
 
-def _say_around(found: Traced, dangles: Sequence[shapely.Geometry]) -> None:
+def _say_around(found: Traced, dangles: NDArray[np.object_]) -> None:
     """Note open lines that run round outlines: these are holes, perhaps, of a part whose edge is not closed."""
     polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
     grid = max(found.tolerance * 1e-3, 1e-9)
-    merged = shapely.line_merge(shapely.union_all(shapely.set_precision(np.array(dangles, dtype=object), grid)))
+    merged = shapely.line_merge(shapely.union_all(shapely.set_precision(dangles, grid)))
     for line in shapely.get_parts(merged):
         held = int(shapely.contains(line.convex_hull, polygons).sum()) if len(polygons) else 0
         if held < 2:

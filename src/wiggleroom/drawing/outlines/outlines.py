@@ -9,8 +9,9 @@ import shapely
 
 from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
 from wiggleroom.drawing.model import Points
+from wiggleroom.drawing.outlines.engraving import without_annotation, without_lettering
 from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
-from wiggleroom.drawing.outlines.open_lines import open_lines
+from wiggleroom.drawing.outlines.open_lines import joined_lines, net_of_lines, say_dangles
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Remark, Traced
@@ -18,13 +19,18 @@ from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
 from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork
 from wiggleroom.drawing.strokes.flatten import Curved
 from wiggleroom.drawing.strokes.pathdata import Line, Subpath
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.drawing.strokes.strokes import longer_side
-from wiggleroom.errors import InputError, Stop, go_on
+from wiggleroom.errors import InputError, go_on
 
 _SPECK, _SPECK_SHARE = 0.02, 1e-4
 """Closed outlines smaller than this [mm, share of the drawing's size] are specks: no beam is so thin."""
 _COPY, _COPY_SHARE = 1e-3, 1e-5
 """Outlines nearer than this [mm, share of the drawing's size] are one drawn twice; a clearance is never so small."""
+_CROSSING_COPY = 10
+"""Outlines that cross each other, as none with a clearance do, are one drawn twice up to so many times that distance."""
+_LINE, _LINE_SHARE = 0.3, 5e-3
+"""An outline thinner than this [mm, share of its length] is a line drawn with its thickness, no material."""
 
 
 def traced(
@@ -32,9 +38,8 @@ def traced(
     *,
     flatten: float | None,
     gap: float | None,
-    join: float | None,
+    options: ReadOptions,
     view: tuple[float, float, float, float] | None = None,
-    stop: Stop | None = None,
 ) -> Traced:
     """Outlines that the strokes of a drawing make.
 
@@ -49,14 +54,13 @@ def traced(
         Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
     view : (x, y, width, height), optional [mm]
         The page, whose edge is that of the board where lines end on it.
-    stop : optional
-        Asked before every outline.
 
     Raises
     ------
     InputError
         If there is nothing to trace, or its size cannot be worked with.
     """
+    join, stop = options.join, options.stop
     paths = [(path, row) for row, stroke in enumerate(artwork.strokes) for path in stroke.paths]
     closed = [_is_closed(path) for path, _ in paths]
     tolerance, at_no_gap, size = _chord_error(artwork, paths, closed, flatten, gap)
@@ -95,10 +99,13 @@ def traced(
     for row, own in rings.items():
         go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
-    if lines:
-        open_lines(found, lines, size, view)
+    lines = joined_lines(found, lines, size)
+    lines = without_annotation(found, lines, options)
+    loose = net_of_lines(found, lines, size, view) if lines else np.empty(0, dtype=object)
+    say_dangles(found, lines, without_lettering(found, loose, options))
     found.outlines.sort(key=lambda outline: outline.row)
     _without_copies(found)
+    _without_thick_lines(found)
     return found
 
 
@@ -165,6 +172,26 @@ def _chord_error(
     return chord_error(gap or 0.0, at_no_gap, FINEST * size), at_no_gap, size
 
 
+def _without_thick_lines(found: Traced) -> None:
+    """Leave out outlines in no other one that are as thin as a line: the edges of a line that is drawn with its thickness."""
+    if len(found.outlines) < 2:
+        return
+    polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
+    wide = 2 * shapely.area(polygons) / shapely.length(polygons)
+    long = np.ptp(shapely.bounds(polygons).reshape(-1, 2, 2), axis=1).max(axis=1)
+    thin = np.flatnonzero((wide <= _LINE) & (wide <= _LINE_SHARE * long))
+    inner, _ = shapely.STRtree(polygons).query(polygons[thin], predicate="within")
+    alone = np.bincount(inner, minlength=len(thin)) == 1
+    gone = set(thin[alone].tolist())
+    if not gone or len(gone) == len(polygons):
+        return
+    x, y = found.outlines[min(gone)].region.outer[0]
+    many = "1 outline is as thin as a line, and" if len(gone) == 1 else f"{len(gone)} outlines are as thin as a line, and"
+    found.note(f"{many} left out, the first at ({x:.6g}, {y:.6g}) mm")
+    found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in sorted(gone))))
+    found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in gone]
+
+
 def _without_copies(found: Traced) -> None:
     """Drop outlines that were drawn before."""
     outlines = found.outlines
@@ -173,15 +200,19 @@ def _without_copies(found: Traced) -> None:
     polygons = np.array([outline.polygon for outline in outlines], dtype=object)
     boxes = shapely.bounds(polygons)
     slack = 2 * min(_COPY, _COPY_SHARE * float(np.ptp(boxes.reshape(-1, 2), axis=0).max()))
+    most = _CROSSING_COPY * slack
     marks = shapely.points(boxes[:, 0] + boxes[:, 2], boxes[:, 1] + boxes[:, 3])
-    first, second = shapely.STRtree(marks).query(marks, predicate="dwithin", distance=4 * slack)
+    first, second = shapely.STRtree(marks).query(marks, predicate="dwithin", distance=4 * most)
+    near = (first < second) & (np.abs(boxes[first] - boxes[second]).max(axis=1) <= most)
     copies: set[int] = set()
-    for i, j in sorted(zip(first.tolist(), second.tolist(), strict=True)):
-        if i >= j or i in copies or j in copies or np.abs(boxes[i] - boxes[j]).max() > slack:
+    for i, j in sorted(zip(first[near].tolist(), second[near].tolist(), strict=True)):
+        if i in copies or j in copies:
             continue
         a, b = outlines[i], outlines[j]
-        alike = a.stroke.hole == b.stroke.hole and len(a.region.holes) == len(b.region.holes)
-        if alike and shapely.hausdorff_distance(polygons[i].exterior, polygons[j].exterior) <= slack:
+        if a.stroke.hole != b.stroke.hole or len(a.region.holes) != len(b.region.holes):
+            continue
+        apart = shapely.hausdorff_distance(polygons[i].exterior, polygons[j].exterior)
+        if apart <= slack or (apart <= most and shapely.overlaps(polygons[i], polygons[j])):
             copies.add(i if b.stroke.fixed and not a.stroke.fixed else j)
     if copies:
         found.note(f"{len(copies)} lines or outlines are drawn twice; the copies are left out")

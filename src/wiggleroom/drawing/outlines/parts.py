@@ -12,6 +12,7 @@ import shapely
 
 from wiggleroom.drawing.model import Drawing, Flattening, Part, Region
 from wiggleroom.drawing.outlines.cuts import Claims, Cuts, crossings, cuts_of
+from wiggleroom.drawing.outlines.engraving import without_pictures
 from wiggleroom.drawing.outlines.file_reading import Reading
 from wiggleroom.drawing.outlines.naming import aliases_of, given_names, place_of, rows_at, texts_inside, unique_names
 from wiggleroom.drawing.outlines.nesting import cut_nested, direct_parents, shares_in_material
@@ -60,12 +61,13 @@ def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None,
     """
     chosen, left_out = cut_strokes(artwork, options)
     view = None if options.only or PAGE in options.skip else artwork.view
-    found = traced(chosen, flatten=flatten, gap=gap, join=options.join, view=view, stop=options.stop)
+    found = traced(chosen, flatten=flatten, gap=gap, options=options, view=view)
     found.notes[:0] = chosen.notes
     found.findings[:0] = chosen.findings
     found.remarks += _left_out(left_out, found.tolerance)
     _layer_holes(found)
     leave_out_frames(found, artwork.view, options)
+    without_pictures(found, options)
     if not found.outlines:
         if not found.findings:
             drawn = f", but {found.open_lines} open" if found.open_lines else ""

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Points
-from wiggleroom.drawing.outlines.joining import Ends
+from wiggleroom.drawing.outlines.joining import PAIR_SHARE, Ends
 
 SNAP_GRID = 1e-8
 """Crossings are rounded to a grid of about this share of the drawing's size."""
@@ -33,7 +33,9 @@ class Net:
     slivers: int
 
 
-def net_of(lines: Sequence[Points], ends: Ends, rings: Sequence[Points], *, join: float, chord: float) -> Net:
+def net_of(
+    lines: Sequence[Points], ends: Ends, rings: Sequence[Points], *, join: float, chord: float, reach: float = 0.0
+) -> Net:
     """Faces that open lines make among each other and with closed outlines.
 
     Parameters
@@ -45,7 +47,9 @@ def net_of(lines: Sequence[Points], ends: Ends, rings: Sequence[Points], *, join
     rings : sequence of (n, 2) float64 [mm]
         Closed outlines that the lines reach.
     join : float [mm]
-        Ends nearer than this to a line end on it.
+        Ends nearer than this to a line end on it; ...
+    reach : float [mm]
+        ... those that meet nothing else also over more, up to this and `PAIR_SHARE` of their line.
     chord : float [mm]
         How far a curve may stray from its corners.
 
@@ -61,7 +65,7 @@ def net_of(lines: Sequence[Points], ends: Ends, rings: Sequence[Points], *, join
     drawn += [np.vstack([ring, ring[:1]]) for ring in rings]
     corners = np.vstack(drawn)
     size = float(np.ptp(corners, axis=0).max())
-    drawn = _ends_on_lines(drawn, len(lines), ends, join, chord, size)
+    drawn = _ends_on_lines(drawn, len(lines), ends, join, chord, size, reach)
     grid = 10.0 ** np.floor(np.log10(SNAP_GRID * max(size, float(np.abs(corners).max()) * 1e-4)))
     noded = shapely.unary_union(shapely.multilinestrings([shapely.linestrings(line) for line in drawn]), grid_size=grid)
     faces, cuts, dangles, _ = shapely.polygonize_full(shapely.get_parts(noded))
@@ -78,7 +82,7 @@ def _moved(line: Points, ends: Ends, row: int) -> Points:
 
 
 def _ends_on_lines(
-    drawn: list[Points], open_lines: int, ends: Ends, join: float, chord: float, size: float
+    drawn: list[Points], open_lines: int, ends: Ends, join: float, chord: float, size: float, reach: float
 ) -> list[Points]:
     """Lines with a corner wherever another one ends on them; ends are drawn to lines they almost reach."""
     starts = np.vstack([line[:-1] for line in drawn])
@@ -88,7 +92,10 @@ def _ends_on_lines(
     tree = shapely.STRtree(shapely.linestrings(np.stack([starts, stops], axis=1)))
     near = max(chord * 1.01, 1e-9 * size)
     single = np.bincount(ends.node.ravel(), minlength=len(ends.at)) == 1
-    points, segments = tree.query(shapely.points(ends.at), predicate="dwithin", distance=max(near, join))
+    longest = np.zeros(len(ends.at))
+    np.maximum.at(longest, ends.node, np.array([[np.ptp(line, axis=0).max()] for line in drawn[:open_lines]]))
+    most = np.where(single, np.maximum(max(near, join), np.minimum(reach, PAIR_SHARE * longest)), near)
+    points, segments = tree.query(shapely.points(ends.at), predicate="dwithin", distance=most)
     here, a, b = ends.at[points], starts[segments], stops[segments]
     along = b - a
     share = np.clip(((here - a) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300), 0.0, 1.0)
@@ -97,7 +104,7 @@ def _ends_on_lines(
     own = (here == a).all(axis=1) | (here == b).all(axis=1)
     at_own = np.zeros(len(ends.at), dtype=bool)
     at_own[points[own & (owner[segments] >= open_lines)]] = True  # a corner of a closed outline is there already
-    reached = ~own & (apart <= np.where(single[points], max(near, join), near)) & ~at_own[points]
+    reached = ~own & (apart <= most[points]) & ~at_own[points]
     best: dict[int, int] = {}
     for k in np.lexsort((apart, points)):
         if reached[k]:
