@@ -287,7 +287,7 @@ def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
                 one.design = told["design"]
                 reply = one.ask("flex")
                 assert str(tmp_path / "chain.json") in reply["command"]
-        truth = wr.flex(wr.read(tmp_path / "chain.json", gap=0.03), wr.Pull("b2", (-1, 0)))
+        truth = wr.flex(wr.read(tmp_path / "chain.json", gap=0.03), wr.Pull("b2", (-1, 0)), search=0)
         assert reply["objective"] == pytest.approx(truth.objective, rel=1e-9)
     finally:
         served.close()

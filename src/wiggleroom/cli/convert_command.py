@@ -39,7 +39,7 @@ def convert(
     kind = out.suffix.lower()
     if kerf and kind == ".json":
         raise InputError(
-            "--kerf is for outlines that are cut (.svg, .dxf); an assembly file holds parts as they are drawn"
+            "--kerf is for outlines that are cut, in SVG or DXF; an assembly file holds parts as they are drawn"
         )
     assembly = read(file, asked)
     if kind == ".json":
