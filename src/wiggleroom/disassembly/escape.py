@@ -23,7 +23,6 @@ from wiggleroom.disassembly.escape_search import (
     escape_by_goals,
     escape_path,
 )
-from wiggleroom.disassembly.group_turns import group_turn
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
@@ -217,12 +216,6 @@ def _beyond_slides(
     known = _walled_in(ready, known, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
-    together = group_turn(assembly, surveyed, known.group, stop)
-    if (
-        together is not None
-        and (stage := leave_moving(assembly, surveyed, still, together.path, together.exit)) is not None
-    ):
-        return stage
     nearly = _nearly(ready, ground, known.group, stop)
     for rigid in itertools.chain(
         tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, stop) for e in nearly)
