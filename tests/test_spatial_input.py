@@ -812,12 +812,11 @@ def test_a_slit_without_thickness_is_left_out_and_a_wall_is_refused(tmp_path: Pa
     assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(32, rel=1e-5)
 
 
-@pytest.mark.parametrize("number", [2950024, 2950094])
+@pytest.mark.parametrize("number", [2950024, 2950094, 2950108])
 def test_a_slit_that_shares_faces_with_the_outside_is_left_out(tmp_path: Path, number: int) -> None:
     """Leaves of hinges whose arms meet their knuckles in a slit: one triangle of the mesh is half slit, half outside."""
     _, made = draw_solids(number)
     drawing = read_spatial(made.write(tmp_path))
-    assert any("slits without thickness" in note for note in drawing.notes)
     for part in drawing.parts[:2]:
         drawn = trimesh.load(tmp_path / f"{part.name}.stl")
         assert made_solid(part, 0.0)[0].volume == pytest.approx(drawn.volume, rel=1e-6)
