@@ -14,7 +14,7 @@ from benchmarks.spatial_figures import plate_of_tetrahedra
 import wiggleroom as wr
 from tests.test_spatial import sound, spatial
 from wiggleroom.drawing.model import Pull
-from wiggleroom.report.results.answer_words import sure_rows
+from wiggleroom.report.results.answer_words import answer_sure
 from wiggleroom.spatial import spatial_search
 from wiggleroom.spatial.planes.separating_plane_program import build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
@@ -47,7 +47,7 @@ def test_a_search_finds_the_deeper_of_two_slots() -> None:
     assert far.objective == pytest.approx(11, abs=1e-6)
     assert far.search is not None
     assert far.search.next_best == pytest.approx(5, rel=1e-3)
-    said = dict(sure_rows(far, "", ""))["search"]
+    said = dict(answer_sure(far))["search"]
     assert said.startswith(f"{far.search.starts} starts, {far.search.at_value} ended at this value")
     assert (far.waypoints[0] == 0).all()
     drawn = wr.sample(far, 1e-4, draws=3)  # of the deeper slot too, not of what is nearest to rest
