@@ -256,6 +256,23 @@ def test_parts_that_should_be_tighter_are_made_so_by_one_press(browser: Any) -> 
         assert page.get_by_role("button", name="Make them tighter").count() == 0  # it is of the design before
 
 
+def test_parts_that_nothing_asks_about_do_not_fly(browser: Any, tmp_path: Path) -> None:
+    square = [[-5, -5], [5, -5], [5, 5], [-5, 5]]
+    base = {"name": "base", "outline": [[0, 0], [60, 0], [60, 5], [0, 5]], "fixed": True}
+    places = {"a": [10, 10, 0], "b": [20, 10, 0], "c": [30, 10, 0], "d": [30, 20, 0]}
+    blocks = [{"name": name, "outline": square, "at": at} for name, at in places.items()]
+    pull = [{"part": "b", "direction": [0, 1]}]
+    path = tmp_path / "blocks.json"
+    path.write_text(json.dumps({"format": "wiggleroom/1", "gap": 0.2, "parts": [base, *blocks], "pull": pull}))
+    with serving(path) as served, visiting(browser, served) as page:
+        answered(page, "nothing stops b")
+        page.get_by_role("heading", name="How far each part goes").wait_for()
+        rows = page.locator("section", has_text="How far each part goes").locator("tbody tr").all_inner_texts()
+        moved = {row.split()[0]: float(row.split()[-1]) for row in rows}
+        assert moved.pop("b") > 60
+        assert moved == dict.fromkeys(("a", "c", "d", "base"), 0.0)
+
+
 def test_a_film_stays_in_the_picture(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "open.json"
     frame = {"name": "frame", "outline": [[0, 0], [30, 0], [30, 4], [0, 4]], "fixed": True}

@@ -1,7 +1,7 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
 import { batch, effect, untracked } from "@preact/signals";
-import { asks, begin, change, correctPose, design, dimension, goals, history, inSpace, leave, pinned, type Pose, pose, question, questionOf, toggleFixed } from "./design.ts";
+import { asks, begin, change, correctPose, design, dimension, goals, history, inSpace, leave, list, pinned, type Pose, pose, question, questionOf, type Step, toggleFixed } from "./design.ts";
 import { between, chosenFactor, end, motionOf, play, poseOf, shareWithin, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type HowRead, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keptDesign, keptReading, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
@@ -533,7 +533,9 @@ function opened(reply: Opened): void {
   state.waiting.value = false;
   const read: Design = { ...reply.design, gap: reply.gap };
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
+  const chosen = state.selected.peek();
   if (!asks(read) && !reply.apart) read.goals = suggested; // panels of a sheet are put together first
+  const known = reply.id === 0 && before?.name === reply.name && asInFile ? merged(design.peek(), asInFile, read) : null; // it has changed on disk
   state.atStart.value = false;
   state.findings.value = [];
   state.unopened.value = [];
@@ -559,14 +561,39 @@ function opened(reply: Opened): void {
   asInFile = read;
   const set = rereading && fitsParts(design.peek(), reply) ? design.peek() : null; // read in another way, and asked the same
   rereading = null;
-  const mine = set ? null : keptDesign(reply, !file);
+  const mine = set || known ? null : keptDesign(reply, !file);
   leaving = null;
-  begin(set ?? mine?.design ?? read, mine?.history, mine?.pose ?? null);
+  if (known) begin(...goneOn(known, read, reply));
+  else begin(set ?? mine?.design ?? read, mine?.history, mine?.pose ?? null);
+  if (known && chosen && state.indexOf.peek().has(chosen)) state.selected.value = chosen;
   const count = reply.notes.length;
   if (count) state.notice.value = `${count === 1 ? "One note" : `${count} notes`} on how the file was read, in the tab Answer`;
-  if (mine?.from === "browser") state.notice.value = "What you set for this file before is here again; “As the file says”, in the tab Answer, begins anew";
+  if (known) state.notice.value = `${reply.name} has changed on disk and was read again`;
+  else if (mine?.from === "browser") state.notice.value = "What you set for this file before is here again; “As the file says”, in the tab Answer, begins anew";
   leftOut(reply.name);
   if (otherwise) readAgain(otherwise);
+}
+
+/** What is set for a file that has changed: what the user changed stays, and all else is as the file says now. */
+function merged(set: Design, before: Design, now: Design): Design {
+  const own = (Object.keys(set) as (keyof Design)[]).filter((key) => JSON.stringify(set[key]) !== JSON.stringify(before[key]));
+  return { ...now, ...Object.fromEntries(own.map((key) => [key, set[key]])) };
+}
+
+/** The design with what came before and after it and the pose of the parts; of parts that are gone nothing is said any more, and where
+ * nothing is left it is as the file says now. */
+function goneOn(set: Design, now: Design, reply: Opened): Parameters<typeof begin> {
+  const { past, future } = history();
+  const fits = (step: Step): boolean => fitsParts(step.design, reply);
+  if (fitsParts(set, reply)) return [set, { past: past.filter(fits), future: future.filter(fits) }, pose.peek()];
+  const there = new Set(reply.parts.map((part) => part.name));
+  const all = (names: readonly string[]): boolean => names.every((name) => there.has(name));
+  const left = <T,>(some: T[], kept: (one: T) => boolean, otherwise: T[]): T[] => (some.some(kept) ? some.filter(kept) : otherwise);
+  return [{
+    ...set, extra: Object.fromEntries(Object.entries(set.extra).filter(([name]) => there.has(name))), gaps: set.gaps?.filter(([a, b]) => all([a, b])),
+    fixed: left(set.fixed, (name) => there.has(name), now.fixed), glue: set.glue.filter(all),
+    goals: typeof set.goals === "string" ? set.goals : left(set.goals, (goal) => there.has(goal.part), list(now.goals)),
+  }];
 }
 
 /** Says that the design of the link in the address is not the one that is shown. */

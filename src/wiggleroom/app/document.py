@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_live import SpatialLive
 
 
+MAX_CALMED = 300
+"""Of assemblies of more parts the answer is shown as it was found: to judge its path again takes too long."""
+
+
 class Document:
     """A drawing, or an assembly in space, and what was worked out about it, kept for speed alone: every request carries its whole design.
 
@@ -45,6 +49,7 @@ class Document:
         self.designs = _cache_of(file)
         self._answers: LruCache[Answer[Any]] = LruCache(4)
         self._searched: LruCache[SearchState] = LruCache(4)
+        self._calm: LruCache[tuple[Answer, Answer]] = LruCache(4)
         self._checks: LruCache[Interlock[Any]] = LruCache(2)
         self._plans: LruCache[Plan] = LruCache(2)
 
@@ -161,10 +166,10 @@ class Document:
         self._searched.keep(key, SearchState.DONE if few else SearchState.FROM_REST)
         return answer
 
-    def told(self, design: Design, answer: Any) -> Any:
-        """An answer, with whether the search from other starts has ended that a direct question makes.
+    def told(self, design: Design, answer: Any, out: Reporter) -> Any:
+        """An answer as it is told: with whether the search has ended that a direct question makes from other starts.
 
-        A bound that was met or no end need none; in space the full answer has one.
+        A bound that was met or no end need none; in space the full answer has one. Parts that nothing asks about rest, where there is room.
         """
         if self.in_space:
             return answer
@@ -175,7 +180,15 @@ class Document:
             from wiggleroom.sensitivity.perturbation import is_searched
 
             state = state if is_searched(answer.assembly) else SearchState.FROM_REST
-        return replace(answer, search_state=state)
+        kept, calm = self._calm.peek(whole(design)) or (None, None)
+        if kept is not answer:
+            from wiggleroom.search.bystanders import with_bystanders_at_rest
+
+            few = len(answer.assembly.parts) <= MAX_CALMED
+            calm = with_bystanders_at_rest(answer, out.stop) if few else answer
+            out.check()
+            self._calm.keep(whole(design), (answer, calm))
+        return replace(calm, search_state=state)
 
     def know(self, design: Design, answer: Answer[Any]) -> None:
         """Keep a fuller answer to a design."""

@@ -117,8 +117,9 @@ def searched(document: Document, design: Design, out: Reporter) -> Any:
 
 def tell_answer(document: Document, design: Design, answer: Any, shown: str, out: Reporter) -> None:
     """Tell the page a full answer."""
+    answer = document.told(design, answer, out)
     document.display.move(answer.assembly, answer.motion)
-    content = answer_message(document.told(design, answer), command("flex", document.file, design))
+    content = answer_message(answer, command("flex", document.file, design))
     shape = document.designs.shape(design)
     tell_outlines(content, document.display.new_outlines(shape, answer.assembly, shown))
     out.reply(content, [frames_of(answer.assembly, answer.waypoints)])

@@ -88,7 +88,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
     if request.of == "plan":
         _write_plan(document.last_plan(design, out), request.what, path, said, out)
         return
-    answer = document.told(design, document.answer(design, out))
+    answer = document.told(design, document.answer(design, out), out)
     if answer.search_state is SearchState.TO_COME:  # saved before the search in idle time came to an end
         said = command("flex", document.file, design, ("--search", "0"))
     answer = replace(answer, command=said)

@@ -37,6 +37,8 @@ BURST_SECONDS = 1.0
 """A page that was silent may send at once what else it might in this time [s]."""
 LOOP_SHARE = 0.2
 """Share of the server's time that reading the messages of one page may take, where that is more."""
+WATCH_SECONDS = 0.7
+"""So often it is looked whether the file of the command has changed [s]."""
 MAX_HEADER_BYTES = 16 * 1024
 """Bytes of the headers of one request."""
 USUAL_PORT = 8459
@@ -129,6 +131,7 @@ class Page:
             return
         await socket.accept()
         lock = asyncio.Lock()
+        watch = Watch(self._first)
 
         async def send(frames: list[bytes], text: bytes) -> None:
             async with lock:
@@ -148,20 +151,18 @@ class Page:
         self._pages += 1
         try:
             await send([], encode(hello()))
-            first = None
-            if self._first is not None:
-                try:
-                    first = await asyncio.to_thread(self._first)
-                except InputError as problem:
-                    await send([], encode(failed(0, "open", problem.findings)))
-            await self._talk(socket, Session(self.pool, send, first))
+            first, findings = await watch.look()
+            if findings:
+                await send([], encode(failed(0, "open", findings)))
+            await self._talk(socket, Session(self.pool, send, first), watch)
         finally:
             self._pages -= 1
 
-    async def _talk(self, socket: WebSocket, session: Session) -> None:
+    async def _talk(self, socket: WebSocket, session: Session, watch: Watch) -> None:
         """Frames in, answers out, until one side ends; then the next page's process is made ready."""
         loop = asyncio.get_running_loop()
-        sides = [asyncio.create_task(session.run()), asyncio.create_task(_listen(socket, session))]
+        talk = (session.run(), _listen(socket, session), watch.run(session))
+        sides = [asyncio.create_task(side) for side in talk]
         try:
             await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -171,6 +172,44 @@ class Page:
             with contextlib.suppress(RuntimeError):  # closed by the page
                 await socket.close(1011)
             loop.call_soon(lambda: asyncio.ensure_future(self.pool.prepare()))
+
+
+class Watch:
+    """The file that the command was given, looked at again and again: what is open in a page follows it.
+
+    Parameters
+    ----------
+    first : callable or None
+        As for `Page`; the same object while nothing has changed.
+    """
+
+    def __init__(self, first: Callable[[], bytes] | None) -> None:
+        self._first = first
+        self._seen: tuple[bytes | None, tuple[str, ...]] = None, ()
+
+    async def look(self) -> tuple[bytes | None, tuple[str, ...]]:
+        """The request that opens the file as it now is, or why it cannot be read."""
+        if self._first is not None:
+            try:
+                self._seen = await asyncio.to_thread(self._first), ()
+            except InputError as problem:
+                self._seen = None, tuple(problem.findings)
+        return self._seen
+
+    async def run(self, session: Session) -> None:
+        """Tell a page what has changed; what cannot be read counts once it is so twice: a file may be half written."""
+        opened, told, doubtful = self._seen[0], self._seen[1], False
+        while self._first is not None:
+            await asyncio.sleep(WATCH_SECONDS)
+            request, findings = await self.look()
+            if findings and findings != told and doubtful:
+                told = findings
+                await session.refuse_open(findings)
+            doubtful = bool(findings)
+            if request is not None and (request is not opened or told):
+                opened, told = request, ()
+                session.changed(request)
+        await asyncio.Event().wait()
 
 
 async def _listen(socket: WebSocket, session: Session) -> None:

@@ -55,6 +55,8 @@ class Job:
         That of the request; "settle" for the full answer of a `flex`.
     born : int
         Place in the order of arrival.
+    own : bool
+        Of an `open`: of the file that the command was given.
     """
 
     kind: str
@@ -68,6 +70,7 @@ class Job:
     stopped: bool = False
     again: bool = False
     late: bool = False
+    own: bool = False
 
     @property
     def of(self) -> str:
@@ -103,12 +106,17 @@ class Session:
         self._running: Job | None = None
         self._process: Process | None = None
         self._drawing: bytes | None = None
-        self._loaded = False
+        self._loaded = self._own = False
         self._last_move = self._last_drag = 0.0
         self._news = asyncio.Event()
         self._tickets, self._births = count(1), count()
         if first is not None:
-            self._enqueue(Job("open", 0, first, next(self._births)))
+            self._enqueue(Job("open", 0, first, next(self._births), own=True))
+
+    def changed(self, first: bytes) -> None:
+        """Open the file of the command as it now is, unless the page has opened another one."""
+        if self._own or self._drawing is None:
+            self._enqueue(Job("open", 0, first, next(self._births), own=True))
 
     async def submit(self, text: bytes) -> None:
         """Take a text frame of the page."""
@@ -126,11 +134,17 @@ class Session:
                 return
             text = read_again(self._drawing, request)
         kind = "settle" if isinstance(request, FlexRequest) and request.thorough else kind_of(request)
-        self._enqueue(Job(kind, request.id, text, next(self._births)))
+        own = self._own and isinstance(request, OpenRequest) and request.again
+        self._enqueue(Job(kind, request.id, text, next(self._births), own=own))
 
     async def refuse(self, line: str) -> None:
         """Say that a frame is no request."""
         await self._tell(failed(0, "", [line]))
+
+    async def refuse_open(self, findings: tuple[str, ...]) -> None:
+        """Say why the file of the command can no longer be read, where it is the one that is open."""
+        if self._own:
+            await self._tell(failed(0, "open", findings))
 
     def _enqueue(self, job: Job) -> None:
         running = self._running
@@ -259,7 +273,7 @@ class Session:
                 if not job.stopped or job.again:  # it may have been about to say its last word
                     job.replied = True
                     if job.kind == "open" and head(said.text)[1] == "opened":  # the page may ask about it at once
-                        self._drawing, self._loaded = job.text, True
+                        self._drawing, self._loaded, self._own = job.text, True, job.own
                     await self._send(said.frames, said.text)
                     if job.kind in ("drag", "flex") and job.kind in self._pending:
                         self._halt(job)  # the hand is elsewhere already

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions, asked_drawing, read_options
+from wiggleroom.errors import InputError
 
 if TYPE_CHECKING:
     import asyncio
@@ -43,7 +45,7 @@ def serve(
     """
     import asyncio
 
-    from wiggleroom.errors import InputError, require_extra
+    from wiggleroom.errors import require_extra
 
     if file is None and asked != _NONE_ASKED:
         raise InputError("serve: --gap, --fix and the like are about a FILE; name it, or leave them out")
@@ -66,7 +68,6 @@ def _answer(runner: asyncio.Runner, pool: Pool, first: Callable[[], bytes] | Non
     import secrets
 
     from wiggleroom.app.server import USUAL_PORT, Page, listen, listen_anywhere, serve
-    from wiggleroom.errors import InputError
 
     try:
         listening = listen(port) if port else listen_anywhere(USUAL_PORT)
@@ -96,20 +97,31 @@ class FirstRequest:
 
     def __init__(self, file: str, asked: QuestionOptions) -> None:
         self._file, self._asked = file, asked
+        self._one_reads = threading.Lock()
+        self._named: list[str] = []
         self._read()
+        if self._problem is not None:
+            raise self._problem
 
     def __call__(self) -> bytes:
-        """The request; raises InputError where the file can no longer be read."""
-        if self._changes() != self._seen:
-            self._read()
-        return self._request
+        """The request, the same object while nothing has changed; raises InputError where the file can no longer be read."""
+        with self._one_reads:
+            if self._changes() != self._seen:
+                self._read()
+            if self._problem is not None:
+                raise InputError(self._problem.findings)
+            return self._request
 
     def _read(self) -> None:
-        self._named: list[str] = []
-        before = self._changes()
-        self._request = first_request(self._file, self._asked)
+        self._seen = self._changes()
+        self._problem: InputError | None = None
+        try:
+            self._request = first_request(self._file, self._asked)
+        except InputError as problem:
+            self._problem = problem
+            return
         self._named = list(json.loads(self._request)["beside"])
-        self._seen = before + self._changes()[1:]
+        self._seen = [self._seen[0], *self._changes()[1:]]
 
     def _changes(self) -> list[tuple[int, int] | None]:
         """When the file and those that it names were written, and how long they are; None for one that is not there."""

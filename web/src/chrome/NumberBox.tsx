@@ -23,7 +23,11 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
   const text = none && value === 0 ? "" : number(value, digits);
   const now = useRef(text);
   now.current = text;
-  const tell = (): void => void (box.current && (box.current.value = now.current));
+  const typing = useRef(false);
+  const tell = (): void => {
+    typing.current = false;
+    if (box.current) box.current.value = now.current;
+  };
   // whatever is being typed: a number that has changed by other hands is seen, and what was typed for another file is left out
   useEffect(tell, [text, label, drawing.value]);
   const take = (): void => {
@@ -42,9 +46,9 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
     const wanted = stepOfHistory(event);
     if (wanted) {
       event.preventDefault();
-      const typing = box.current!.value.trim() !== text;
+      const typed = typing.current;
       tell();
-      if (!typing) wanted();
+      if (!typed) wanted();
       return;
     }
     if (event.key === "Enter") take();
@@ -61,7 +65,7 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
   };
   return (
     <span class="numberbox" style={{ "--letters": (text || none || "").length }}>
-      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} placeholder={none} onChange={take} onBlur={() => setTimeout(tell)} onKeyDown={keys} />
+      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} placeholder={none} onInput={() => (typing.current = true)} onChange={take} onBlur={() => setTimeout(tell)} onKeyDown={keys} />
       {unit && <span class="unit" aria-hidden="true">{unit}</span>}
     </span>
   );
