@@ -15,7 +15,6 @@ from wiggleroom.drawing.outlines.nesting import direct_parents
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import name_of
 from wiggleroom.drawing.strokes.elements import Stroke
-from wiggleroom.drawing.strokes.layers import has_own_name
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 
 _SMALL, _SMALL_OUTSIDE = 0.25, 0.1
@@ -42,6 +41,8 @@ _RECTANGLE = 0.97
 """An outline that fills this share of the box round it is a rectangle."""
 _FONT_HEIGHT, _FONT_STEM = 1.5, 1.4
 """A single letter is like those of a word elsewhere where height and thickness of its strokes differ by no more than these factors."""
+_PICTURE = 0.5
+"""An outline of a picture takes no more than this share of the part that it is on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,7 +243,7 @@ def _near(shapes: NDArray[np.object_], height: NDArray[np.float64]) -> tuple[NDA
 
 def _told(stroke: Stroke, names: set[str]) -> bool:
     """Whether the file or an option says that a stroke is a part or a hole."""
-    said = stroke.label or has_own_name(stroke) or stroke.fixed or stroke.hole or stroke.whole or stroke.piece
+    said = stroke.label or stroke.fixed or stroke.hole or stroke.whole or stroke.piece
     return bool(said) or stroke.tag.casefold() in ("circle", "ellipse") or stroke.name.casefold() in names
 
 
@@ -275,23 +276,28 @@ def _words(glyphs: _Glyphs) -> NDArray[np.int64]:
     alike = _within(height[first], height[second], _HEIGHTS) & _within(stem[first], stem[second], _STEMS)
     both = alike & glyphs.bent[first] & glyphs.bent[second]
     label = components(n, first[both], second[both])
+    beside = _beside(glyphs)
     letters: dict[int, list[int]] = {}
     for k in np.flatnonzero(glyphs.bent).tolist():
         letters.setdefault(int(label[k]), []).append(k)
     for key, rows in letters.items():
         if _kinds(glyphs, rows) >= max(2, _KINDS * len(rows)):
-            members = _with_marks(glyphs, rows)
+            members = _with_marks(glyphs, beside, rows)
             if len(members) >= _LETTERS:
                 word[members] = key
     return word
 
 
-def _with_marks(glyphs: _Glyphs, rows: Sequence[int]) -> list[int]:
-    """Letters with all beside them that is no higher and no thicker: dots, dashes, O and I."""
-    first, second = glyphs.near
+def _beside(glyphs: _Glyphs) -> dict[int, list[int]]:
+    """What is near each."""
     beside: dict[int, list[int]] = {}
-    for i, j in zip(first.tolist(), second.tolist(), strict=True):
+    for i, j in zip(*(side.tolist() for side in glyphs.near), strict=True):
         beside.setdefault(i, []).append(j)
+    return beside
+
+
+def _with_marks(glyphs: _Glyphs, beside: dict[int, list[int]], rows: Sequence[int]) -> list[int]:
+    """Letters with all beside them that is no higher and no thicker: dots, dashes, O and I."""
     high = float(glyphs.height[list(rows)].max())
     stems = glyphs.stem[list(rows)]
     thick = float(np.nanmedian(stems)) if np.isfinite(stems).any() else np.inf
@@ -300,10 +306,10 @@ def _with_marks(glyphs: _Glyphs, rows: Sequence[int]) -> list[int]:
         lined = np.isnan(glyphs.stem)
         box = shapely.area(shapely.envelope(glyphs.shapes))
         fits &= lined | ((glyphs.height * _MARK_HEIGHT >= high) & (glyphs.ink < _RECTANGLE * box))
-    members, new = set(rows), list(rows)
+    members, new = set(rows), set(rows)
     while new:
-        new = [j for i in new for j in beside.get(i, ()) if fits[j] and j not in members]
-        members |= set(new)
+        new = {j for i in new for j in beside.get(i, ()) if fits[j]} - members
+        members |= new
     return sorted(members)
 
 
@@ -327,10 +333,11 @@ def _with_their_font(glyphs: _Glyphs, chosen: Sequence[int]) -> list[int]:
         return list(chosen)
     high = _within(glyphs.height[rest][:, None], glyphs.height[known], _FONT_HEIGHT)
     thick = _within(glyphs.stem[rest][:, None], glyphs.stem[known], _FONT_STEM)
+    beside = _beside(glyphs)
     found = np.union1d(chosen, rest[(high & thick).any(axis=1)])
     first, second = (np.searchsorted(found, side[np.isin(glyphs.near, found).all(axis=0)]) for side in glyphs.near)
     label = components(len(found), first, second)
-    return sorted({j for key in np.unique(label) for j in _with_marks(glyphs, found[label == key].tolist())})
+    return sorted({j for key in np.unique(label) for j in _with_marks(glyphs, beside, found[label == key].tolist())})
 
 
 def without_pictures(found: Traced, options: ReadOptions) -> None:
@@ -351,7 +358,8 @@ def without_pictures(found: Traced, options: ReadOptions) -> None:
     holding |= {lines[i] for i, j in parents.items() if depth[j] % 2 and lines[i] == lines[j]}
     for line in sorted(holding - of_parts):
         rows = [row for row in range(len(polygons)) if lines[row] == line]
-        if any(_told(found.outlines[row].stroke, set()) for row in rows):
+        around = [polygons[row].area > _PICTURE * polygons[parents[row]].area for row in rows if depth[row] % 2]
+        if any(around) or any(_told(found.outlines[row].stroke, set()) for row in rows):
             continue
         called = line[1] if line[1] and line[1] not in {of[1] for of in of_parts} else name_of(line[0])
         found.note(

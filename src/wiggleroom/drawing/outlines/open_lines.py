@@ -67,10 +67,12 @@ def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[
 
 def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
     """Without open lines that were drawn before, in either sense."""
+    count = np.array([len(line.corners) for line in lines])
+    rounded = np.round(np.concatenate([line.corners for line in lines]) / (1e-8 * size)) + 0.0
     seen: dict[bytes, OpenLine] = {}
-    for line in lines:
-        there, back = (np.round(points / (1e-8 * size)) + 0.0 for points in (line.corners, line.corners[::-1]))
-        seen.setdefault(min(there.tobytes(), back.tobytes()), line)
+    for line, start, stop in zip(lines, (np.cumsum(count) - count).tolist(), np.cumsum(count).tolist(), strict=True):
+        there = rounded[start:stop]
+        seen.setdefault(min(there.tobytes(), there[::-1].tobytes()), line)
     return list(seen.values())
 
 
