@@ -189,7 +189,9 @@ def _without_thick_lines(found: Traced) -> None:
     if not gone or len(gone) == len(polygons):
         return
     x, y = found.outlines[min(gone)].region.outer[0]
-    many = "1 outline is as thin as a line, and" if len(gone) == 1 else f"{len(gone)} outlines are as thin as a line, and"
+    many = (
+        "1 outline is as thin as a line, and" if len(gone) == 1 else f"{len(gone)} outlines are as thin as a line, and"
+    )
     found.note(f"{many} left out, the first at ({x:.6g}, {y:.6g}) mm")
     found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in sorted(gone))))
     found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in gone]
