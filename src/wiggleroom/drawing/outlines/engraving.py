@@ -15,7 +15,6 @@ from wiggleroom.drawing.outlines.nesting import direct_parents
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import name_of
 from wiggleroom.drawing.strokes.elements import Stroke
-from wiggleroom.drawing.strokes.layers import has_own_name
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 
 _SMALL, _SMALL_OUTSIDE = 0.25, 0.1
@@ -33,7 +32,7 @@ _APART = 0.7
 _HEIGHTS, _STEMS = 2.0, 1.6
 """... their heights and the thickness of their strokes differ by no more than these factors, ..."""
 _LETTERS, _KINDS = 3, 0.25
-"""... there are at least so many, and among those that are bent at least this share differs, as the holes of a row do not."""
+"""... there are at least so many, and among them at least this share differs, as the holes of a row do not."""
 _ALIKE = 0.03
 """Letters whose areas and lengths differ by less than this share are the same."""
 _MARK_HEIGHT, _MARK_STEM = 1.6, 1.4
@@ -42,6 +41,8 @@ _RECTANGLE = 0.97
 """An outline that fills this share of the box round it is a rectangle."""
 _FONT_HEIGHT, _FONT_STEM = 1.5, 1.4
 """A single letter is like those of a word elsewhere where height and thickness of its strokes differ by no more than these factors."""
+_PICTURE = 0.5
+"""An outline of a picture takes no more than this share of the part that it is on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +63,8 @@ class _Glyphs:
         Area [mm2] of an outline, length [mm] of lines; length of all boundaries [mm].
     bent : (n,) bool
         Whether it has the form of a letter, and not only of a dot or a dash.
+    ring : (n,) bool
+        Whether it has that of an O or a D.
     counters : (n,) bool
         Whether something lies inside that would fall out if it were cut.
     inside : (n,) bool
@@ -78,14 +81,13 @@ class _Glyphs:
     ink: NDArray[np.float64]
     length: NDArray[np.float64]
     bent: NDArray[np.bool_]
+    ring: NDArray[np.bool_]
     counters: NDArray[np.bool_]
     inside: NDArray[np.bool_]
     near: tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
-def without_lettering(
-    found: Traced, lines: NDArray[np.object_], options: ReadOptions
-) -> NDArray[np.object_]:
+def without_lettering(found: Traced, lines: NDArray[np.object_], options: ReadOptions) -> NDArray[np.object_]:
     """Leave out outlines that are letters, and return the lines that bound nothing without those of letters.
 
     A word is a row of at least three small, thin, bent outlines of one height and thickness that are not all alike. Inside a part it
@@ -115,6 +117,8 @@ def without_lettering(
         return lines
     chosen = _with_their_font(glyphs, chosen)
     rows = {row for k in chosen for row in glyphs.rows[k]}
+    if len(rows) == len(found.outlines):
+        return lines  # nothing but letters: they are the parts
     used = {row for k in chosen for row in glyphs.lines[k]}
     first = shapely.bounds(glyphs.shapes[chosen[0]])
     found.note(
@@ -138,7 +142,7 @@ def without_annotation(found: Traced, lines: Sequence[OpenLine], options: ReadOp
     """Leave out lines in a colour in which letters are drawn and nothing that is larger and closed: dimensions, arrows, legends."""
     kept = list(lines)
     large = [outline.polygon for outline in found.outlines]
-    if options.only or not large and not lines:
+    if options.only or not lines:
         return kept
     drawn = np.array([shapely.LineString(line.corners) for line in lines], dtype=object)
     total = shapely.total_bounds([*large, *drawn])
@@ -175,6 +179,7 @@ def _glyphs(
     asked = set(rows_at(places, polygons)) if places else set()
     names = {name.casefold() for name in (*options.solid, *options.hole)}
     told = np.array([row in asked or _told(o.stroke, names) for row, o in enumerate(outlines)], dtype=bool)
+    told |= np.array([o.stroke.tag.casefold() in ("circle", "ellipse") for o in outlines], dtype=bool)
     small = (height <= most) & ~told & shapely.is_valid(polygons)
     inner, outer = shapely.STRtree(polygons).query(polygons, predicate="within")
     apart = inner != outer
@@ -191,7 +196,7 @@ def _glyphs(
     few = small & (holds <= _COUNTERS) & (ink > 0)
     few &= (holds == 0) | (held_area >= _COUNTER * area)
     bent = few & (stem <= _THIN * height) & (fill <= _BENT)
-    ring = few & (stem <= _THIN * height) & (holds > 0)  # as O and D
+    ring = few & (stem <= _THIN * height) & (holds > 0)
     counter = np.zeros(n, dtype=bool)
     counter[inner[(bent | ring)[outer]]] = True
     may_be = np.flatnonzero(few & ~counter)
@@ -201,7 +206,7 @@ def _glyphs(
     inside_of: dict[int, list[int]] = {}
     for i, j in zip(inner.tolist(), outer.tolist(), strict=True):
         inside_of.setdefault(j, []).append(i)
-    bent &= around | (stem <= _THIN_OUTSIDE)
+    bent, ring = (form & (around | (stem <= _THIN_OUTSIDE)) for form in (bent, ring))
     may_be = may_be[around[may_be] | (height[may_be] <= most_outside)]
     pieces = _pieces_of_lines(drawn, polygons, may_be, most_outside)
     of_lines = {row for _, rows in pieces for row in rows}
@@ -224,6 +229,7 @@ def _glyphs(
         np.concatenate([ink[may_be], line_length]),
         np.concatenate([edge[may_be], line_length]),
         np.concatenate([bent[may_be], line_length >= _INK * line_height]),
+        np.concatenate([ring[may_be], np.zeros(len(pieces), dtype=bool)]),
         np.concatenate([holds[may_be] > 0, np.zeros(len(pieces), dtype=bool)]),
         np.concatenate([around[may_be], within]),
         _near(shapes, tall),
@@ -242,8 +248,8 @@ def _near(shapes: NDArray[np.object_], height: NDArray[np.float64]) -> tuple[NDA
 
 def _told(stroke: Stroke, names: set[str]) -> bool:
     """Whether the file or an option says that a stroke is a part or a hole."""
-    said = stroke.label or has_own_name(stroke) or stroke.fixed or stroke.hole or stroke.whole or stroke.piece
-    return bool(said) or stroke.tag.casefold() in ("circle", "ellipse") or stroke.name.casefold() in names
+    said = stroke.label or stroke.fixed or stroke.hole or stroke.whole or stroke.piece
+    return bool(said) or stroke.name.casefold() in names
 
 
 def _pieces_of_lines(
@@ -273,25 +279,31 @@ def _words(glyphs: _Glyphs) -> NDArray[np.int64]:
     word = np.full(n, -1)
     first, second = glyphs.near
     alike = _within(height[first], height[second], _HEIGHTS) & _within(stem[first], stem[second], _STEMS)
-    both = alike & glyphs.bent[first] & glyphs.bent[second]
+    letter = glyphs.bent | glyphs.ring
+    both = alike & letter[first] & letter[second]
     label = components(n, first[both], second[both])
+    beside = _beside(glyphs)
     letters: dict[int, list[int]] = {}
-    for k in np.flatnonzero(glyphs.bent).tolist():
+    for k in np.flatnonzero(letter).tolist():
         letters.setdefault(int(label[k]), []).append(k)
     for key, rows in letters.items():
-        if _kinds(glyphs, rows) >= max(2, _KINDS * len(rows)):
-            members = _with_marks(glyphs, rows)
+        if glyphs.bent[rows].any() and _kinds(glyphs, rows) >= max(2, _KINDS * len(rows)):
+            members = _with_marks(glyphs, beside, rows)
             if len(members) >= _LETTERS:
                 word[members] = key
     return word
 
 
-def _with_marks(glyphs: _Glyphs, rows: Sequence[int]) -> list[int]:
-    """Letters with all beside them that is no higher and no thicker: dots, dashes, O and I."""
-    first, second = glyphs.near
+def _beside(glyphs: _Glyphs) -> dict[int, list[int]]:
+    """What is near each."""
     beside: dict[int, list[int]] = {}
-    for i, j in zip(first.tolist(), second.tolist(), strict=True):
+    for i, j in zip(*(side.tolist() for side in glyphs.near), strict=True):
         beside.setdefault(i, []).append(j)
+    return beside
+
+
+def _with_marks(glyphs: _Glyphs, beside: dict[int, list[int]], rows: Sequence[int]) -> list[int]:
+    """Letters with all beside them that is no higher and no thicker: dots, dashes, O and I."""
     high = float(glyphs.height[list(rows)].max())
     stems = glyphs.stem[list(rows)]
     thick = float(np.nanmedian(stems)) if np.isfinite(stems).any() else np.inf
@@ -300,10 +312,10 @@ def _with_marks(glyphs: _Glyphs, rows: Sequence[int]) -> list[int]:
         lined = np.isnan(glyphs.stem)
         box = shapely.area(shapely.envelope(glyphs.shapes))
         fits &= lined | ((glyphs.height * _MARK_HEIGHT >= high) & (glyphs.ink < _RECTANGLE * box))
-    members, new = set(rows), list(rows)
+    members, new = set(rows), set(rows)
     while new:
-        new = [j for i in new for j in beside.get(i, ()) if fits[j] and j not in members]
-        members |= set(new)
+        new = {j for i in new for j in beside.get(i, ()) if fits[j]} - members
+        members |= new
     return sorted(members)
 
 
@@ -327,43 +339,40 @@ def _with_their_font(glyphs: _Glyphs, chosen: Sequence[int]) -> list[int]:
         return list(chosen)
     high = _within(glyphs.height[rest][:, None], glyphs.height[known], _FONT_HEIGHT)
     thick = _within(glyphs.stem[rest][:, None], glyphs.stem[known], _FONT_STEM)
+    beside = _beside(glyphs)
     found = np.union1d(chosen, rest[(high & thick).any(axis=1)])
     first, second = (np.searchsorted(found, side[np.isin(glyphs.near, found).all(axis=0)]) for side in glyphs.near)
     label = components(len(found), first, second)
-    return sorted({j for key in np.unique(label) for j in _with_marks(glyphs, found[label == key].tolist())})
+    return sorted({j for key in np.unique(label) for j in _with_marks(glyphs, beside, found[label == key].tolist())})
 
 
 def without_pictures(found: Traced, options: ReadOptions) -> None:
-    """Leave out pictures: outlines inside parts with a line of their own, one of which holds another, which would fall out."""
+    """Leave out pictures: outlines inside parts in a colour or layer of their own, one of which holds another, which would fall out."""
     if options.only or options.skip or "all" in options.solid or "all" in options.hole or not found.outlines:
         return
     polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
-    parents = direct_parents(polygons)
-    lines = [_line(outline) for outline in found.outlines]
-    depth: list[int] = []
+    parents, area = direct_parents(polygons), shapely.area(polygons)
+    styles = [(outline.stroke.colour or outline.stroke.fill, outline.stroke.layer) for outline in found.outlines]
+    in_part = []  # whether what is around each is a part, not a hole in one
     for row in range(len(polygons)):
-        count, up = 0, row
+        depth, up = 0, row
         while up in parents:
-            count, up = count + 1, parents[up]
-        depth.append(count)
-    of_parts = {lines[row] for row in range(len(polygons)) if not depth[row]}
-    holding = {lines[row] for row, o in enumerate(found.outlines) if depth[row] % 2 and o.region.holes}
-    holding |= {lines[i] for i, j in parents.items() if depth[j] % 2 and lines[i] == lines[j]}
-    for line in sorted(holding - of_parts):
-        rows = [row for row in range(len(polygons)) if lines[row] == line]
-        if any(_told(found.outlines[row].stroke, set()) for row in rows):
+            depth, up = depth + 1, parents[up]
+        in_part.append(depth % 2 == 1)
+    holding = {styles[row] for row, o in enumerate(found.outlines) if in_part[row] and o.region.holes}
+    holding |= {styles[i] for i, j in parents.items() if in_part[j] and styles[i] == styles[j]}
+    holding -= {styles[row] for row in range(len(polygons)) if row not in parents}
+    gone: set[int] = set()
+    for style in sorted(holding):
+        rows = [row for row in range(len(polygons)) if styles[row] == style]
+        large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
+        if large or any(_told(found.outlines[row].stroke, set()) for row in rows):
             continue
-        called = line[1] if line[1] and line[1] not in {of[1] for of in of_parts} else name_of(line[0])
+        gone |= set(rows)
+        colour = f"in {name_of(style[0])}" if style[0] else f"on layer {style[1]}"
         found.note(
-            f"{len(rows)} outlines {f'on layer {called}' if called == line[1] else f'in {called}'} inside parts, one in another, are taken "
-            f"as a picture that is engraved, and left out; --only {','.join(dict.fromkeys((*sorted({name_of(of[0]) for of in of_parts if of[0]}), called)))} reads them"
+            f"{len(rows)} outlines {colour} inside parts, one in another, are taken as an engraved picture, and left out; "
+            "--solid all reads them"
         )
         found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in rows)))
-        gone = {id(found.outlines[row]) for row in rows}
-        found.outlines = [outline for outline in found.outlines if id(outline) not in gone]
-        return without_pictures(found, options)
-
-
-def _line(outline: Outline) -> tuple[str, str, str]:
-    stroke = outline.stroke
-    return stroke.colour or stroke.fill, stroke.layer, stroke.line_type
+    found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in gone]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Points
 from wiggleroom.drawing.outlines.connected_components import components
+from wiggleroom.drawing.outlines.rings import extents
 
 Ints = NDArray[np.int64]
 
@@ -73,7 +74,9 @@ def join_ends(
     >>> join_ends(lines, 0.05, 9.0).node.tolist()
     [[0, 1], [1, 2], [2, 0]]
     """
-    ends = np.array([point for line in lines for point in (line[0], line[-1])]).reshape(-1, 2)
+    last = np.cumsum([len(line) for line in lines]) - 1
+    ends = np.concatenate(lines)[np.column_stack([np.append(0, last[:-1] + 1), last]).ravel()]
+    sizes = extents(list(lines)).max(axis=1)
     points = shapely.points(ends)
     tree = shapely.STRtree(points)
     first, second = tree.query(points, predicate="dwithin", distance=COINCIDENCE_TOLERANCE * size)
@@ -85,7 +88,7 @@ def join_ends(
     first, second = tree.query(points[rows], predicate="dwithin", distance=tolerance)
     first = rows[first]
     apart = np.hypot(*(ends[first] - ends[second]).T)
-    short = [float(np.ptp(line, axis=0).max()) <= tolerance for line in lines]
+    short = (sizes <= tolerance).tolist()
     merged = np.arange(len(count))
     for k in np.lexsort((second, first, apart)).tolist():
         a, b = int(label[first[k]]), int(label[second[k]])
@@ -97,7 +100,7 @@ def join_ends(
         loose[a] = loose[b] = False
         widest = max(widest, float(apart[k]))
     if further:
-        lengths = np.repeat([float(np.ptp(line, axis=0).max()) for line in lines], 2)
+        lengths = np.repeat(sizes, 2)
         loose &= ~_on_lines(ends, label, loose, lines, rings, COINCIDENCE_TOLERANCE * size)
         for a, b, apart_here in _pairs_alone(ends, label, loose, lengths, tree):
             merged[merged == merged[a]] = merged[b]
@@ -117,8 +120,11 @@ def _on_lines(
 ) -> NDArray[np.bool_]:
     """Labels of loose ends that lie on a closed outline or on another line."""
     rows = np.flatnonzero(loose[label])
-    drawn = [shapely.LineString(line) for line in lines] + [shapely.LinearRing(ring) for ring in rings]
-    tree = shapely.STRtree(drawn)
+    if not len(rows):
+        return np.zeros(len(loose), dtype=bool)
+    drawn = [*lines, *(np.vstack([ring, ring[:1]]) for ring in rings)]
+    owner = np.repeat(np.arange(len(drawn)), [len(line) for line in drawn])
+    tree = shapely.STRtree(shapely.linestrings(np.concatenate(drawn), indices=owner))
     k, other = tree.query(shapely.points(ends[rows]), predicate="dwithin", distance=within)
     found = np.zeros(len(loose), dtype=bool)
     found[label[rows[k[other != rows[k] // 2]]]] = True
@@ -230,9 +236,9 @@ def open_chains(ends: Ends, wanted: Sequence[bool]) -> list[list[tuple[int, bool
 
 def outline_of(loop: Sequence[tuple[int, bool]], lines: Sequence[Points], ends: Ends) -> Points:
     """Corners (n, 2) [mm] of a loop of lines; ends that meet become one point exactly."""
+    starts = ends.at[ends.node[[line for line, _ in loop], [int(back) for _, back in loop]]]
     pieces = []
-    for line, back in loop:
+    for (line, back), start in zip(loop, starts[:, None], strict=True):
         points = lines[line][::-1] if back else lines[line]
-        start = ends.at[ends.node[line, 1 if back else 0]]
-        pieces.append(np.vstack([start[None], points[1:-1]]))
-    return np.vstack(pieces)
+        pieces += [start] if len(points) == 2 else [start, points[1:-1]]
+    return np.concatenate(pieces)

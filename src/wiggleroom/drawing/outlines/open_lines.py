@@ -67,16 +67,16 @@ def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[
 
 def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
     """Without open lines that were drawn before, in either sense."""
+    count = np.array([len(line.corners) for line in lines])
+    rounded = np.round(np.concatenate([line.corners for line in lines]) / (1e-8 * size)) + 0.0
     seen: dict[bytes, OpenLine] = {}
-    for line in lines:
-        there, back = (np.round(points / (1e-8 * size)) + 0.0 for points in (line.corners, line.corners[::-1]))
-        seen.setdefault(min(there.tobytes(), back.tobytes()), line)
+    for line, start, stop in zip(lines, (np.cumsum(count) - count).tolist(), np.cumsum(count).tolist(), strict=True):
+        there = rounded[start:stop]
+        seen.setdefault(min(there.tobytes(), there[::-1].tobytes()), line)
     return list(seen.values())
 
 
-def net_of_lines(
-    found: Traced, lines: Sequence[OpenLine], size: float, view: View | None
-) -> NDArray[np.object_]:
+def net_of_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View | None) -> NDArray[np.object_]:
     """Closed outlines cut by lines, also that of the page, and faces of the lines themselves; returns lines that bound nothing."""
     page = page_edge(found, lines, view)
     found.outlines += [page] if page is not None else []
@@ -85,9 +85,7 @@ def net_of_lines(
     ends = join_ends(corners, found.join, size, further=found.further, rings=rings)
     reached = _reached(found, corners, max(found.join, found.tolerance, BEAM if found.further else 0.0))
     rings = [ring for k in reached for ring in (found.outlines[k].region.outer, *found.outlines[k].region.holes)]
-    net = net_of(
-        corners, ends, rings, join=found.join, chord=found.tolerance, reach=BEAM if found.further else 0.0
-    )
+    net = net_of(corners, ends, rings, join=found.join, chord=found.tolerance, reach=BEAM if found.further else 0.0)
     by_owner, outside = _owners(found, reached, net.faces)
     replaced = {k for k, faces in by_owner.items() if len(faces) > 1}
     made: list[Outline] = []
@@ -210,7 +208,7 @@ def _without_slots(faces: Sequence[shapely.Polygon]) -> tuple[list[shapely.Polyg
 
 
 def _gaps(faces: NDArray[np.object_], outside: Sequence[int]) -> list[int]:
-    """Faces in no outline that others close in: small beside at least two, one a closed outline, with which they share most of their edge."""
+    """Faces in no outline, small beside at least two others, one in a closed outline, that share most of their edge with them."""
     if not outside:
         return []
     area, edges = shapely.area(faces), shapely.boundary(faces)

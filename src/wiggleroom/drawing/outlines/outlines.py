@@ -12,7 +12,7 @@ from wiggleroom.drawing.model import Points
 from wiggleroom.drawing.outlines.engraving import without_annotation, without_lettering
 from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.outlines.open_lines import joined_lines, net_of_lines, say_dangles
-from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS
+from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS, extents
 from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Remark, Traced
 from wiggleroom.drawing.strokes.chord_error import NO_GAP_SHARE, chord_error
@@ -79,8 +79,8 @@ def traced(
     lines: list[OpenLine] = []
     specks: list[Points] = []
     short, speck = 1e-9 * size, min(_SPECK, _SPECK_SHARE * size)
-    for (_, row), points, is_closed in zip(paths, corners, closed, strict=True):
-        extent = float(np.ptp(points, axis=0).max())
+    sizes = extents(corners).max(axis=1).tolist()
+    for (_, row), points, is_closed, extent in zip(paths, corners, closed, sizes, strict=True):
         if extent <= (speck if is_closed else short):
             specks.append(points[:1])
         elif not is_closed:
@@ -164,10 +164,13 @@ def _chord_error(
     if flatten:
         return max(flatten, FINEST * size), None, size
     by_row: dict[int, list[Points]] = {}
-    for (_, row), points in zip(chosen, curved.corners(1e-3 * size), strict=True):
-        if float(np.ptp(points, axis=0).max()) > min(_SPECK, _SPECK_SHARE * size):
+    coarse = curved.corners(1e-3 * size)
+    large = extents(coarse).max(axis=1) > min(_SPECK, _SPECK_SHARE * size)
+    for (_, row), points, is_large in zip(chosen, coarse, large.tolist(), strict=True):
+        if is_large:
             by_row.setdefault(row, []).append(points)
-    median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()] or [size]))
+    whole = [rings[0] if len(rings) == 1 else np.vstack(rings) for rings in by_row.values()]
+    median = float(np.median(extents(whole).max(axis=1))) if whole else size
     at_no_gap = max(median * NO_GAP_SHARE, FINEST * size)
     return chord_error(gap or 0.0, at_no_gap, FINEST * size), at_no_gap, size
 
@@ -186,7 +189,9 @@ def _without_thick_lines(found: Traced) -> None:
     if not gone or len(gone) == len(polygons):
         return
     x, y = found.outlines[min(gone)].region.outer[0]
-    many = "1 outline is as thin as a line, and" if len(gone) == 1 else f"{len(gone)} outlines are as thin as a line, and"
+    many = (
+        "1 outline is as thin as a line, and" if len(gone) == 1 else f"{len(gone)} outlines are as thin as a line, and"
+    )
     found.note(f"{many} left out, the first at ({x:.6g}, {y:.6g}) mm")
     found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in sorted(gone))))
     found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in gone]

@@ -229,6 +229,8 @@ def _claims(
     hole_names, hole_rows = _asked(options.hole, polygons)
     claims = Claims([], [], [], [], [], [], [])
     unknown = hole_names - {"all"}
+    inner = [(around[i], o.stroke.label) for i, o in enumerate(found.outlines) if i in around and o.stroke.label]
+    kinds = {parent for (parent, _), n in Counter(inner).items() if n > 1}  # labels in these are no names: "M4", "M4"
     for i, outline in enumerate(found.outlines):
         stroke = outline.stroke
         parent = found.outlines[around[i]].stroke if i in around else None
@@ -237,7 +239,7 @@ def _claims(
         # One label on an outline and on what is in it says nothing, nor does a text in both.
         named = inside[i] and parent is not None and given[around[i]] not in ("", given[i])
         filled = stroke.fill and not white and (stroke.styled or has_own_name(stroke))
-        labelled = stroke.label and (parent is None or stroke.label != parent.label)
+        labelled = stroke.label and around.get(i) not in kinds and (parent is None or stroke.label != parent.label)
         words = {word.casefold() for word in (given[i], stroke.name) if word}
         marks = {word.casefold() for word in (stroke.label, stroke.name, stroke.layer, *_group_marks(stroke)) if word}
         unknown -= words | marks

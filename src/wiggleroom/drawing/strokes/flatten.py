@@ -69,12 +69,15 @@ class Curved:
         }
         rings = []
         for start, loop in self.loops:
-            pieces: list[Complex] = [np.array([start])]
+            pieces: list[Complex] = []
+            run = [start]  # points between curves
             for kind, row, end in loop:
                 if kind != "line":
-                    pieces.append(inner[kind][row])
-                pieces.append(np.array([end]))
-            rings.append(np.concatenate(pieces).view(np.float64).reshape(-1, 2))
+                    pieces += [np.array(run), inner[kind][row]]
+                    run = []
+                run.append(end)
+            last = np.array(run)
+            rings.append((np.concatenate([*pieces, last]) if pieces else last).view(np.float64).reshape(-1, 2))
         return rings
 
     def _arc_corners(self, tolerance: float) -> list[Complex]:

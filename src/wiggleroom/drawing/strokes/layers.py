@@ -140,8 +140,14 @@ def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[
     reasons: list[str] = []
     notes: list[str] = []
     drawn = [bool(s.colour or s.fill) for s in artwork.strokes]
+    template = any(_PONOKO in (s.colour, s.fill) for s in artwork.strokes) and any(
+        s.colour == _PONOKO_CUT for s in artwork.strokes
+    )
     for stroke, visible in zip(artwork.strokes, drawn, strict=True):
-        reasons.append(wanted(stroke) or _usual(artwork, stroke, visible or not any(drawn)))
+        reason = wanted(stroke) or _usual(artwork, stroke, visible or not any(drawn))
+        if template and not reason and not options.only and stroke.colour != _PONOKO_CUT:
+            reason = f"not {name_of(_PONOKO_CUT)}, the colour of cuts on a template of Ponoko; --only COLOUR reads it"
+        reasons.append(reason)
     if all(reasons) and not options.only and not options.skip:
         reasons = [reason if reason == _SILENT else "" for reason in reasons]
         notes.append(f"{artwork.file}: everything stands in layers that are usually not cut; all of it is read")
@@ -342,6 +348,8 @@ def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
 
 _BOXES_COLOURS = {"#ff0000": "annotations", "#00ff00": "etching", "#00ffff": "deep etching"}
 """What boxes.py draws in these colours."""
+_PONOKO, _PONOKO_CUT = "#f6921e", "#0000ff"
+"""The frame and the notes of a template of Ponoko, and the lines that are cut on it."""
 
 
 def _reference_lines(artwork: Artwork, reasons: list[str]) -> None:

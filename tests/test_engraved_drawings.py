@@ -1,0 +1,243 @@
+"""Letters, pictures, dimensions and waste in drawings of sheets: what is engraved or falls out is neither part nor hole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from matplotlib.textpath import TextPath
+
+from wiggleroom.drawing.outlines.joining import join_ends
+from wiggleroom.drawing.read import reading
+from wiggleroom.drawing.strokes.read_options import ReadOptions
+from wiggleroom.errors import InputError
+
+BLACK, RED, BLUE = 'fill="none" stroke="#000000"', 'fill="none" stroke="#ff0000"', 'fill="none" stroke="#0000ff"'
+INK = "http://www.inkscape.org/namespaces/inkscape"
+HOLES = [(20, 15), (20, 85), (180, 15), (180, 85)]
+
+
+def path(points, style: str = BLACK, *, closed: bool = True, more: str = "") -> str:
+    data = "M" + "L".join(f"{x:.4f},{y:.4f}" for x, y in points) + ("Z" if closed else "")
+    return f'<path d="{data}" {style} {more}/>'
+
+
+def rect(x, y, w, h, style: str = BLACK, more: str = "") -> str:
+    return path([(x, y), (x + w, y), (x + w, y + h), (x, y + h)], style, more=more)
+
+
+def disc(x, y, r, style: str = BLACK, more: str = "") -> str:
+    return f'<circle cx="{x}" cy="{y}" r="{r}" {style} {more}/>'
+
+
+def word(text: str, x: float, y: float, size: float, style: str = BLACK, *, whole: bool = False) -> str:
+    """The outlines of a text in a font of matplotlib, each a path, or all in one."""
+    rings = [
+        np.array([[x + a, y - b] for a, b in ring[:-1]]) for ring in TextPath((0, 0), text, size=size).to_polygons()
+    ]
+    if not whole:
+        return "".join(path(ring, style) for ring in rings)
+    data = "".join("M" + "L".join(f"{a:.4f},{b:.4f}" for a, b in ring) + "Z" for ring in rings)
+    return f'<path d="{data}" {style}/>'
+
+
+def read(tmp_path: Path, *body: str, **options):
+    file = tmp_path / "sheet.svg"
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{INK}" width="400mm" height="300mm" viewBox="0 0 400 300">'
+    file.write_text(head + "".join(body) + "</svg>")
+    found = reading(file, options=ReadOptions(**options))
+    assert not found.findings
+    return found.drawing
+
+
+def counted(drawing) -> tuple[int, int]:
+    regions = [region for part in drawing.parts for region in part.regions]
+    return len(drawing.parts), sum(len(region.holes) for region in regions)
+
+
+def area(drawing) -> list[float]:
+    return sorted(sum(shapely.Polygon(r.outer, r.holes).area for r in part.regions) for part in drawing.parts)
+
+
+def said(drawing, text: str) -> bool:
+    return any(text in note for note in drawing.notes)
+
+
+PANEL = [rect(0, 0, 200, 100), *(disc(x, y, 2) for x, y in HOLES)]
+LETTERS = "drawn as outlines or lines are taken as engraved"
+
+
+@pytest.mark.parametrize("text", ["Plate A3", "Box 8 & 9", "side up", "WeMaker v1.0"])
+@pytest.mark.parametrize("whole", [False, True])
+@pytest.mark.parametrize(("x", "y"), [(40, 60), (220, 60)])
+def test_letters_in_and_beside_a_panel(tmp_path, text, whole, x, y):
+    drawing = read(tmp_path, *PANEL, word(text, x, y, 10, whole=whole))
+    assert counted(drawing) == (1, 4)
+    assert said(drawing, LETTERS)
+    assert counted(read(tmp_path, *PANEL, word(text, x, y, 10, whole=whole), solid=("all",)))[0] > 1
+
+
+def test_single_letters_are_known_by_the_words(tmp_path):
+    """A 2 alone could be a hole; in the font of a word with islands it is none."""
+    alone = read(tmp_path, *PANEL, word("2", 100, 50, 10))
+    beside = read(tmp_path, *PANEL, word("2", 100, 50, 10), word("board", 40, 20, 10))
+    assert (counted(alone), counted(beside)) == ((1, 5), (1, 4))
+
+
+def test_stencil_letters_are_cut(tmp_path):
+    """Letters without islands leave nothing that falls out, so they may be meant to be cut; it is said."""
+    drawing = read(tmp_path, *PANEL, word("LUNCH", 40, 60, 10))
+    assert counted(drawing) == (1, 9)
+    assert said(drawing, "none holds an island")
+
+
+def test_a_name_that_is_the_part(tmp_path):
+    drawing = read(tmp_path, word("tapster makes robots", 10, 60, 10))
+    assert len(drawing.parts) == len("tapstermakesrobots")
+
+
+TEE = [(0, 0), (3, 0), (3, 6), (6, 6), (6, 9), (3, 9), (3, 16), (0, 16), (0, 9), (-3, 9), (-3, 6), (0, 6)]
+
+
+@pytest.mark.parametrize("pitch", [11, 13, 16])
+def test_rows_of_holes_are_no_words(tmp_path, pitch):
+    """Slots for nuts, switches and rings: thin, bent, in rows, but alike."""
+    tees = [path([(40 + pitch * k + x, 20 + y) for x, y in TEE]) for k in range(8)]
+    rings = [part for k in range(6) for part in (disc(230 + 12 * k, 20, 5), disc(230 + 12 * k, 20, 3 + 0.2 * k))]
+    assert counted(read(tmp_path, *PANEL, *tees, *rings)) == (7, 18)
+
+
+STROKES = {
+    "A": [[(0, 0), (3, 9), (6, 0)], [(1, 3), (5, 3)]],
+    "E": [[(6, 0), (0, 0), (0, 9), (6, 9)], [(0, 4.5), (4, 4.5)]],
+    "R": [[(0, 0), (0, 9), (5, 9), (5, 5), (0, 5)], [(2, 5), (6, 0)]],
+    "O": [[(1, 0), (5, 0), (6, 4), (5, 9), (1, 9), (0, 4), (1, 0)]],
+    "V": [[(0, 9), (3, 0), (6, 9)]],
+}
+
+
+def strokes(text: str, x: float, y: float, style: str = BLACK) -> str:
+    """A text of single lines."""
+    lines = [
+        path([(x + 8 * k + a, y - b) for a, b in line], style, closed=False)
+        for k, letter in enumerate(text)
+        for line in STROKES[letter]
+    ]
+    return "".join(lines)
+
+
+@pytest.mark.parametrize(("x", "y"), [(60, 60), (220, 60)])
+def test_letters_of_single_lines(tmp_path, x, y):
+    """The loops of A, R and O are faces of these lines, and no parts."""
+    drawing = read(tmp_path, *PANEL, strokes("OVERAREA", x, y))
+    assert counted(drawing) == (1, 4)
+    assert said(drawing, LETTERS)
+
+
+def test_dimensions_in_a_colour_of_their_own(tmp_path):
+    """Lines from edge to edge in the colour of letters divide nothing; in the colour of the part they do."""
+    arrow = [[(50, 0), (50, 100)], [(48, 5), (50, 0), (52, 5)], [(48, 95), (50, 100), (52, 95)]]
+    red = [path(line, RED, closed=False) for line in arrow]
+    black = [path(line, closed=False) for line in arrow]
+    drawing = read(tmp_path, *PANEL, *red, strokes("OVERA", 54, 60, RED))
+    assert counted(drawing) == (1, 4)
+    assert said(drawing, "taken as dimensions or notes")
+    assert counted(read(tmp_path, *PANEL, *black))[0] == 2
+
+
+def test_a_picture_in_a_colour_of_its_own(tmp_path):
+    """What lies in another one of its colour would fall out; holes in a colour of their own would not."""
+    picture = [disc(100, 50, 20, RED), disc(100, 50, 15, RED), rect(95, 40, 10, 20, RED), disc(150, 50, 5, RED)]
+    drawing = read(tmp_path, *PANEL, *picture)
+    assert counted(drawing) == (1, 4)
+    assert said(drawing, "taken as an engraved picture")
+    assert counted(read(tmp_path, *PANEL, picture[0], picture[3])) == (1, 6)
+
+
+def test_a_part_in_the_hole_of_another_is_no_picture(tmp_path):
+    """Red inside black: a wheel with a hole of its own, in a window."""
+    drawing = read(tmp_path, *PANEL, disc(100, 50, 30), disc(100, 50, 25, RED), disc(100, 50, 5, RED))
+    assert counted(drawing) == (2, 6)
+
+
+def test_a_line_drawn_with_its_thickness(tmp_path):
+    drawing = read(tmp_path, *PANEL, rect(0, -10, 200, 0.2), rect(220, 0, 5, 100))
+    assert area(drawing) == pytest.approx([500, 20000 - 4 * np.pi * 4], rel=1e-3)
+    assert said(drawing, "as thin as a line")
+
+
+@pytest.mark.parametrize(("shift", "holes"), [(0.01, 5), (5, 6)])
+def test_a_slot_drawn_twice_a_hair_apart(tmp_path, shift, holes):
+    """Outlines that cross each other, as none with a clearance do, are one; shapely says what two far apart leave."""
+    one, two = shapely.box(60, 40, 80, 43), shapely.box(60 + shift, 40, 80 + shift, 43)
+    drawing = read(tmp_path, *PANEL, rect(60, 40, 20, 3), rect(60 + shift, 40, 20, 3))
+    left = 20000 - 4 * np.pi * 4 - (one if holes == 5 else one | two).area
+    assert area(drawing) == pytest.approx([left], abs=0.05)
+    assert said(drawing, "drawn twice") == (holes == 5)
+
+
+@pytest.mark.parametrize("short", [0.0, 0.04, 0.08])
+def test_panels_that_share_an_edge(tmp_path, short):
+    """The lower panel ends on the edge of the upper one, a hair short of it; what both close in between them is waste."""
+    upper = [(0, 0), (200, 0), (200, 50), (120, 50), (120, 44), (100, 44), (100, 50), (0, 50)]
+    end = 50 + short
+    lower = path([(0, end), (0, 110), (200, 110), (200, end)], closed=False)
+    bridge = path([(100, 50), (120, 50)], closed=False)
+    drawing = read(tmp_path, path(upper), lower, bridge)
+    assert area(drawing) == pytest.approx([200 * 50 - 120, 200 * 60], rel=1e-3)
+    assert said(drawing, "taken as waste")
+
+
+def test_an_end_too_far_away_stays_open(tmp_path):
+    upper = rect(0, 0, 200, 50)
+    lower = path([(0, 50.2), (0, 110), (200, 110), (200, 50.2)], closed=False)
+    assert counted(read(tmp_path, upper, lower)) == (1, 0)
+
+
+@pytest.mark.parametrize(
+    ("length", "gap", "third", "joined"),
+    [(10, 0.08, False, True), (10, 0.08, True, False), (3, 0.08, False, False), (10, 0.12, False, False)],
+)
+def test_ends_with_no_other_one_near_are_joined(length, gap, third, joined):
+    """Over a beam's width and a fiftieth of the shorter line, unless a third end makes it a guess."""
+    lines = [np.array([[0.0, 0], [length, 0]]), np.array([[length + gap, 0], [length + gap, 9]])]
+    lines += [np.array([[length, -0.2], [length, -9]])] if third else []
+    node = join_ends(lines, 0.01, 20.0, further=True).node
+    assert (node[0, 1] == node[1, 0]) == joined
+
+
+def test_slots_by_open_lines_over_an_edge_fall_out(tmp_path):
+    """Three sides of each slot are drawn; two alike at the edge are slots, one piece cut off is a part."""
+    slots = [path([(x, 100), (x, 90), (x + 3, 90), (x + 3, 100)], closed=False) for x in (60, 120)]
+    drawing = read(tmp_path, rect(0, 0, 200, 100), *slots)
+    assert area(drawing) == pytest.approx([20000 - 60])
+    assert said(drawing, "are slots, and fall out")
+    assert area(read(tmp_path, rect(0, 0, 200, 100), slots[0])) == pytest.approx([30, 19970])
+
+
+def test_labels_of_one_kind_are_no_names(tmp_path):
+    """One label on several outlines in a part says what they are for; different ones say which part is which."""
+    screws = [disc(x, 50, 2, more='inkscape:label="M4"') for x in (60, 100, 140)]
+    named = [disc(x, 50, 8, more=f'inkscape:label="wheel {x}"') for x in (60, 100, 140)]
+    assert counted(read(tmp_path, rect(0, 0, 200, 100), *screws)) == (1, 3)
+    assert len(read(tmp_path, rect(0, 0, 200, 100), *named).parts) == 4
+
+
+def test_one_label_on_an_outline_and_what_is_in_it(tmp_path):
+    """A label that a group of outlines shares does not make a part of the hole."""
+    label = 'inkscape:label="lid"'
+    assert counted(read(tmp_path, rect(0, 0, 200, 100, more=label), disc(100, 50, 20, more=label))) == (1, 1)
+
+
+def test_a_template_says_what_is_cut(tmp_path):
+    """On a sheet of Ponoko blue is cut, red is engraved, and orange is their own."""
+    orange = 'fill="none" stroke="#f6921e"'
+    sheet = [rect(0, 0, 384, 284, orange), rect(390, 0, 6, 6, orange)]
+    body = [rect(10, 10, 200, 100, BLUE), disc(50, 50, 5, BLUE), rect(100, 40, 30, 30, RED)]
+    drawing = read(tmp_path, *sheet, *body)
+    assert counted(drawing) == (1, 1)
+    assert said(drawing, "template of Ponoko")
+    with pytest.raises(InputError, match="no layer, colour or name"):
+        read(tmp_path, *body, skip=("orange",))
