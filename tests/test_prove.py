@@ -470,7 +470,10 @@ def test_a_short_time_gives_the_best_so_far():
 def test_command(tmp_path, capsys, command):
     file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
     assert command("make", "chain", "3", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
-    assert command("flex", file, "--prove", "0.01", "--time", "30", "--json", out, "--picture", picture) == 0
+    assert (
+        command("flex", file, "--search", "0", "--prove", "0.01", "--time", "30", "--json", out, "--picture", picture)
+        == 0
+    )
     said = capsys.readouterr().out
     assert "mm, proven" in said
     assert "mm, proven" in picture.read_text()

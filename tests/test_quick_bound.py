@@ -201,11 +201,6 @@ def test_null_where_it_would_cost_more_or_say_too_little():
         assert answer.bound is None
 
 
-def test_studies_ask_for_none():
-    answer = wr.rank(wr.patterns.chain(5, joint="tee", gap=0.01)).answer
-    assert answer.at_most is None
-
-
 def test_a_proof_that_finds_nothing_leaves_the_quick_bound():
     answer = wr.flex(wr.patterns.chain(10, joint="tee", gap=0.01))
     done = wr.prove(answer, 0.001, seconds=1e-6)

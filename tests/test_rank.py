@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +28,11 @@ from wiggleroom.sensitivity.face_ranges import ranges
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.sensitivity.rank import rank_at_once
+
+
+def ranked(assembly: wr.Assembly, **how: Any) -> wr.Ranking:
+    """Importance for the motion that a climb from rest ends at: the differences beside it begin there, too."""
+    return wr.rank(wr.flex(assembly, search=0), **how)
 
 
 def two_stops() -> Drawing:
@@ -57,7 +63,7 @@ def again(drawing: Drawing, name: str, h: float) -> float:
 
 @pytest.mark.parametrize("by", ["duals", "differences"])
 def test_only_what_stops_a_block_counts(by: str) -> None:
-    ranking = wr.rank(assemble(slot()), by=by)
+    ranking = ranked(assemble(slot()), by=by)
     assert ranking.answer.objective == pytest.approx(0.3, abs=1e-6)
     assert of(ranking, "block") == pytest.approx((0.5, 0.5), abs=1e-5)
     assert of(ranking, "right") == pytest.approx((0.5, 0.5), abs=1e-5)
@@ -67,7 +73,7 @@ def test_only_what_stops_a_block_counts(by: str) -> None:
 
 
 def test_one_joint_holds_the_block() -> None:
-    ranking = wr.rank(assemble(slot()))
+    ranking = ranked(assemble(slot()))
     names = ranking.answer.assembly.names
     assert [{names[i] for i in pair} for pair in ranking.joints] == [{"right", "block"}]
     assert ranking.joint_looser == pytest.approx([1.0], abs=1e-5)
@@ -75,7 +81,7 @@ def test_one_joint_holds_the_block() -> None:
 
 @pytest.mark.parametrize("by", ["duals", "differences"])
 def test_two_stops_at_once_differ_on_both_sides(by: str) -> None:
-    ranking = wr.rank(assemble(two_stops()), by=by)
+    ranking = ranked(assemble(two_stops()), by=by)
     assert ranking.answer.objective == pytest.approx(0.5, abs=1e-6)
     for stop in ("wall", "peg"):  # loosening one leaves the other; tightening one is felt at once
         assert of(ranking, stop) == pytest.approx((0.0, 0.5), abs=1e-4)
@@ -109,7 +115,7 @@ def again_one_sided(drawing: Drawing, name: str, h: float) -> float:
 @pytest.mark.parametrize("foot", [0.1, 0.0])
 def test_a_bar_that_may_slide_on_its_posts_lets_each_count_for_what_it_holds_at_either_end(foot: float) -> None:
     """The bar lies anywhere between two stops: with a lower post it goes towards that one, with a higher one away from it."""
-    ranking = wr.rank(assemble(seesaw(foot)))
+    ranking = ranked(assemble(seesaw(foot)))
     for post in ("left post", "right post"):
         looser, tighter = of(ranking, post)
         assert not ranking.unique[ranking.answer.assembly.names.index(post)]
@@ -143,7 +149,7 @@ def joint_again(drawing: Drawing, joint: tuple[str, str], h: float) -> float:
 
 def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_worth_most() -> None:
     """With less gap it lies where the largest force of that joint loses least; the best place for the left one lies between those met."""
-    ranking = wr.rank(assemble(three_stops()))
+    ranking = ranked(assemble(three_stops()))
     names = ranking.answer.assembly.names
     joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
     for stop, met in (("left", 0.9), ("middle", 1.0), ("right", 1.0)):
@@ -167,7 +173,7 @@ def table_on_humps() -> Drawing:
 
 def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
     """Then the left hump need not carry anything, and at most what it does where the table lies furthest to the right."""
-    ranking = wr.rank(assemble(table_on_humps()))
+    ranking = ranked(assemble(table_on_humps()))
     names = ranking.answer.assembly.names
     joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
     for hump in ("left", "middle", "right"):
@@ -201,7 +207,7 @@ def block_at_a_wall() -> Drawing:
 
 def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_that_it_faced() -> None:
     """A step stands up below the block there: all of the gap is lost, wherever it lies."""
-    ranking = wr.rank(assemble(block_at_a_wall()))
+    ranking = ranked(assemble(block_at_a_wall()))
     (joint,) = ranking.joints.tolist()
     again = joint_again(block_at_a_wall(), tuple(ranking.answer.assembly.names[k] for k in joint), -2e-3)
     assert again == pytest.approx(1.0, abs=1e-3)
@@ -237,13 +243,13 @@ def test_bolts_in_line_share_a_load_in_any_way() -> None:
     for k, x in enumerate((0.0, 1.5)):
         parts.append(polygon_part(f"bolt{k}", disc(x, 0.3)))
     drawing = Drawing(tuple(parts), ignore=(("plate", "slide"),), goals=(Pull("slide", (1.0, 0.0)),))
-    ranking = wr.rank(assemble(drawing))
+    ranking = ranked(assemble(drawing))
     for bolt in ("bolt0", "bolt1"):
         assert of(ranking, bolt) == pytest.approx((0.0, 1.0), abs=1e-3)
 
 
 def test_exact_solves_what_is_not_unique_again() -> None:
-    ranking = wr.rank(assemble(two_stops()), exact=True)
+    ranking = ranked(assemble(two_stops()), exact=True)
     assert of(ranking, "peg") == pytest.approx((0.0, 0.5), abs=1e-4)
     assert ranking.by == "duals"
 
@@ -257,7 +263,7 @@ def test_of_glued_parts_only_the_one_that_touches_counts() -> None:
         box("front", 5.0, 0.0, 10.0, 2.0),
     )
     drawing = Drawing(parts, glue=(("rear", "front"),), goals=(Pull("rear", (1.0, 0.0)),))
-    ranking = wr.rank(assemble(drawing))
+    ranking = ranked(assemble(drawing))
     assert of(ranking, "front") == pytest.approx((0.5, 0.5), abs=1e-5)
     assert of(ranking, "rear") == pytest.approx((0.0, 0.0), abs=1e-5)
 
@@ -271,7 +277,7 @@ def test_a_slanted_contact_counts_by_its_normal() -> None:
         polygon_part("block", [(0.0, 0.0), (10.0, 0.0), (7.0, 4.0), (0.0, 4.0)]),
     )
     drawing = Drawing(parts, goals=(Pull("block", (1.0, 0.0)),))
-    ranking = wr.rank(assemble(drawing))
+    ranking = ranked(assemble(drawing))
     for name in ("floor", "wedge", "block"):
         assert of(ranking, name)[0] == pytest.approx(again(drawing, name, 0.002), rel=0.02, abs=1e-4)
 
@@ -287,7 +293,7 @@ ASSEMBLIES = {
 @pytest.mark.parametrize("name", ASSEMBLIES)
 def test_multipliers_agree_with_asking_again_from_nothing(name: str) -> None:
     assembly = ASSEMBLIES[name]()
-    ranking = wr.rank(assembly)
+    ranking = ranked(assembly)
     for k in ranking.order[: max(2, len(assembly.parts) // 5)]:
         truth = again(assembly.drawing, assembly.names[k], 0.01 * assembly.gap)
         assert ranking.unique[k]
@@ -296,7 +302,7 @@ def test_multipliers_agree_with_asking_again_from_nothing(name: str) -> None:
 
 def test_all_parts_together_are_worth_what_the_gap_is() -> None:
     drawing = wr.patterns.chain(5, joint="tee", gap=0.02).drawing
-    ranking = wr.rank(assemble(drawing))
+    ranking = ranked(assemble(drawing))
     high, low = (wr.flex(assemble(drawing, gap=g), search=0).objective for g in (0.0202, 0.0198))
     assert high is not None
     assert low is not None
@@ -359,7 +365,7 @@ def glued_grid() -> Drawing:
 )
 def test_a_joint_is_worth_what_a_gap_of_its_own_is(drawing: Callable[[], Drawing]) -> None:
     made = drawing()
-    ranking = wr.rank(assemble(made))
+    ranking = ranked(assemble(made))
     names = ranking.answer.assembly.names
     h, largest = 0.002 * made.gap, ranking.joint_looser.max()
     assert len(ranking.joints)
@@ -381,7 +387,7 @@ def slid(direction: tuple[float, float], gap: float) -> Drawing:
 def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direction: tuple[float, float]) -> None:
     """With more gap the floor keeps its height beyond the stretch, and the block rests on that step; with less it leaves it."""
     made = slid(direction, 0.02)
-    ranking = wr.rank(assemble(made))
+    ranking = ranked(assemble(made))
     value, h = ranking.answer.objective, 1e-4
     assert value is not None
     sides = [loosened_joint(made, ("frame", "block"), s * h) for s in (1, -1)]
@@ -405,7 +411,7 @@ def test_what_lies_beside_makes_room_for_motions_as_large_as_the_largest() -> No
         polygon_part("bolt", bolt),
     )
     made = Drawing(parts, gap=0.07, goals=(Turn("bolt", "cw"),))
-    ranking = wr.rank(assemble(made))
+    ranking = ranked(assemble(made))
     value, h = ranking.answer.objective, 1e-4
     assert value is not None
     joint = [set(pair) for pair in ranking.joints.tolist()].index({0, 2})
@@ -436,7 +442,7 @@ def test_a_joint_counts_at_the_place_where_both_of_its_sides_face_each_other(sli
     blocks = box("left", -4.2, 0.0, -3.8, 1.0, fixed=True), box("right", 1.5, 0.0, 2.5, 1.0, fixed=True)
     parts = box("bar", -6.0, -1.0, 6.0, 0.0), *blocks, polygon_part("tray", tray, fixed=True)
     drawing = Drawing(parts, 0.1, goals=(Pull("bar", (0.0, 1.0), (-0.4, -0.5)),))
-    ranking = wr.rank(assemble(drawing))
+    ranking = ranked(assemble(drawing))
     names = ranking.answer.assembly.names
     for k, pair in enumerate(ranking.joints.tolist()):
         looser, tighter = (joint_again(drawing, tuple(names[j] for j in pair), h) for h in (2e-3, -2e-3))
@@ -448,7 +454,7 @@ def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
     tip = polygon_part("tip", [(10.0, 5.0), (14.0, 1.0), (14.0, 9.0)], fixed=True)
     rails = box("floor", -20, -3, 20, 0, fixed=True), box("roof", -20, 10, 20, 13, fixed=True)
     drawing = Drawing((box("block", 0, 0, 10, 10), tip, *rails), gap=0.2, goals=(Pull("block", (1.0, 0.0)),))
-    ranking = wr.rank(assemble(drawing))
+    ranking = ranked(assemble(drawing))
     block, at_tip = of(ranking, "block"), of(ranking, "tip")
     assert min(*block, *at_tip) > 0.4
     assert not any({"block", "tip"} == {ranking.answer.assembly.names[k] for k in pair} for pair in ranking.joints)
@@ -459,7 +465,7 @@ def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
 def test_turns_are_ranked_in_radians() -> None:
     drawing = wr.patterns.chain(3, joint="tee", gap=0.02).drawing
     drawing = replace(drawing, goals=(Turn("b3", "ccw"),))
-    ranking = wr.rank(assemble(drawing))
+    ranking = ranked(assemble(drawing))
     for k, name in enumerate(("b1", "b2", "b3")):
         assert ranking.looser[k] == pytest.approx(again(drawing, name, 0.0002), rel=0.02)
 
@@ -480,9 +486,9 @@ def test_what_has_no_end_cannot_be_ranked() -> None:
     drawing = slot()
     drawing = replace(drawing, parts=drawing.parts[:-1], goals=(Pull("block", (0.0, 1.0)),))
     with pytest.raises(wr.InputError, match="nothing stops the motion"):
-        wr.rank(assemble(drawing))
+        ranked(assemble(drawing))
     with pytest.raises(wr.InputError, match="duals or by differences"):
-        wr.rank(assemble(slot()), by="magic")
+        ranked(assemble(slot()), by="magic")
 
 
 @pytest.mark.slow
@@ -528,7 +534,7 @@ def test_differences_where_an_outline_cannot_move():
     tee = [(-1, 1), (-1, -deep), (-2, -deep), (-2, -3), (2, -3), (2, -deep), (1, -deep), (1, 1)]
     parts = polygon_part("base", base, fixed=True), polygon_part("tee", tee)
     assembly = assemble(Drawing(parts, gap=gap, goals=(Pull("tee", (0.0, -1.0)),)))
-    differences, duals = wr.rank(assembly, by="differences"), wr.rank(assembly)
+    differences, duals = ranked(assembly, by="differences"), ranked(assembly)
     assert differences.looser == pytest.approx(duals.looser, rel=1e-3)
     assert (differences.unique == duals.unique).all()
 

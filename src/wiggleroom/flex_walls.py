@@ -23,7 +23,7 @@ from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on, together
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.local_search import LocalSearch
-from wiggleroom.search.moves import REFINEMENT, THOROUGH
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion
 from wiggleroom.search.prepare import Prepared, prepare_as_drawn
@@ -184,7 +184,6 @@ def _climbed(ready: Prepared, query: MotionQuery, near: Start | None = None) -> 
     climb = LocalSearch(ready, goal, query.solve, THOROUGH, query.stop, query.tell)
     climb.seconds["freespace"] += time.perf_counter() - query.began
     if near is not None:
-        climb.policy = REFINEMENT
         climb.improve(near)
         climb, repeats = periodic_motion(climb, query.goals) if query.periods else (climb, None)
         return _answer(climb, query, repeats)

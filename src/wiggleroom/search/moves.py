@@ -186,8 +186,6 @@ THOROUGH = replace(
     WITHOUT_BRANCHES, moves=(*WITHOUT_BRANCHES.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked
 )
 """What an answer needs."""
-REFINEMENT = replace(WITHOUT_BRANCHES, unchecked=_unchecked)
-"""The end of a motion once more, where outlines have changed by a little."""
 CLIMB = replace(WITHOUT_BRANCHES, moves=(regrow_stale, tighten), unchecked=_unchecked, fine=lambda _: 1e-4)
 """A climb that only shows how good a local optimum is."""
 RANDOM_CLIMB = replace(
