@@ -141,7 +141,7 @@ def three_stops() -> Drawing:
 def joint_again(drawing: Drawing, joint: tuple[str, str], h: float) -> float:
     """Difference on one side by the gap of one joint, everything worked out from nothing."""
     own = replace(drawing, gaps=(JointGap(joint, drawing.gap + h),))
-    at, beside = (wr.flex(assemble(each), search=0).objective for each in (drawing, own))
+    at, beside = (wr.flex(assemble(each)).objective for each in (drawing, own))
     assert at is not None
     assert beside is not None
     return (beside - at) / h
@@ -149,7 +149,7 @@ def joint_again(drawing: Drawing, joint: tuple[str, str], h: float) -> float:
 
 def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_worth_most() -> None:
     """With less gap it lies where the largest force of that joint loses least; the best place for the left one lies between those met."""
-    ranking = ranked(assemble(three_stops()))
+    ranking = wr.rank(assemble(three_stops()))
     names = ranking.answer.assembly.names
     joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
     for stop, met in (("left", 0.9), ("middle", 1.0), ("right", 1.0)):
@@ -173,7 +173,7 @@ def table_on_humps() -> Drawing:
 
 def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
     """Then the left hump need not carry anything, and at most what it does where the table lies furthest to the right."""
-    ranking = ranked(assemble(table_on_humps()))
+    ranking = wr.rank(assemble(table_on_humps()))
     names = ranking.answer.assembly.names
     joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
     for hump in ("left", "middle", "right"):
@@ -207,7 +207,7 @@ def block_at_a_wall() -> Drawing:
 
 def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_that_it_faced() -> None:
     """A step stands up below the block there: all of the gap is lost, wherever it lies."""
-    ranking = ranked(assemble(block_at_a_wall()))
+    ranking = wr.rank(assemble(block_at_a_wall()))
     (joint,) = ranking.joints.tolist()
     again = joint_again(block_at_a_wall(), tuple(ranking.answer.assembly.names[k] for k in joint), -2e-3)
     assert again == pytest.approx(1.0, abs=1e-3)
@@ -333,7 +333,7 @@ def loosened_joint(drawing: Drawing, pair: tuple[str, str], more: float) -> floa
     gaps = {frozenset(j.parts): j for j in drawing.gaps}
     own = gaps.get(frozenset(pair), JointGap(pair, drawing.gap)).gap
     gaps[frozenset(pair)] = JointGap(pair, own + more)
-    return wr.flex(assemble(replace(drawing, gaps=tuple(gaps.values()))), search=0).objective
+    return wr.flex(assemble(replace(drawing, gaps=tuple(gaps.values())))).objective
 
 
 def offset_chain() -> Drawing:
@@ -387,7 +387,7 @@ def slid(direction: tuple[float, float], gap: float) -> Drawing:
 def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direction: tuple[float, float]) -> None:
     """With more gap the floor keeps its height beyond the stretch, and the block rests on that step; with less it leaves it."""
     made = slid(direction, 0.02)
-    ranking = ranked(assemble(made))
+    ranking = wr.rank(assemble(made))
     value, h = ranking.answer.objective, 1e-4
     assert value is not None
     sides = [loosened_joint(made, ("frame", "block"), s * h) for s in (1, -1)]
@@ -411,7 +411,7 @@ def test_what_lies_beside_makes_room_for_motions_as_large_as_the_largest() -> No
         polygon_part("bolt", bolt),
     )
     made = Drawing(parts, gap=0.07, goals=(Turn("bolt", "cw"),))
-    ranking = ranked(assemble(made))
+    ranking = wr.rank(assemble(made))
     value, h = ranking.answer.objective, 1e-4
     assert value is not None
     joint = [set(pair) for pair in ranking.joints.tolist()].index({0, 2})
@@ -442,7 +442,7 @@ def test_a_joint_counts_at_the_place_where_both_of_its_sides_face_each_other(sli
     blocks = box("left", -4.2, 0.0, -3.8, 1.0, fixed=True), box("right", 1.5, 0.0, 2.5, 1.0, fixed=True)
     parts = box("bar", -6.0, -1.0, 6.0, 0.0), *blocks, polygon_part("tray", tray, fixed=True)
     drawing = Drawing(parts, 0.1, goals=(Pull("bar", (0.0, 1.0), (-0.4, -0.5)),))
-    ranking = ranked(assemble(drawing))
+    ranking = wr.rank(assemble(drawing))
     names = ranking.answer.assembly.names
     for k, pair in enumerate(ranking.joints.tolist()):
         looser, tighter = (joint_again(drawing, tuple(names[j] for j in pair), h) for h in (2e-3, -2e-3))

@@ -180,7 +180,7 @@ class Document:
             from wiggleroom.sensitivity.perturbation import is_searched
 
             state = state if is_searched(answer.assembly) else SearchState.FROM_REST
-        kept, calm = self._calm.peek(whole(design)) or (None, None)
+        kept, calm = self._calm.peek(whole(design)) or (None, answer)
         if kept is not answer:
             from wiggleroom.search.bystanders import with_bystanders_at_rest
 
