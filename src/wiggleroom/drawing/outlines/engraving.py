@@ -41,8 +41,8 @@ _RECTANGLE = 0.97
 """An outline that fills this share of the box round it is a rectangle."""
 _FONT_HEIGHT, _FONT_STEM = 1.5, 1.4
 """A single letter is like those of a word elsewhere where height and thickness of its strokes differ by no more than these factors."""
-_PICTURE = 0.5
-"""An outline of a picture takes no more than this share of the part that it is on."""
+_PICTURE, _NESTED = 0.5, 0.3
+"""An outline of a picture takes no more than this share of the part that it is on, and at least this share of them are in each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,14 +359,15 @@ def without_pictures(found: Traced, options: ReadOptions) -> None:
         while up in parents:
             depth, up = depth + 1, parents[up]
         in_part.append(depth % 2 == 1)
-    holding = {styles[row] for row, o in enumerate(found.outlines) if in_part[row] and o.region.holes}
-    holding |= {styles[i] for i, j in parents.items() if in_part[j] and styles[i] == styles[j]}
-    holding -= {styles[row] for row in range(len(polygons)) if row not in parents}
+    nested = {row for row, o in enumerate(found.outlines) if in_part[row] and o.region.holes}
+    nested |= {row for i, j in parents.items() if in_part[j] and styles[i] == styles[j] for row in (i, j)}
+    of_parts = {styles[row] for row in range(len(polygons)) if row not in parents}
     gone: set[int] = set()
-    for style in sorted(holding):
+    for style in sorted({styles[row] for row in nested} - of_parts):
         rows = [row for row in range(len(polygons)) if styles[row] == style]
+        few = len(nested & set(rows)) < _NESTED * len(rows)
         large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
-        if large or any(_told(found.outlines[row].stroke, set()) for row in rows):
+        if few or large or any(_told(found.outlines[row].stroke, set()) for row in rows):
             continue
         gone |= set(rows)
         colour = f"in {name_of(style[0])}" if style[0] else f"on layer {style[1]}"

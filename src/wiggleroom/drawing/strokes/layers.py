@@ -380,13 +380,13 @@ def _reference_bar(artwork: Artwork, reasons: list[str]) -> None:
 
 
 def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
-    """Leave out what is filled without a line inside outlines that are lines without a fill."""
+    """Leave out what is filled without a line of another colour inside outlines that are lines without a fill."""
     rows = [i for i, reason in enumerate(reasons) if not reason]
     lines = [i for i in rows if artwork.strokes[i].colour and not artwork.strokes[i].fill]
     fills = [
         i
         for i in rows
-        if artwork.strokes[i].fill and not artwork.strokes[i].colour and not artwork.strokes[i].fixed
+        if artwork.strokes[i].fill and artwork.strokes[i].colour in ("", artwork.strokes[i].fill) and not artwork.strokes[i].fixed
         and not _called(artwork.strokes[i], options)
     ]  # fmt: skip
     if not lines or not fills:
@@ -396,7 +396,7 @@ def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
     for i in fills:
         inner = _box(artwork.strokes[i])
         if any(boxes[k].area > inner.area for k in tree.query(inner, predicate="covered_by").tolist()):
-            reasons[i] = "filled without a line, among lines: engraving; --solid NAME|all reads it as a part"
+            reasons[i] = "filled without a line of another colour, among lines: engraving; --solid NAME|all reads it as a part"
 
 
 def _called(stroke: Stroke, options: ReadOptions) -> bool:
