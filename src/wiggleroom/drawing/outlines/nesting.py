@@ -162,8 +162,11 @@ def direct_parents(outlines: NDArray[np.object_]) -> dict[int, int]:
     held &= (box[inner, 2:] <= box[outer, 2:] + slack).all(axis=1)
     held &= (area[inner] < area[outer]) & sound[inner] & sound[outer]
     inner, outer = inner[held], outer[held]
-    rest = shapely.area(shapely.difference(outlines[inner], outlines[outer]))
-    inside = rest <= 1e-9 * area[inner]
+    shapely.prepare(outlines)
+    inside = shapely.contains_properly(outlines[outer], outlines[inner])
+    open_ = np.flatnonzero(~inside & shapely.intersects(outlines[outer], outlines[inner]))  # edges that touch, perhaps
+    rest = shapely.area(shapely.difference(outlines[inner[open_]], outlines[outer[open_]]))
+    inside[open_] = rest <= 1e-9 * area[inner[open_]]
     parents: dict[int, int] = {}
     for i, j in zip(inner[inside].tolist(), outer[inside].tolist(), strict=True):
         if i not in parents or area[j] < area[parents[i]]:

@@ -9,7 +9,9 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Points
+from wiggleroom.drawing.outlines.connected_components import components
 from wiggleroom.drawing.outlines.joining import PAIR_SHARE, Ends
+from wiggleroom.drawing.outlines.rings import extents
 
 SNAP_GRID = 1e-8
 """Crossings are rounded to a grid of about this share of the drawing's size."""
@@ -49,7 +51,7 @@ def net_of(
     join : float [mm]
         Ends nearer than this to a line end on it; ...
     reach : float [mm]
-        ... those that meet nothing else also over more, up to this and `PAIR_SHARE` of their line.
+        ... those that meet nothing else also over more, up to this and `PAIR_SHARE` of all lines that follow on them.
     chord : float [mm]
         How far a curve may stray from its corners.
 
@@ -92,9 +94,9 @@ def _ends_on_lines(
     tree = shapely.STRtree(shapely.linestrings(np.stack([starts, stops], axis=1)))
     near = max(chord * 1.01, 1e-9 * size)
     single = np.bincount(ends.node.ravel(), minlength=len(ends.at)) == 1
-    longest = np.zeros(len(ends.at))
-    np.maximum.at(longest, ends.node, np.array([[np.ptp(line, axis=0).max()] for line in drawn[:open_lines]]))
-    most = np.where(single, np.maximum(max(near, join), np.minimum(reach, PAIR_SHARE * longest)), near)
+    chain = components(len(ends.at), ends.node[:, 0], ends.node[:, 1])
+    length = np.bincount(chain[ends.node[:, 0]], extents(drawn[:open_lines]).max(axis=1), minlength=len(ends.at))[chain]
+    most = np.where(single, np.maximum(max(near, join), np.minimum(reach, PAIR_SHARE * length)), near)
     points, segments = tree.query(shapely.points(ends.at), predicate="dwithin", distance=most)
     here, a, b = ends.at[points], starts[segments], stops[segments]
     along = b - a

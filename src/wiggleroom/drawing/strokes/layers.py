@@ -40,6 +40,8 @@ AUXILIARY_WORDS = (
 _WHOLE = {"mark", "fold", "bend", "pli", "note", "dim", "dims", "cote", "cotes", "cota", "cotas", "quote", "masse",
           "info", "font", "cache", "fond", "guide", "text", "texte", "texto", "letter", "label"}  # fmt: skip
 """Those that must be the whole word, or its plural or its number: "marks", "text12"."""
+_BEGINNINGS = tuple(word for word in AUXILIARY_WORDS if word not in _WHOLE)
+_WORDS = {f"{word}{ending}" for word in AUXILIARY_WORDS if word in _WHOLE for ending in ("", "s", "n")}
 HOLE_WORDS = (
     "hole",
     "loch",
@@ -197,11 +199,7 @@ def is_auxiliary_layer(word: str) -> bool:
     return (
         bool(set(tokens) & POCKET_WORDS)
         or is_engraved(word)
-        or any(
-            (token in (stem, f"{stem}s", f"{stem}n") if stem in _WHOLE else token.startswith(stem))
-            for stem in AUXILIARY_WORDS
-            for token in (*tokens, phrase)
-        )
+        or any(token.startswith(_BEGINNINGS) or token in _WORDS for token in (*tokens, phrase))
     )
 
 
@@ -396,7 +394,9 @@ def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
     for i in fills:
         inner = _box(artwork.strokes[i])
         if any(boxes[k].area > inner.area for k in tree.query(inner, predicate="covered_by").tolist()):
-            reasons[i] = "filled without a line of another colour, among lines: engraving; --solid NAME|all reads it as a part"
+            reasons[i] = (
+                "filled without a line of another colour, among lines: engraving; --solid NAME|all reads it as a part"
+            )
 
 
 def _called(stroke: Stroke, options: ReadOptions) -> bool:
