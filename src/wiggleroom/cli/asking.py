@@ -5,38 +5,55 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Literal, overload
 
-from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn
+from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn, Vector, Weight
 from wiggleroom.errors import InputError
 
+_HOW = {
+    2: "+x, -x, +y or -y, or a direction of two numbers as {}0.6,0.8",
+    3: "+x, -x, +y, -y, +z or -z, or a direction of three numbers as {}0,0.6,0.8",
+}
+_WHERE = {2: "+y@12,1", 3: "+z@12,1,3"}
 
-def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[str]]:
-    """Goals from the texts of `--pull` and `--turn`, and one line for each that cannot be read.
+
+def goals(
+    pulls: Iterable[str], turns: Iterable[str], weight: str | None = None, dimension: int = 2
+) -> tuple[list[Goal], list[str]]:
+    """Goals from the texts of `--pull`, `--turn` and `--weight`, and one line for each that cannot be read.
 
     A name may hold colons: the last one ends it.
 
     >>> goals(["a:b:+y@1,2"], ["c:ccw"])[0]
     [Pull(part='a:b', direction=(0.0, 1.0), point=(1.0, 2.0), weight=1.0), Turn(part='c', sense='ccw', weight=1.0)]
+    >>> goals([], ["lid:+z"], dimension=3)[0]
+    [Turn(part='lid', sense=(0.0, 0.0, 1.0), weight=1.0)]
     """
     found: list[Goal] = []
     wrong: list[str] = []
     for text in pulls:
         name, _, value = text.rpartition(":")
         along, at, place = value.partition("@")  # the part may be a point itself: @12,30:+y
-        direction, point = vector(along, 2), coordinates(place, 2)
+        direction, point = vector(along, dimension), coordinates(place, dimension)
         if not name or direction is None:
-            wrong.append(f"--pull {text}: write NAME:+x, -x, +y or -y, or a direction of two numbers as NAME:0.6,0.8")
+            wrong.append(f"--pull {text}: write NAME:{_HOW[dimension].format('NAME:')}")
         elif at and point is None:
-            wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:+y@12,1")
+            wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:{_WHERE[dimension]}")
         else:
             found.append(Pull(name, direction, point))
     for text in turns:
-        name, _, sense = text.rpartition(":")
-        if not name or sense not in ("ccw", "cw"):
-            wrong.append(f"--turn {text}: write NAME:ccw or NAME:cw")
+        name, _, value = text.rpartition(":")
+        sense = vector(value, 3) if dimension == 3 else value if value in ("ccw", "cw") else None
+        if not name or sense is None:
+            how = "ccw or NAME:cw" if dimension == 2 else _HOW[3].format("NAME:")
+            wrong.append(f"--turn {text}: write NAME:{how}")
         else:
             found.append(Turn(name, sense))
+    if weight is not None:
+        down = vector(weight, dimension)
+        if down is None:
+            wrong.append(f"--weight {weight}: write {_HOW[dimension].format('')}")
+        else:
+            found.append(Weight(down))
     return found, wrong
 
 
@@ -48,9 +65,10 @@ def parsed_direction(option: str, text: str) -> tuple[float, float]:
     """
     found = vector(text, 2)
     if found is None:
-        finding = f"{option} {text}: write +x, -x, +y or -y, or a direction of two numbers as 0.6,-0.8"
+        finding = f"{option} {text}: write {_HOW[2].format('')}"
         raise InputError(finding)
-    return found
+    x, y = found
+    return x, y
 
 
 def split_words(texts: Iterable[str]) -> list[str]:
@@ -123,11 +141,7 @@ def names(texts: Iterable[str], known: set[str]) -> list[str]:
     return [name for name in found if name]
 
 
-@overload
-def vector(text: str, dimension: Literal[2]) -> tuple[float, float] | None: ...
-@overload
-def vector(text: str, dimension: Literal[3]) -> tuple[float, float, float] | None: ...
-def vector(text: str, dimension: int) -> Any:
+def vector(text: str, dimension: int) -> Vector | None:
     """A direction such as "-y" or "0.6,-0.8"; None for what is no direction.
 
     >>> vector("-y", 2), vector("0,0.6,0.8", 3), vector("0,0", 2), vector("+z", 2)
@@ -136,15 +150,11 @@ def vector(text: str, dimension: int) -> Any:
     axis = "xyz"[:dimension].find(text[1:]) if len(text) == 2 and text[0] in "+-" else -1
     if axis >= 0:
         return tuple(float(f"{text[0]}1") if k == axis else 0.0 for k in range(dimension))
-    found = coordinates(text, dimension)  # type: ignore[call-overload]
+    found = coordinates(text, dimension)
     return found if found and 0 < math.hypot(*found) < math.inf else None
 
 
-@overload
-def coordinates(text: str, dimension: Literal[2]) -> tuple[float, float] | None: ...
-@overload
-def coordinates(text: str, dimension: Literal[3]) -> tuple[float, float, float] | None: ...
-def coordinates(text: str, dimension: int) -> Any:
+def coordinates(text: str, dimension: int) -> Vector | None:
     """Finite numbers such as "12,-1.5"; None for anything else.
 
     >>> coordinates("1, 2.5", 2), coordinates("1,2", 3), coordinates("1,1e999", 2)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wiggleroom.cli.asking import coordinates, vector
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import EXIT_CODES, Outputs, Places, command_line, tell
 from wiggleroom.verdict import Verdict
@@ -17,48 +15,10 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
     from wiggleroom.deadline import Deadline
-    from wiggleroom.drawing.model import Goal
     from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
-_HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
 _OF_DRAWINGS = ("unit", "dpi", "only", "skip", "join", "solid", "hole")
 """Options that say how a drawing is read, a cutting sheet too."""
-
-
-def spatial_questions(pulls: Iterable[str], turns: Iterable[str], weight: str | None) -> tuple[list[Goal], list[str]]:
-    """Goals from the texts of `--pull`, `--turn` and `--weight`, and one line for each that cannot be read.
-
-    >>> spatial_questions(["lid:+z@1,2,3"], [], None)[0]
-    [Pull(part='lid', direction=(0.0, 0.0, 1.0), point=(1.0, 2.0, 3.0), weight=1.0)]
-    """
-    from wiggleroom.drawing.model import Pull, Turn, Weight
-
-    found: list[Goal] = []
-    wrong: list[str] = []
-    for text in pulls:
-        name, _, value = text.rpartition(":")
-        along, at, place = value.partition("@")
-        direction, point = vector(along, 3), coordinates(place, 3)
-        if not name or direction is None:
-            wrong.append(f"--pull {text}: {_HOW}")
-        elif at and point is None:
-            wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:+z@12,1,3")
-        else:
-            found.append(Pull(name, direction, point))
-    for text in turns:
-        name, _, value = text.rpartition(":")
-        direction = vector(value, 3)
-        if not name or direction is None:
-            wrong.append(f"--turn {text}: {_HOW}")
-        else:
-            found.append(Turn(name, direction))
-    if weight is not None:
-        direction = vector(weight, 3)
-        if direction is None:
-            wrong.append(f"--weight {weight}: write +x, -x, +y, -y, +z or -z, or three numbers as 0,0.6,-0.8")
-        else:
-            found.append(Weight(direction))
-    return found, wrong
 
 
 def read_in_space(
@@ -74,12 +34,12 @@ def read_in_space(
         Where it is not sure how the panels of a sheet go together.
     """
     from wiggleroom.assembly.statements import unknown
-    from wiggleroom.cli.asking import group_findings, joint_gaps, names
+    from wiggleroom.cli.asking import goals, group_findings, joint_gaps, names
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import at_once
     from wiggleroom.errors import InputError
 
-    goals, wrong = spatial_questions(asked.pull, asked.turn, asked.weight)
+    asked_for, wrong = goals(asked.pull, asked.turn, asked.weight, dimension=3)
     if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
     drawn = sheet is not None and sheet.given
@@ -119,7 +79,7 @@ def read_in_space(
     own = (*(joint for joint in drawing.gaps if frozenset(joint.parts) not in asked_pairs), *gaps)
     drawing = replace(drawing, glue=(*drawing.glue, *glued), ignore=(*drawing.ignore, *pairs), gaps=own)
     with at_once(stop):
-        return assemble_spatial(drawing, gap=asked.gap, fix=fixed, goals=goals)
+        return assemble_spatial(drawing, gap=asked.gap, fix=fixed, goals=asked_for)
 
 
 def read_question(

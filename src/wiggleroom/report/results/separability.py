@@ -119,6 +119,8 @@ def check_table(found: Interlock[Any], border: LargestGap | None = None) -> Grou
 
 def _remains(found: Interlock[Any]) -> str:
     """Say what stays; several fixed parts hold others, but are not interlocked with each other."""
+    if _in_space(found):  # what stands is among them
+        return f"remains: {few(found.remains)}"
     fixed = {p.name for p in found.assembly.parts if p.fixed}
     held = [name for name in found.remains if name not in fixed]
     if len(fixed) < 2 or not held:
