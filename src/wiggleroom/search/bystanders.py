@@ -88,7 +88,7 @@ def _straight(answer: Answer, body: NDArray[np.int64]) -> Floats | None:
         k = names.index(goal.part)
         if points[1, k].any():
             return None  # it is pulled twice
-        along = np.array(goal.direction) / np.hypot(*goal.direction)
+        along = np.array(goal.direction) / np.linalg.norm(goal.direction)
         points[1, body == body[k], :2] = np.hypot(*answer.motion[k, :2]) * along
     return points
 
