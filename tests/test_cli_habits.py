@@ -221,7 +221,7 @@ def test_a_pull_far_outside_of_its_part_is_told(run: Run) -> None:
         assert ('"bolt" is pulled at its reference point (0, -12), 14 mm outside of it' in err) is told
     middle = err.rpartition("@")[2].split()[0]
     assert middle == "-5,6"
-    _, said, err = run("flex", "a.json", "--pull", f"bolt:+x@{middle}")
+    _, said, err = run("flex", "a.json", "--pull", f"bolt:+x@{middle}", "--search", "0")
     assert "outside" not in err
     assert "bolt at (-5, 6) moves 0.2" in said
 

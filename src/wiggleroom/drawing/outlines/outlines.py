@@ -50,8 +50,8 @@ def traced(
     flatten : float [mm], optional
         Chord error of curves; by default `chord_error` of the gap.
     gap : float [mm], optional
-    join : float [mm], optional
-        Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
+    options : ReadOptions
+        What was said about reading: what to leave out, what is a hole or solid, how near open ends are joined.
     view : (x, y, width, height), optional [mm]
         The page, whose edge is that of the board where lines end on it.
 
