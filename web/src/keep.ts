@@ -150,7 +150,7 @@ interface KeptDesign { mark: string; design: Design; pose?: Pose | null; history
 
 /** Designs of the files that were open last, each with its undo; they stay in this browser. */
 const DESIGN = "wiggleroom.design|";
-const MAX_DESIGNS = 24;
+const MAX_DESIGNS = 60;
 const LATER = 300; // ms
 let waiting: { key: string; text: string; timer: number } | null = null;
 
@@ -178,13 +178,22 @@ export function flush(): void {
   waiting = null;
   try {
     const others = designs().filter((one) => one !== key);
-    for (const old of others.slice(MAX_DESIGNS - 1)) localStorage.removeItem(old);
-    localStorage.setItem(key, text);
+    for (const old of others.splice(MAX_DESIGNS - 1)) localStorage.removeItem(old);
+    while (!putIn(key, text) && others.length) localStorage.removeItem(others.pop()!); // full: the oldest goes
   } catch {
-    // Full or forbidden: the design then is kept in this tab alone, while its file is open.
+    // Forbidden: the design then is kept in this tab alone, while its file is open.
   }
 }
 if (typeof addEventListener === "function") addEventListener("pagehide", flush);
+
+function putIn(key: string, text: string): boolean {
+  try {
+    localStorage.setItem(key, text);
+    return true;
+  } catch {
+    return false;
+  }
+}
 
 /** Keys of the designs that are kept, the newest first. */
 function designs(): string[] {

@@ -8,6 +8,7 @@ import { fitAll, solidView, view, zoomBy } from "./stage/camera.ts";
 import { keep, kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
+import { holdSpace, releaseSpace } from "./stage/spaceBar.ts";
 import { degrees } from "./words.ts";
 import { gapStep } from "./chrome/GapStrip.tsx";
 import { stepOfHistory } from "./chrome/NumberBox.tsx";
@@ -39,6 +40,8 @@ export function listen(): void {
     if (on.matches("button, summary, a") && (event.key === " " || event.key === "Enter")) return;
     if (act(event)) event.preventDefault();
   });
+  addEventListener("keyup", (event) => void (event.key === " " && releaseSpace() && play(!playing.peek())));
+  addEventListener("blur", () => void releaseSpace());
 }
 
 /** What a key means with Control. */
@@ -61,7 +64,7 @@ function act(event: KeyboardEvent): boolean {
   if (key in ARROWS) return arrow(ARROWS[key]!, event.shiftKey);
   if (inSpace() && OF_DRAWINGS.includes(key)) return false;
   if (key === "?") state.helpOpen.value = true;
-  else if (key === " ") play(!playing.peek());
+  else if (key === " ") holdSpace();
   else if (key === "+" || key === "=") zoomBy(1.3);
   else if (key === "-") zoomBy(1 / 1.3);
   else if (key === "0") fitAll();

@@ -3,6 +3,7 @@
 import { effect } from "@preact/signals";
 import { render } from "preact";
 import { unpack } from "./standalone.ts";
+import { ContextMenu } from "./chrome/ContextMenu.tsx";
 import { Drop } from "./chrome/Drop.tsx";
 import { GapStrip } from "./chrome/GapStrip.tsx";
 import { Headline, Spoken } from "./chrome/Headline.tsx";
@@ -35,6 +36,7 @@ function Page() {
           {onSheet() ? <SheetStage /> : <><Beside />{inSpace() ? <SolidStage /> : <Stage />}</>}
         </div>
         {!onSheet() && <><Selection /><Player /></>}
+        <ContextMenu />
       </main>
       {!onSheet() && <GapStrip />}
       <Panel />

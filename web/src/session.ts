@@ -602,8 +602,9 @@ function leftOut(name: string): void {
   const link = linked();
   if (link && link.name !== name) return otherFile(link.name);
   leaveLink();
-  state.notice.value = link ? `The link is about another version of ${name}: its design is left out.` : "The link is not whole: the design that it carries is left out.";
+  state.notice.value = link ? `The link is about another version of ${name}: its design is left out.` : BROKEN_LINK;
 }
+const BROKEN_LINK = "The link is not whole: the design that it carries is left out.";
 const otherFile = (name: string): void => void (state.notice.value = `The link carries a design for ${name}: open that file.`);
 
 function reopen(): void {
@@ -612,6 +613,10 @@ function reopen(): void {
   const link = file ? null : linked();
   if (link?.sample) return openAs({ name: link.sample, sample: true });
   const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
+  if (isLink() && !link) {
+    leaveLink();
+    state.notice.value = BROKEN_LINK;
+  }
   if (link && before) return openAs("data" in before ? { name: before.name, data: before.data, ...(before.reading && { reading: before.reading }) } : before);
   if (link) otherFile(link.name);
   else if (before) ask("open", requestFor((file = before as Opening)));

@@ -180,15 +180,16 @@ class Document:
             from wiggleroom.sensitivity.perturbation import is_searched
 
             state = state if is_searched(answer.assembly) else SearchState.FROM_REST
-        kept, calm = self._calm.peek(whole(design)) or (None, answer)
-        if kept is not answer:
+        kept = self._calm.peek(whole(design))
+        if kept is None or kept[0] is not answer:
             from wiggleroom.search.bystanders import with_bystanders_at_rest
 
             few = len(answer.assembly.parts) <= MAX_CALMED
             calm = with_bystanders_at_rest(answer, out.stop) if few else answer
             out.check()
-            self._calm.keep(whole(design), (answer, calm))
-        return replace(calm, search_state=state)
+            kept = answer, calm
+            self._calm.keep(whole(design), kept)
+        return replace(kept[1], search_state=state)
 
     def know(self, design: Design, answer: Answer[Any]) -> None:
         """Keep a fuller answer to a design."""

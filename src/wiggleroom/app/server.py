@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gzip
 import hmac
 import signal
 import socket
@@ -92,6 +93,7 @@ class Page:
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
         self._token, self._first = token, first
         self._files = files()
+        self._packed = {name: gzip.compress(data, mtime=0) for name, data in self._files.items()}
         self._pages = 0
         self.pool = pool or Pool()
         paths = ["/", *(f"/{name}" for name in self._files)]
@@ -121,6 +123,8 @@ class Page:
             headers = HEADERS | {"Content-Security-Policy": REFUSAL_POLICY}
             return Response(REFUSAL, 403, headers, media_type="text/html")
         kind = MEDIA_TYPES.get(name.rpartition(".")[2], "application/octet-stream")
+        if "gzip" in request.headers.get("accept-encoding", ""):
+            return Response(self._packed[name], media_type=kind, headers=HEADERS | {"Content-Encoding": "gzip"})
         return Response(self._files[name], media_type=kind, headers=HEADERS)
 
     async def _socket(self, socket: WebSocket) -> None:

@@ -43,7 +43,7 @@ def with_bystanders_at_rest(answer: Answer, stop: Stop | None = None) -> Answer:
     body = np.array(body_numbers(names, assembly.drawing.glue))
     busy = {*asked, *(name for contact in answer.contacts if contact.force > 0 for name in contact.parts)}
     needed = {int(body[k]) for k, name in enumerate(names) if name in busy}
-    far = np.zeros(body.max() + 1)
+    far = np.zeros(int(body.max()) + 1)
     np.maximum.at(far, body, np.abs(points).max(axis=(0, 2)))
     others = [int(b) for b in np.argsort(-far, kind="stable") if far[b] > 0 and int(b) not in needed]
     if not others:

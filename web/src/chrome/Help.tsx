@@ -34,7 +34,7 @@ const SPACE_MICE: Row[] = [
 const LOOK_MICE: Row[] = [["Click a part", "choose it"], ["Drag, wheel, pinch", "pan and zoom"]];
 const MICE: Row[] = [
   ["Drag a part", "it goes as near to the pointer as the others let it, and stays there"], ["Click a part", "choose it"],
-  ["Drag the arrow", "its head turns the pull, its foot takes it to another part"], ["Drag the ground, wheel, pinch", "pan and zoom"],
+  ["Drag the arrow", "its head turns the pull, its foot takes it to another part"], ["Drag the ground, wheel, pinch", "pan and zoom"], ["Space and drag", "pan, also from a part"], ["Right button", "what can be done with a part"],
 ];
 
 export function Help() {

@@ -9,6 +9,7 @@ import { link, save } from "../session.ts";
 import { leavingAbout } from "../leaving.ts";
 import { answer, can, current, drawing, running } from "../state.ts";
 import { Button } from "./Button.tsx";
+import { stepInMenu } from "./menuKeys.ts";
 import { NumberBox } from "./NumberBox.tsx";
 
 interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true; of?: 2 | 3 }
@@ -53,17 +54,9 @@ export function SaveMenu() {
   };
   const keys = (event: KeyboardEvent): void => {
     if (!open) return;
-    const items = [...(root.current?.querySelectorAll<HTMLElement>("[role=menuitem]:not(:disabled)") ?? [])];
-    const at = items.indexOf(document.activeElement as HTMLElement);
-    const to = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: items.length - 1 }[event.key];
-    if (event.key === "Escape" || to !== undefined) {
-      event.preventDefault();
-      event.stopPropagation();
-    }
-    if (event.key === "Escape") {
-      setOpen(false);
-      root.current?.querySelector("button")?.focus();
-    } else if (to !== undefined) items[(to + items.length) % items.length]?.focus();
+    if (!stepInMenu(root.current, event)) return;
+    setOpen(false);
+    root.current?.querySelector("button")?.focus();
   };
   const command = (film ?? (current(answer.value) ? answer.value : null))?.reply.command;
   return (

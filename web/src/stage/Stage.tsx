@@ -2,6 +2,7 @@
 
 import { computed, effect, untracked, useComputed } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { menuAt } from "../chrome/ContextMenu.tsx";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
@@ -19,6 +20,7 @@ import { Overlay } from "./Overlay.tsx";
 import { Retained, SHARE, UNSEEN } from "./retained.ts";
 import { blame, roles } from "./roles.ts";
 import { around, outOf, placed, shapes } from "./shapes.ts";
+import { spaceHeld, useSpace } from "./spaceBar.ts";
 import { toWorld } from "./view.ts";
 
 const SLOW = 36;
@@ -180,7 +182,8 @@ function pointers(canvas: HTMLCanvasElement): () => void {
         return draw(at);
       }
     }
-    const name = event.button === 0 && down.size === 0 && !measuring.peek() ? partAt(at) : null;
+    if (spaceHeld.peek()) useSpace();
+    const name = event.button === 0 && down.size === 0 && !measuring.peek() && !spaceHeld.peek() ? partAt(at) : null;
     const grip = name ? gripAt(name, at) : ([0, 0] as Point);
     down.set(event.pointerId, { at, moved: false, part: name, grip });
   };
@@ -233,6 +236,7 @@ function pointers(canvas: HTMLCanvasElement): () => void {
       pointerTarget.value = null;
       release();
     } else if (!held.moved && event.type === "pointerup") {
+      if (spaceHeld.peek()) return;
       const contact = contactAt(here(event), event.pointerType === "touch" ? 14 : 8);
       if (measuring.peek()) pick(here(event));
       else if (event.shiftKey && held.part) chooseToo(held.part);
@@ -246,6 +250,14 @@ function pointers(canvas: HTMLCanvasElement): () => void {
   };
   const wheel = (event: WheelEvent): void => zoomByWheel(canvas, event);
   const leave = (): void => void (state.hovered.value = null);
+  const menu = (event: MouseEvent): void => {
+    if (state.standalone.peek() || !state.drawing.peek()) return;
+    event.preventDefault();
+    const box = canvas.getBoundingClientRect();
+    const part = partAt([event.clientX - box.left, event.clientY - box.top]);
+    if (part) chooseMany([part]);
+    menuAt.value = { x: event.clientX, y: event.clientY, part };
+  };
   const gone = new AbortController();
   const { signal } = gone;
   canvas.addEventListener("pointerdown", press, { signal });
@@ -255,6 +267,7 @@ function pointers(canvas: HTMLCanvasElement): () => void {
   canvas.addEventListener("pointerleave", leave, { signal });
   canvas.addEventListener("wheel", wheel, { passive: false, signal });
   canvas.addEventListener("dblclick", fitUnlessPart, { signal });
+  canvas.addEventListener("contextmenu", menu, { signal });
   return () => gone.abort();
 }
 
@@ -296,7 +309,7 @@ export function Stage() {
   const grabbing = useComputed(() => pointerTarget.value !== null).value;
   const over = state.hovered.value !== null && !state.standalone.value;
   return (
-    <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : measuring.value || lassoing.value ? "cell" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
+    <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : spaceHeld.value ? "grab" : measuring.value || lassoing.value ? "cell" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
       <canvas
         ref={canvas} tabIndex={0} role="application" aria-roledescription="drawing"
         aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part${state.standalone.value ? "" : ", arrow keys move it or turn its pull"}, question mark lists all keys.`}
