@@ -8,6 +8,8 @@ const GOOD = { gap: 1, extra: { a: 0.1 }, fixed: ["a"], glue: [["b", "c"]], goal
 test("a design is one as far as its form goes", () => {
   assert.ok(isDesign(GOOD));
   assert.ok(isDesign({ ...GOOD, goals: "closer", extra: {} }));
+  assert.ok(isDesign({ ...GOOD, gaps: [["a", "b", 0.2]] }));
+  for (const gaps of [null, [["a", "b"]], [["a", "b", -1]], [["a", 1, 0.2]]]) assert.ok(!isDesign({ ...GOOD, gaps }));
   const wrong = [null, undefined, "1", [], {}, { ...GOOD, gap: null }, { ...GOOD, gap: "1" }, { ...GOOD, gap: -1 }, { ...GOOD, extra: null }, { ...GOOD, extra: { a: "x" } },
     { ...GOOD, fixed: "a" }, { ...GOOD, fixed: [1] }, { ...GOOD, glue: [["a"], [1]] }, { ...GOOD, glue: ["ab"] }, { ...GOOD, goals: 5 }, { ...GOOD, goals: [{}] },
     { ...GOOD, goals: [{ part: "b", direction: "+x" }] }];

@@ -111,7 +111,7 @@ function thinned(count: number): string[] {
 }
 
 const NAMES: Record<string, string> = {
-  flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
+  flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "trying gaps at random",
   assemble: "putting panels together", lay: "laying a panel", space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 

@@ -43,12 +43,12 @@ function Sample() {
   const run = (): void => void ask("sample", { design: design.peek(), spread: used, draws: draws.value, ...(limit.value > 0 && { limit: limit.value }) });
   return (
     <Section title="When gaps vary">
-      <p>No cut is exact. Every draw gives each part an extra gap of its own, and says how far it then moves: the worst case, and how many stay below a limit.</p>
+      <p>No cut is exact. Every try gives each part an extra gap of its own by chance, and says how far it then moves: the worst case, and how many stay below a limit.</p>
       <div class="asks">
         <label>standard deviation <NumberBox value={used} min={0} step={stepOf(gap / 5)} unit="mm" label="standard deviation of the gap" onChange={(v) => (spread.value = v)} /></label>
-        <label>draws <NumberBox value={draws.value} min={1} step={50} label="number of draws" onChange={(v) => (draws.value = Math.min(Math.round(v), 5000))} /></label>
+        <label>tries <NumberBox value={draws.value} min={1} step={50} label="number of tries" onChange={(v) => (draws.value = Math.min(Math.round(v), 5000))} /></label>
         <label>good up to <NumberBox value={limit.value} min={0} step={stepOf(10 * gap)} unit="mm" none="any" label="largest motion that is good" onChange={(v) => (limit.value = v)} /></label>
-        <Run kind="sample" label="Draw gaps at random" onClick={run} disabled={!asked() || used <= 0}>Try random gaps</Run>
+        <Run kind="sample" label="Try gaps at random" onClick={run} disabled={!asked() || used <= 0}>Try random gaps</Run>
       </div>
       <Result of="sample" />
     </Section>
