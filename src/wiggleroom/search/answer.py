@@ -158,6 +158,13 @@ class Answer(Drawable, Generic[AnyAssembly]):
     warm_start: Any = field(default=None, repr=False)
     lead: NDArray[np.float64] | None = field(default=None, repr=False)
 
+    @property
+    def turn(self) -> NDArray[np.float64]:
+        """Angles by which the parts are turned (n,) [rad]; in space without a sign, about the axis of each."""
+        return np.asarray(
+            self.motion[:, 2] if self.motion.shape[1] == 3 else np.linalg.norm(self.motion[:, 3:], axis=1)
+        )
+
 
 def with_bound(answer: Answer, bound: Bound) -> Answer:
     """The answer with a bound, its verdict `proven` where that is near enough."""
