@@ -43,6 +43,8 @@ _FONT_HEIGHT, _FONT_STEM = 1.5, 1.4
 """A single letter is like those of a word elsewhere where height and thickness of its strokes differ by no more than these factors."""
 _PICTURE, _NESTED = 0.5, 0.3
 """An outline of a picture takes no more than this share of the part that it is on, and at least this share of them are in each other."""
+_FIT = 0.05
+"""An outline that lies nowhere further from the hole round it than this share of the hole's width is a part in it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -362,12 +364,14 @@ def without_pictures(found: Traced, options: ReadOptions) -> None:
     nested = {row for row, o in enumerate(found.outlines) if in_part[row] and o.region.holes}
     nested |= {row for i, j in parents.items() if in_part[j] and styles[i] == styles[j] for row in (i, j)}
     of_parts = {styles[row] for row in range(len(polygons)) if row not in parents}
+    fitting = {styles[i] for i, j in parents.items() if in_part[j] and _fits(polygons[i], polygons[j])}
+    names = {name.casefold() for name in (*options.solid, *options.hole)}
     gone: set[int] = set()
-    for style in sorted({styles[row] for row in nested} - of_parts):
+    for style in sorted({styles[row] for row in nested} - of_parts - fitting):
         rows = [row for row in range(len(polygons)) if styles[row] == style]
         few = len(nested & set(rows)) < _NESTED * len(rows)
         large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
-        if few or large or any(_told(found.outlines[row].stroke, set()) for row in rows):
+        if few or large or any(_told(found.outlines[row].stroke, names) for row in rows):
             continue
         gone |= set(rows)
         colour = f"in {name_of(style[0])}" if style[0] else f"on layer {style[1]}"
@@ -377,3 +381,9 @@ def without_pictures(found: Traced, options: ReadOptions) -> None:
         )
         found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in rows)))
     found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in gone]
+
+
+def _fits(inner: shapely.Polygon, hole: shapely.Polygon) -> bool:
+    """Whether an outline follows the hole that it lies in all round, as a part does in a hole of its own."""
+    apart = shapely.hausdorff_distance(inner.exterior, hole.exterior)
+    return bool(apart <= _FIT * np.sqrt(hole.area))
