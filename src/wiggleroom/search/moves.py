@@ -32,7 +32,7 @@ Ints = NDArray[np.int64]
 
 MAX_BRANCHES = 8, 100
 """Corner contacts that are tried one by one, at most; and bodies of the largest assembly in which they are."""
-MAX_NEARER_SEEDS = 2
+MAX_NEARER_SEEDS = 3
 """Most regrowths from a seed nearer the optimum."""
 
 
