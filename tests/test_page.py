@@ -631,8 +631,8 @@ def test_work_on_the_drawing_before_ends_with_it(browser: Any, peg: Served) -> N
     with visiting(browser, peg) as page:
         answered(page, "peg moves 1 mm")
         page.get_by_role("tab", name="Vary").click()
-        page.get_by_label("draws").fill("100000")
-        page.get_by_label("draws").press("Enter")
+        page.get_by_label("tries").fill("100000")
+        page.get_by_label("tries").press("Enter")
         page.locator(".panel").get_by_role("button", name="Try random gaps").click()
         page.locator(".work", has_text="trying gaps at random").wait_for()
         page.get_by_role("button", name="wiggleroom: samples and files opened before").click()

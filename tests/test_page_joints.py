@@ -46,7 +46,7 @@ def test_a_joint_that_is_pressed_in_the_list_has_a_gap_of_its_own(browser: Any, 
         answered(page, "bolt moves 1 mm")
         page.locator("table").get_by_role("button", name=re.compile("bolt . right|right . bolt")).first.click()
         box = page.get_by_label(re.compile("^gap between .*, mm$"))
-        assert box.input_value() == "1"  # that of all joints
+        until(page, lambda: box.input_value() == "1", "the gap of all joints is not shown")
         box.fill("3")
         box.press("Enter")
         answered(page, "bolt moves 3 mm")

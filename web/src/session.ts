@@ -613,10 +613,7 @@ function reopen(): void {
   const link = file ? null : linked();
   if (link?.sample) return openAs({ name: link.sample, sample: true });
   const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
-  if (isLink() && !link) {
-    leaveLink();
-    state.notice.value = BROKEN_LINK;
-  }
+  if (!file && isLink() && !link) state.notice.value = BROKEN_LINK; // and again once a file is open
   if (link && before) return openAs("data" in before ? { name: before.name, data: before.data, ...(before.reading && { reading: before.reading }) } : before);
   if (link) otherFile(link.name);
   else if (before) ask("open", requestFor((file = before as Opening)));

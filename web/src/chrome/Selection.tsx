@@ -135,7 +135,7 @@ function JointGap({ pair: [a, b] }: { pair: [string, string] }) {
         onInput={(event) => slide(Number(event.currentTarget.value))} onPointerDown={settle} onPointerUp={settle} onBlur={settle}
       />
       <NumberBox value={value} min={0} step={step} unit="mm" label={`gap between ${a} and ${b}`} onChange={(to) => setJointGap(a, b, to)} />
-      {own !== null && <button type="button" class="link" aria-label={`Give ${a} and ${b} the gap of all others`} onClick={() => setJointGap(a, b, null)}>as all</button>}
+      {own !== null && <button type="button" class="link" aria-label={`as all: give ${a} and ${b} the gap of all others`} onClick={() => setJointGap(a, b, null)}>as all</button>}
     </div>
   );
 }
