@@ -30,7 +30,7 @@ from wiggleroom.search.prepare import Prepared, prepare_as_drawn
 from wiggleroom.search.prepare_walls import contact_places, prepare_simplified
 from wiggleroom.search.progress import Progress
 from wiggleroom.search.separated_bodies import without_separated
-from wiggleroom.search.turn_in_place import better_climb, start_after, turned_in_place
+from wiggleroom.search.turn_in_place import better_climb, cells_round, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import Verdict
@@ -127,8 +127,8 @@ def _near_end(finer: Prepared, answer: Answer) -> Start | None:
     if found is None:
         return None
     near = found.start()
-    start = start_after(finer, near.inner[None])
-    return None if start is None else replace(start, segments=near.segments, mu=near.mu, tolerance=found.tolerance)
+    cells = cells_round(finer, near.inner)
+    return None if cells is None else replace(near, cells=cells, tolerance=found.tolerance)
 
 
 def _with_work(answer: Answer, climbs: Sequence[Answer], query: MotionQuery) -> Answer:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING
 
 from wiggleroom.app.design_cache import goals_of, joint_gaps
 from wiggleroom.app.open_requests import File, saved_name
@@ -11,9 +10,6 @@ from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.strokes.chord_error import chord_error
 from wiggleroom.drawing.units import PER_INCH
 from wiggleroom.schema.requests import Design, GoalEntry
-
-if TYPE_CHECKING:
-    pass
 
 
 def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.freespace.cells.cells import grow_cells, select
+from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import about, of_parts
 from wiggleroom.program.nonlinear_program import build_program
@@ -70,16 +70,22 @@ def better_climb(first: LocalSearch, start: Start) -> tuple[LocalSearch, tuple[f
 
 def start_after(ready: Prepared, motions: Floats) -> Start | None:
     """Where a search begins at the end of a path (k, n, 3) of the bodies that is free of overlap; None where no cells grow there."""
-    bodies, cells = ready.bodies, ready.cells
-    n = len(bodies.fixed)
-    keys = np.union1d(cells.a * n + cells.b, ready.corners)
-    a, b = keys // n, keys % n
-    grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, motions[-1]), np.full(len(a), ready.clearance))
-    if not good.all():
+    grown = cells_round(ready, motions[-1])
+    if grown is None:
         return None
-    program = build_program(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
+    none = select(ready.cells, np.zeros(0, dtype=np.int64))
+    program = build_program(ready.bodies, none, ZERO_MOTION, length=ready.clearance)
     segment = PathSegment(program, tuple(program.variables(motion) for motion in motions))
     return Start(grown, motions[-1], (segment,))
+
+
+def cells_round(ready: Prepared, motion: Floats) -> Cells | None:
+    """Cells of all pairs round a motion (n, 3) of the bodies; None where not all grow."""
+    bodies, n = ready.bodies, len(ready.bodies.fixed)
+    keys = np.union1d(ready.cells.a * n + ready.cells.b, ready.corners)
+    a, b = keys // n, keys % n
+    grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, motion), np.full(len(a), ready.clearance))
+    return grown if good.all() else None
 
 
 def round_middles(ready: Prepared, body: int) -> list[Floats]:

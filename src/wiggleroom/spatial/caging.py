@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.errors import Stop
-from wiggleroom.spatial.solid_angle import solid_angles
+from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.convex import ConvexPiece
 from wiggleroom.spatial.solids.separating_axis import nearest_difference
 from wiggleroom.spatial.solids.spatial_model import Surface
@@ -52,10 +52,8 @@ def in_closed_cavity(surface: Surface, points: Floats) -> bool:
         shell = triangles[shells == k]
         if len(shell) == len(triangles):
             break  # the only shell is the outer one
-        for point in points:
-            a, b, c = np.moveaxis(shell - point, 1, 0)
-            if abs(solid_angles(a, b, c).sum() / (4 * np.pi) + 1) < WINDING:
-                return True
+        if (np.abs(winding_numbers(shell, points) + 1) < WINDING).any():
+            return True
     return False
 
 

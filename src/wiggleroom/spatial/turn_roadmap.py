@@ -70,9 +70,8 @@ class TurnRoadmap:
     """True once a body was found that can turn in place."""
     skipped: bool = False
     """True once a body was left out that has too many pieces, or slides and turns with freedoms locked."""
-    _known: list[tuple[int, Floats, TranslationSpace]] = field(default_factory=list)
-    _turned: list[Floats] = field(default_factory=list)
-    """Rotation (3, 3) of the body at each of the known."""
+    _known: list[tuple[int, Floats, Floats, TranslationSpace]] = field(default_factory=list)
+    """Bodies with motions, their rotations (3, 3) there, and the translations from there."""
     _handed: set[int] = field(default_factory=set)
     _circles: set[tuple[int, bytes, bytes]] = field(default_factory=set)
     """Bodies with motions to which they turned in place, and the axis: a turn from there leads to nothing else."""
@@ -90,7 +89,7 @@ class TurnRoadmap:
         if known is None or known in self._handed:
             return None
         self._handed.add(known)
-        return self._known[known][2]
+        return self._known[known][3]
 
     def is_new(self, motion: Floats, body: int) -> bool:
         """True where no known place of the body is connected with a motion (n, 6) by translations; it is known from then on."""
@@ -103,8 +102,7 @@ class TurnRoadmap:
         """Number of the translations of a body from a motion, known from then on."""
         space = TranslationSpace(self.ready, motion, body, self.stop, axes=self.axes)
         self.work += space.pairs
-        self._known.append((body, motion, space))
-        self._turned.append(self.ready.grouping.pose_of(motion).R[body])
+        self._known.append((body, motion, self.ready.grouping.pose_of(motion).R[body], space))
         return len(self._known) - 1
 
     def _space_at(self, motion: Floats, body: int) -> int | None:
@@ -112,9 +110,11 @@ class TurnRoadmap:
         if not self._known:
             return None
         mine = (self.ready.grouping.body_of == body)[:, None]
-        apart = np.linalg.norm(np.array(self._turned) - self.ready.grouping.pose_of(motion).R[body], axis=(1, 2))
+        apart = np.linalg.norm(
+            np.array([R for _, _, R, _ in self._known]) - self.ready.grouping.pose_of(motion).R[body], axis=(1, 2)
+        )
         for k in np.flatnonzero(apart < np.sqrt(2) * SAME_ANGLE).tolist():
-            b, known, space = self._known[k]
+            b, known, _, space = self._known[k]
             if b != body or np.abs(np.where(mine, 0.0, motion - known)).max() > SAME_PLACE:
                 continue
             shift = self._shift(known, motion, body)

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.outlines.connected_components import components
-from wiggleroom.drawing.outlines.naming import place_of, rows_at
+from wiggleroom.drawing.outlines.naming import asked_for
 from wiggleroom.drawing.outlines.nesting import direct_parents
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import name_of
@@ -177,9 +177,7 @@ def _glyphs(
     most = _SMALL / _SMALL_OUTSIDE * most_outside
     box = shapely.bounds(polygons).reshape(-1, 4)
     height = (box[:, 2:] - box[:, :2]).max(axis=1)
-    places = [place for name in (*options.solid, *options.hole) if (place := place_of(name))]
-    asked = set(rows_at(places, polygons)) if places else set()
-    names = {name.casefold() for name in (*options.solid, *options.hole)}
+    names, asked = asked_for((*options.solid, *options.hole), polygons)
     told = np.array([row in asked or _told(o.stroke, names) for row, o in enumerate(outlines)], dtype=bool)
     told |= np.array([o.stroke.tag.casefold() in ("circle", "ellipse") for o in outlines], dtype=bool)
     small = (height <= most) & ~told & shapely.is_valid(polygons)
@@ -365,13 +363,13 @@ def without_pictures(found: Traced, options: ReadOptions) -> None:
     nested |= {row for i, j in parents.items() if in_part[j] and styles[i] == styles[j] for row in (i, j)}
     of_parts = {styles[row] for row in range(len(polygons)) if row not in parents}
     fitting = {styles[i] for i, j in parents.items() if in_part[j] and _fits(polygons[i], polygons[j])}
-    names = {name.casefold() for name in (*options.solid, *options.hole)}
+    names, asked = asked_for((*options.solid, *options.hole), polygons)
     gone: set[int] = set()
     for style in sorted({styles[row] for row in nested} - of_parts - fitting):
         rows = [row for row in range(len(polygons)) if styles[row] == style]
         few = len(nested & set(rows)) < _NESTED * len(rows)
         large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
-        if few or large or any(_told(found.outlines[row].stroke, names) for row in rows):
+        if few or large or any(row in asked or _told(found.outlines[row].stroke, names) for row in rows):
             continue
         gone |= set(rows)
         colour = f"in {name_of(style[0])}" if style[0] else f"on layer {style[1]}"

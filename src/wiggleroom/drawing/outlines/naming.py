@@ -135,6 +135,18 @@ def rows_at(points: Sequence[tuple[float, float]], polygons: Polygons) -> list[i
     return [min(rows, key=lambda i: area[i], default=None) for rows in found]
 
 
+def asked_for(names: Sequence[str], polygons: Polygons) -> tuple[set[str], set[int | None]]:
+    """What an option names: names in small letters, and rows of the smallest outlines around the points among them.
+
+    Examples
+    --------
+    >>> asked_for(["Lid", "@1,1"], [shapely.box(0, 0, 9, 9), shapely.box(0, 0, 2, 2)])
+    ({'lid'}, {1})
+    """
+    places = [place for name in names if (place := place_of(name))]
+    return {name.casefold() for name in names if not place_of(name)}, set(rows_at(places, polygons) if places else ())
+
+
 def place_of(name: str) -> tuple[float, float] | None:
     """The point that a name such as "@12,30" gives [mm], or None.
 

@@ -14,7 +14,7 @@ from wiggleroom.drawing.model import Drawing, Flattening, Part, Region
 from wiggleroom.drawing.outlines.cuts import Claims, Cuts, crossings, cuts_of
 from wiggleroom.drawing.outlines.engraving import without_pictures
 from wiggleroom.drawing.outlines.file_reading import Reading
-from wiggleroom.drawing.outlines.naming import aliases_of, given_names, place_of, rows_at, texts_inside, unique_names
+from wiggleroom.drawing.outlines.naming import aliases_of, asked_for, given_names, texts_inside, unique_names
 from wiggleroom.drawing.outlines.nesting import cut_nested, direct_parents, shares_in_material
 from wiggleroom.drawing.outlines.outlines import traced
 from wiggleroom.drawing.outlines.rings import clean_ring, part_about_centroid
@@ -225,8 +225,8 @@ def _claims(
     polygons: np.ndarray,
 ) -> Claims:
     """What the file and the options say about each outline: a part whatever lies around it, or a cut."""
-    solid_names, solid_rows = _asked(options.solid, polygons)
-    hole_names, hole_rows = _asked(options.hole, polygons)
+    solid_names, solid_rows = asked_for(options.solid, polygons)
+    hole_names, hole_rows = asked_for(options.hole, polygons)
     claims = Claims([], [], [], [], [], [], [])
     unknown = hole_names - {"all"}
     inner = [(around[i], o.stroke.label) for i, o in enumerate(found.outlines) if i in around and o.stroke.label]
@@ -266,12 +266,6 @@ def _claims(
             f"{found.file}: --hole {listed}: no outline is called so; name one, or a point in it as @x,y"
         )
     return claims
-
-
-def _asked(names: Sequence[str], polygons: np.ndarray) -> tuple[set[str], set[int | None]]:
-    """Names in small letters, and rows of the outlines around points."""
-    places = [place for name in names if (place := place_of(name))]
-    return {name.casefold() for name in names if not place_of(name)}, set(rows_at(places, polygons))
 
 
 def _group_marks(stroke: Stroke) -> list[str]:

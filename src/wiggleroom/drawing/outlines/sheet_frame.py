@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Region
-from wiggleroom.drawing.outlines.naming import place_of, rows_at
+from wiggleroom.drawing.outlines.naming import asked_for, place_of, rows_at
 from wiggleroom.drawing.outlines.nesting import direct_parents
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_grey, is_light, name_of
@@ -170,8 +170,7 @@ class _Sheet:
         self.bounds = shapely.bounds(self.polygons)
         self.area = shapely.area(self.polygons)
         self.parents = direct_parents(self.polygons)
-        asked = {name.casefold() for name in options.solid}
-        at = set(rows_at([place for name in options.solid if (place := place_of(name))], self.polygons))
+        asked, at = asked_for(options.solid, self.polygons)
         self.asked = {
             row
             for row, outline in enumerate(found.outlines)

@@ -18,6 +18,7 @@ from wiggleroom.spatial.solids.solid_boolean import (
     connected_solids,
     is_solid_of,
     is_sound,
+    is_whole,
     lacks_slits_only,
     solid_of,
     surface_of,
@@ -86,7 +87,7 @@ def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[st
     surface, notes = _closed(name, np.asarray(mesh.vertices, float) * factor, np.asarray(mesh.faces, dtype=np.int64))
     flat, moved = with_flat_faces(surface)
     again = solid_of(flat) if moved else None
-    if again is None or not is_sound(again) or not (is_solid_of(again, flat) or lacks_slits_only(again, flat)):
+    if again is None or not is_sound(again) or not is_whole(again, flat):
         return surface, notes
     return flat, [*notes, f"{name}: corners are put back into the planes of their faces, by at most {moved:.1g} mm"]
 

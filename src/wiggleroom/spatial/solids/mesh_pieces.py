@@ -12,14 +12,7 @@ from wiggleroom.spatial.solids.convex_hulls import hull_surface, hull_volume
 from wiggleroom.spatial.solids.face_planes import FLAT, face_planes
 from wiggleroom.spatial.solids.face_triangulation import triangulated_anew
 from wiggleroom.spatial.solids.fins import convex_without_fins
-from wiggleroom.spatial.solids.solid_boolean import (
-    centroid_of,
-    is_solid_of,
-    is_sound,
-    lacks_slits_only,
-    solid_of,
-    surface_of,
-)
+from wiggleroom.spatial.solids.solid_boolean import centroid_of, is_sound, is_whole, solid_of, surface_of
 from wiggleroom.spatial.solids.spatial_model import MadeSolid, Surface
 
 Floats = NDArray[np.float64]
@@ -52,8 +45,7 @@ def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
     if surface is None:
         return None, [f"{wrong} at gap {gap:g}: draw the gap into the mesh and ask with gap 0"]
     solid = solid_of(surface)
-    whole = is_solid_of(solid, surface) or lacks_slits_only(solid, surface)
-    pieces = convex_pieces(solid) if whole else None
+    pieces = convex_pieces(solid) if is_whole(solid, surface) else None
     if pieces is None:
         return None, ["cannot be cut into convex pieces exactly: a mesh of fewer, flat faces would do"]
     return MadeSolid(tuple(pieces), surface, volume, centroid), []

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import require_extra
-from wiggleroom.spatial.solid_angle import solid_angles
+from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.spatial_model import Surface
 
 Floats = NDArray[np.float64]
@@ -90,16 +90,15 @@ def lacks_slits_only(solid: Any, surface: Surface) -> bool:
     normal = normal[wide] / (2 * area[wide, None])
     outside = 0.0
     for places in (PLACES @ more[wide]).transpose(1, 0, 2):  # one place of each face
-        nowhere = ~(contains(rest, places + thick * normal) | contains(rest, places - thick * normal))
+        sides = [winding_numbers(others, places + shift) > 0.5 for shift in (thick * normal, -thick * normal)]
+        nowhere = ~np.logical_or(*sides)
         outside += float(area[wide][nowhere].sum()) / len(PLACES)
     return outside <= LOST * float(solid.surface_area())
 
 
-def contains(surface: Surface, points: Floats) -> NDArray[np.bool_]:
-    """Which points (k, 3) lie inside a closed surface, by its winding number."""
-    corners = surface.vertices[surface.faces]
-    turns = [solid_angles(*(corners - point).transpose(1, 0, 2)).sum() for point in points]
-    return np.array(turns, dtype=float) > 2 * np.pi
+def is_whole(solid: Any, surface: Surface) -> bool:
+    """True where a solid of the library is that of a closed surface, or lacks slits of it only: no material is lost, and none gained."""
+    return is_solid_of(solid, surface) or lacks_slits_only(solid, surface)
 
 
 def _built(vertices: Floats, faces: NDArray[np.int64]) -> Any:
