@@ -16,6 +16,8 @@ import wiggleroom as wr
 from tests.app_client import TOKEN, Served
 from tests.page_waits import PATIENCE, faded, settled
 from wiggleroom.app.open_requests import first_open
+from wiggleroom.cli.options import QuestionOptions
+from wiggleroom.cli.serve_command import FirstRequest
 
 AXE = Path(__file__).parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"
 """Accessibility rules; `npm ci` in `web` brings them."""
@@ -48,6 +50,16 @@ def accessible(page: Any) -> None:
 def serving(path: Path | None) -> Iterator[Served]:
     first = None if path is None else first_open(path, wr.read(str(path)).drawing, None, None, None)
     one = Served(None if first is None else lambda: first)
+    try:
+        yield one
+    finally:
+        one.close()
+
+
+@contextmanager
+def following(path: Path) -> Iterator[Served]:
+    """A server of a file as the command starts it: what is open follows what is on disk."""
+    one = Served(FirstRequest(str(path), QuestionOptions()))
     try:
         yield one
     finally:

@@ -12,10 +12,8 @@ import pytest
 
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served
-from tests.browser_page import PEG, accessible, answered, serving, visiting, without
+from tests.browser_page import PEG, accessible, answered, following, serving, visiting, without
 from tests.page_waits import until
-from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.serve_command import FirstRequest
 
 pytestmark = pytest.mark.slow
 
@@ -88,37 +86,31 @@ def rings(path: Path) -> Any:
 def test_a_file_that_changes_on_disk_is_read_again_and_the_question_stays(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "peg.json"
     path.write_text(json.dumps(PEG))
-    served = Served(FirstRequest(str(path), QuestionOptions()))
-    try:
-        with visiting(browser, served) as page:
-            answered(page, "peg moves 1 mm")
-            gap = page.get_by_label("gap, mm", exact=True)
-            gap.fill("2")
-            gap.press("Enter")
-            answered(page, "peg moves 2 mm")
-            wider = json.loads(json.dumps(PEG).replace("[20, ", "[23, "))  # the hole is 3 mm wider to the right
-            path.write_text(json.dumps(wider | {"pull": [{"part": "peg", "direction": [-1, 0]}]}))
-            answered(page, "peg moves 2 mm in -x")  # the gap was set here, the pull stands in the file
-            page.locator(".notices", has_text="has changed on disk and was read again").wait_for()
-            page.get_by_label("direction of the pull on peg, °").fill("0")
-            page.get_by_label("direction of the pull on peg, °").press("Enter")
-            answered(page, "peg moves 5 mm in +x")
-            for _ in range(2):
-                page.keyboard.press("Control+z")
-            answered(page, "peg moves 4 mm in +x")
-            path.write_text("{")
-            page.get_by_label("what could not be opened").filter(has_text="peg.json").wait_for()
-            assert page.locator("#answer").inner_text().startswith("peg moves 4 mm")
-            other = json.dumps(PEG | {"gap": 3}).replace('"peg"', '"pin"')
-            path.write_text(other)
-            answered(page, "pin moves")
-            until(
-                page, lambda: page.get_by_label("what could not be opened").count() == 0, "it says still that it fails"
-            )
-            page.set_input_files("#file", {"name": "sheet.svg", "mimeType": "image/svg+xml", "buffer": SHEET.encode()})
-            page.locator(".filename", has_text="sheet.svg").wait_for()
-            path.write_text(json.dumps(PEG))
-            page.wait_for_timeout(1500)  # twice as long as between two looks
-            assert page.locator(".filename").inner_text() == "sheet.svg"  # another file is open now
-    finally:
-        served.close()
+    with following(path) as served, visiting(browser, served) as page:
+        answered(page, "peg moves 1 mm")
+        gap = page.get_by_label("gap, mm", exact=True)
+        gap.fill("2")
+        gap.press("Enter")
+        answered(page, "peg moves 2 mm")
+        wider = json.loads(json.dumps(PEG).replace("[20, ", "[23, "))  # the hole is 3 mm wider to the right
+        path.write_text(json.dumps(wider | {"pull": [{"part": "peg", "direction": [-1, 0]}]}))
+        answered(page, "peg moves 2 mm in -x")  # the gap was set here, the pull stands in the file
+        page.locator(".notices", has_text="has changed on disk and was read again").wait_for()
+        page.get_by_label("direction of the pull on peg, °").fill("0")
+        page.get_by_label("direction of the pull on peg, °").press("Enter")
+        answered(page, "peg moves 5 mm in +x")
+        for _ in range(2):
+            page.keyboard.press("Control+z")
+        answered(page, "peg moves 4 mm in +x")
+        path.write_text("{")
+        page.get_by_label("what could not be opened").filter(has_text="peg.json").wait_for()
+        assert page.locator("#answer").inner_text().startswith("peg moves 4 mm")
+        other = json.dumps(PEG | {"gap": 3}).replace('"peg"', '"pin"')
+        path.write_text(other)
+        answered(page, "pin moves")
+        until(page, lambda: page.get_by_label("what could not be opened").count() == 0, "it says still that it fails")
+        page.set_input_files("#file", {"name": "sheet.svg", "mimeType": "image/svg+xml", "buffer": SHEET.encode()})
+        page.locator(".filename", has_text="sheet.svg").wait_for()
+        path.write_text(json.dumps(PEG))
+        page.wait_for_timeout(1500)  # twice as long as between two looks
+        assert page.locator(".filename").inner_text() == "sheet.svg"  # another file is open now

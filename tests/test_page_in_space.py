@@ -18,7 +18,7 @@ from PIL import Image
 
 import wiggleroom as wr
 from tests.app_client import Served
-from tests.browser_page import answered, visiting
+from tests.browser_page import answered, following, visiting
 from tests.page_waits import LATER, faded, plays, settled
 from wiggleroom.app.open_requests import opened
 from wiggleroom.cli.options import QuestionOptions
@@ -52,11 +52,8 @@ LID = {
 def lid(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     path = tmp_path_factory.mktemp("lid") / "lid.json"
     path.write_text(json.dumps(LID))
-    one = Served(FirstRequest(str(path), QuestionOptions()))
-    try:
+    with following(path) as one:
         yield one
-    finally:
-        one.close()
 
 
 def middle(page: Any) -> tuple[float, float]:
@@ -371,24 +368,20 @@ def test_all_is_in_the_picture_and_fills_it_from_every_side(
         ],
     }
     (tmp_path / "bar.json").write_text(json.dumps(design))
-    one = Served(FirstRequest(str(tmp_path / "bar.json"), QuestionOptions()))
-    try:
-        with visiting(browser, one) as page:
-            answered(page, "block moves 0.4 mm in +x")
-            page.locator(".axes").evaluate("one => one.remove()")
-            assert_filled(page)
-            page.get_by_label("exploded view").fill("1.5")
-            assert_filled(page)
-            page.locator(".stage canvas").focus()
-            for _ in range(4):
-                page.keyboard.press("ArrowLeft")
-            page.keyboard.press("0")
-            assert_filled(page)
-            page.get_by_label("exploded view").fill("0")
-            page.set_viewport_size({"width": 390, "height": 844})
-            assert_filled(page)
-    finally:
-        one.close()
+    with following(tmp_path / "bar.json") as one, visiting(browser, one) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        page.locator(".axes").evaluate("one => one.remove()")
+        assert_filled(page)
+        page.get_by_label("exploded view").fill("1.5")
+        assert_filled(page)
+        page.locator(".stage canvas").focus()
+        for _ in range(4):
+            page.keyboard.press("ArrowLeft")
+        page.keyboard.press("0")
+        assert_filled(page)
+        page.get_by_label("exploded view").fill("0")
+        page.set_viewport_size({"width": 390, "height": 844})
+        assert_filled(page)
 
 
 def assert_filled(page: Any) -> None:

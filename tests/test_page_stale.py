@@ -12,10 +12,8 @@ from typing import Any
 import pytest
 
 from tests.app_client import TOKEN, Served
-from tests.browser_page import PEG, Late, answered, at_rest, canvas, foot, pixels_per_mm, serving, visiting
+from tests.browser_page import PEG, Late, answered, at_rest, canvas, following, foot, pixels_per_mm, serving, visiting
 from tests.page_waits import LATER, settled, until
-from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.serve_command import FirstRequest
 
 pytestmark = pytest.mark.slow
 
@@ -300,15 +298,11 @@ def test_a_link_whose_design_is_not_shown_says_so(
 def test_a_file_that_has_changed_is_read_again_by_a_reload(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "peg.json"
     path.write_text(json.dumps(PEG))
-    served = Served(FirstRequest(str(path), QuestionOptions()))
-    try:
-        with visiting(browser, served) as page:
-            answered(page, "peg moves 1 mm in +x")
-            path.write_text(json.dumps(PEG | {"gap": 2}))
-            page.reload()
-            answered(page, "peg moves 2 mm in +x")
-            path.write_text("{")
-            page.reload()
-            page.get_by_text(re.compile("peg.json: line 1.*is not JSON")).first.wait_for(timeout=30_000)
-    finally:
-        served.close()
+    with following(path) as served, visiting(browser, served) as page:
+        answered(page, "peg moves 1 mm in +x")
+        path.write_text(json.dumps(PEG | {"gap": 2}))
+        page.reload()
+        answered(page, "peg moves 2 mm in +x")
+        path.write_text("{")
+        page.reload()
+        page.get_by_text(re.compile("peg.json: line 1.*is not JSON")).first.wait_for(timeout=30_000)
