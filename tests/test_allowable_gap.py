@@ -21,6 +21,7 @@ from tests.flexing import polygon_part, row_of
 from tests.oracle import blocks, chain
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
+from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing import write_drawing
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Translation
@@ -44,7 +45,7 @@ def row(joint: str, count: int, gap: float = 0.0) -> wr.Assembly:
     return assemble(row_of([blocks.block(joint, 0.0)] * count), gap=gap)
 
 
-@pytest.mark.parametrize("limit", [3.1, 3.5, 4.9])
+@pytest.mark.parametrize("limit", [3.1, 4.9])
 def test_a_peg_moves_by_its_room_and_the_gap(limit: float) -> None:
     found = wr.allowable_gap(assemble(peg_in_slot(), gap=0.05), at_most=limit)
     truth = limit - 3.0
@@ -55,8 +56,10 @@ def test_a_peg_moves_by_its_room_and_the_gap(limit: float) -> None:
     assert found.searched_gap == pytest.approx(truth, rel=1.1e-3)
 
 
-@pytest.mark.parametrize(("joint", "count"), [("tee", 2), ("swallowtail", 2), ("tee", 5), ("swallowtail", 10)])
-@pytest.mark.parametrize("gap", [0.01, 0.03])
+@pytest.mark.parametrize(
+    ("joint", "count", "gap"),
+    [("tee", 2, 0.01), ("swallowtail", 2, 0.03), pytest.param("swallowtail", 10, 0.03, marks=pytest.mark.slow)],
+)
 def test_a_chain_whose_optimum_is_known(joint: str, count: int, gap: float) -> None:
     value, accuracy = chain.stored(joint, gap, count)
     found = wr.allowable_gap(row(joint, count, 0.017), at_most=value + accuracy)
@@ -71,15 +74,15 @@ def test_a_bound_of_a_smaller_gap_is_none_of_a_larger_one() -> None:
     """Where a search falls short, what a smaller gap has shown stands in for it, but not what was proven there."""
 
     class Halfway(PlanarStudy):
-        def flexed(self, search, stop, progress):  # type: ignore[no-untyped-def]
-            found = super().flexed(search, stop, progress)
+        def flexed(self, search, context):  # type: ignore[no-untyped-def]
+            found = super().flexed(search, context)
             if self.assembly.gap < 0.3 or found.objective is None:
                 return found
             return replace(found, objective=found.objective / 2, motion=found.motion / 2, at_most=None, bound=None)
 
     drawing = peg_in_slot()
     model = Halfway(assemble(drawing, gap=0.25), drawing.goals)
-    found = MotionBorder(model, 3.5, Deadline(60.0, None), None).enclose()
+    found = MotionBorder(model, 3.5, Context(stop=Deadline(60.0, None))).enclose()
     assert found.gap is not None
     assert found.gap > 1.0  # the search misses that it moves further
     assert found.certainty is Certainty.SEARCHED
@@ -200,7 +203,7 @@ def test_it_stops_with_the_best_so_far() -> None:
     assert late.stopped
 
 
-@pytest.mark.parametrize("seconds", [0.03, 0.1, 0.3, 0.6, 1.0])
+@pytest.mark.parametrize("seconds", [0.03, 0.3])
 def test_it_answers_wherever_the_time_is_over(seconds: float) -> None:
     found = wr.allowable_gap(row("tee", 3, 0.02), at_most=0.3, seconds=seconds)
     assert found.gap is None or found.beyond is None or found.gap < found.beyond

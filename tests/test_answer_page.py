@@ -194,7 +194,7 @@ def test_it_plays_and_pauses(opened: Any) -> None:
 @pytest.mark.slow
 def test_columns_sort_by_their_values(opened: Any) -> None:
     parts = [Part(f"b{k}", (block(0.9),), (1.2 * k, 0.0, 0.0), fixed=k == 1) for k in (1, 2, 10, 3)]
-    motion = [(0.0, 0.0, 0.0), (-3.0, 4.0, 0.0), (9.0, 0.0, 0.1), (1e-9, 0.0, 0.2)]
+    motion = [(0.0, 0.0, 0.0), (-3.0, 4.0, 0.0), (9.0, 0.0, 0.1), (0.01, 0.0, 0.2)]
     at = opened(page_of_answer(answer(parts, motion, (Pull("b10", (1, 0)),), 9.0)))
     assert [cells[0] for cells in parts_at(at)] == ["b10", "b2", "b3", "b1"]  # the farthest first
 

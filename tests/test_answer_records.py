@@ -12,8 +12,9 @@ from rich.console import Console
 
 from tests.answers import answer, block, grid, row
 from wiggleroom.drawing.model import Part, Pull, Turn
+from wiggleroom.report.findings.flex import finding
+from wiggleroom.report.results.finding_text import finding_text
 from wiggleroom.report.results.json_results import flex_result, to_json
-from wiggleroom.report.results.table import table
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 
@@ -37,12 +38,6 @@ def test_the_record_keeps_the_contract() -> None:
     assert record["seconds"]["total"] == 0.31
 
 
-def test_parts_and_contacts_take_one_line_each() -> None:
-    text = to_json(flex_result(grid(5)))
-    assert len(text.splitlines()) == 25 + 24 + 2 * 2 + len(KEYS) - 2 + 2
-    assert "-0.0," not in text
-
-
 def test_nothing_that_json_cannot_say_is_written() -> None:
     case = replace(row(2), motion=np.array([[0, 0, 0], [np.inf, np.nan, 0]]), objective=math.inf)
     record = json.loads(to_json(flex_result(case)), parse_constant=lambda word: 1 / 0)
@@ -61,7 +56,7 @@ def test_unbounded_says_who_leaves_and_turns() -> None:
 
 def page(case: Answer, width: int = 80) -> str:
     out = io.StringIO()
-    Console(file=out, width=width, highlight=False, markup=False).print(table(case))
+    Console(file=out, width=width, highlight=False, markup=False).print(finding_text(finding(case)))
     return out.getvalue()
 
 

@@ -441,9 +441,13 @@ def test_studies_speak_of_the_answer_that_is_shown(page: Visit, asked: str) -> N
     page.open("corridor.json", write_assembly(corridor(gap=0.01).drawing).encode())
     assert page.ask("flex")["objective"] == pytest.approx(0.16)
     page.told.clear()
-    more = {"tighten": {"parts": 1}, "sample": {"spread": 0.002, "draws": 4}, "prove": {"share": 0.5, "seconds": 20}}
+    more = {
+        "tighten": {"of": "tighten", "options": {"parts": 1, "draws": 0}},
+        "sample": {"of": "sample", "options": {"spread": 0.002, "draws": 4}},
+        "prove": {"share": 0.5, "seconds": 20},
+    }
     kind = {"tighten": "study", "sample": "study"}.get(asked, asked)
-    reply = page.until(page.send(asked, **more.get(asked, {})), kind)
+    reply = page.until(page.send(kind, **more.get(asked, {})), kind)
     assert reply["kind"] == kind
     (shown,) = [r for r in page.told if r["kind"] == "flex"]
     assert shown["id"] == reply["id"]
@@ -456,7 +460,7 @@ def test_studies_speak_of_the_answer_that_is_shown(page: Visit, asked: str) -> N
         (parts,) = [one["rows"] for one in reply["study"]["sections"] if one["title"].startswith("Make these")]
         assert parts[0][2] == pytest.approx(2.06) or parts[0][1] == "frame"
     page.told.clear()
-    page.ask(asked, **more.get(asked, {}))
+    page.ask(kind, **more.get(asked, {}))
     assert not [r for r in page.told if r["kind"] == "flex"], "it is shown already"
     assert page.ask("flex")["objective"] >= shown["objective"]
 

@@ -6,7 +6,6 @@ import asyncio
 import base64
 import json
 import os
-import selectors
 import signal
 import tempfile
 import time
@@ -87,7 +86,7 @@ def test_long_work_gives_way_to_the_hand_and_begins_again(page: Visit) -> None:
 def test_a_short_question_is_answered_while_a_study_is_under_way(page: Visit) -> None:
     page.open("grid.json", text(GRID))
     page.ask("flex")
-    long = page.send("sample", spread=0.001, draws=60)
+    long = page.send("study", of="sample", options={"spread": 0.001, "draws": 60})
     while page.next().get("kind_of") != "sample":
         pass
     short = page.send("rank")
@@ -97,19 +96,6 @@ def test_a_short_question_is_answered_while_a_study_is_under_way(page: Visit) ->
         assert reply["kind"] != "failed"
         ended += [reply["id"]] if reply["kind"] in ("rank", "study") else []
     assert ended == [short, long]
-
-
-def test_a_process_that_is_killed_costs_only_time(served: Served, page: Visit) -> None:
-    page.open("grid.json", text(GRID))
-    number = page.send("check")
-    page.next()
-    os.kill(served.workers()[0], signal.SIGKILL)
-    page.told.clear()
-    reply = page.until(number, "check")
-    states = [r["state"] for r in page.told if r["kind"] == "worker"]
-    assert states[:2] == ["lost", "restarted"]
-    assert reply["verdict"] == wr.check(GRID).verdict
-    assert page.ask("flex")["settled"]
 
 
 def test_a_request_whose_process_dies_twice_is_given_up_and_the_page_goes_on(served: Served, page: Visit) -> None:
@@ -314,85 +300,6 @@ class Solver:
         self.killed += 1
 
 
-class Clock(selectors.SelectSelector):
-    """Where nothing has happened when an event loop wants to wait, the time it would have waited is over at once."""
-
-    now = 1000.0
-
-    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        ready = super().select(None if timeout is None else 0)
-        self.now += 0 if ready or timeout is None else timeout
-        return ready
-
-
-@pytest.mark.parametrize(
-    ("hand", "later", "rest"),
-    [
-        ("drag", "bound", session.RESTING_SECONDS),
-        ("drag", "check", session.IDLE_SECONDS),
-        ("flex", "bound", session.IDLE_SECONDS),
-        ("shape", "bound", 0.0),
-    ],
-)
-def test_after_a_drag_a_bound_waits_longer_than_other_work(hand: str, later: str, rest: float) -> None:
-    solver, clock = Solver(), Clock()
-    of = {"part": "a", "grip": [0, 0], "target": [1, 0]} if hand == "drag" else {}
-    loop = asyncio.SelectorEventLoop(clock)
-    loop.time = lambda: clock.now  # type: ignore[method-assign]
-    began: dict[str, float] = {}
-
-    async def send(_: list[bytes], __: bytes) -> None:
-        return None
-
-    async def play() -> None:
-        one = session.Session(solver, send)  # type: ignore[arg-type]
-        work = asyncio.create_task(one.run())
-        await one.submit(json.dumps({"kind": hand, "id": 1, "design": {}, **of}).encode())
-        first = await solver.orders.get()
-        await one.submit(json.dumps({"kind": later, "id": 2, "design": {}}).encode())
-        await asyncio.sleep(7.0)  # for so long the hand moves
-        began[hand] = clock.now
-        await solver.words.put(Done(first.ticket))
-        order = await solver.orders.get()
-        began[json.loads(order.request)["kind"]] = clock.now
-        work.cancel()
-
-    def run() -> None:
-        with asyncio.Runner(loop_factory=lambda: loop) as runner:
-            runner.run(play())
-
-    with ThreadPoolExecutor(1) as thread:
-        thread.submit(run).result(120)
-    assert began[later] - began[hand] == pytest.approx(rest, abs=1e-6)
-
-
-def test_a_job_that_stopped_in_time_and_goes_on_keeps_its_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session, "IDLE_SECONDS", 0.05)
-    monkeypatch.setattr(session, "STOP_SECONDS", 0.5)
-    solver = Solver()
-
-    async def send(_: list[bytes], __: bytes) -> None:
-        return None
-
-    async def play() -> None:
-        one = session.Session(solver, send)  # type: ignore[arg-type]
-        work = asyncio.create_task(one.run())
-        await one.submit(b'{"kind": "check", "id": 1, "design": {}}')
-        first = await solver.orders.get()
-        await one.submit(b'{"kind": "shape", "id": 2, "design": {}}')
-        await solver.words.put(Done(first.ticket, good=False))
-        shape = await solver.orders.get()
-        await solver.words.put(Done(shape.ticket))
-        again = await solver.orders.get()
-        assert again.request == first.request
-        await asyncio.sleep(1.0)  # the time in which the first one had to stop is long over
-        work.cancel()
-
-    with ThreadPoolExecutor(1) as thread:
-        thread.submit(asyncio.run, asyncio.wait_for(play(), 120)).result()
-    assert solver.killed == 0
-
-
 @pytest.mark.parametrize(
     ("told", "opens", "orders"),
     [
@@ -443,3 +350,30 @@ def test_what_was_answered_before_it_could_be_stopped_is_not_answered_again(
         thread.submit(asyncio.run, asyncio.wait_for(play(), 120)).result()
     assert [json.loads(text)["kind"] for text in seen] == orders
     assert [json.loads(text)["kind"] for text in sent] == orders[not told :]
+
+
+def test_a_job_that_stopped_in_time_and_goes_on_keeps_its_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "IDLE_SECONDS", 0.05)
+    monkeypatch.setattr(session, "STOP_SECONDS", 0.5)
+    solver = Solver()
+
+    async def send(_: list[bytes], __: bytes) -> None:
+        return None
+
+    async def play() -> None:
+        one = session.Session(solver, send)  # type: ignore[arg-type]
+        work = asyncio.create_task(one.run())
+        await one.submit(b'{"kind": "check", "id": 1, "design": {}}')
+        first = await solver.orders.get()
+        await one.submit(b'{"kind": "shape", "id": 2, "design": {}}')
+        await solver.words.put(Done(first.ticket, good=False))
+        shape = await solver.orders.get()
+        await solver.words.put(Done(shape.ticket))
+        again = await solver.orders.get()
+        assert again.request == first.request
+        await asyncio.sleep(1.0)  # the time in which the first one had to stop is long over
+        work.cancel()
+
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, asyncio.wait_for(play(), 120)).result()
+    assert solver.killed == 0

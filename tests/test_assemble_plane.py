@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import affinity
 
+from wiggleroom.context import Context
 from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.mating.cutting_sheet import CuttingSheet, Outlined
 from wiggleroom.mating.planar_assembly import PlanarAssembly, assemble_plane
@@ -169,7 +170,7 @@ def test_the_matching_of_outlines_stops_when_asked():
 
     asked = Asked()
     with pytest.raises(StoppedError):
-        PlanarSearch(puzzle(3, 2, 1), asked)
+        PlanarSearch(puzzle(3, 2, 1), Context(stop=asked))
     assert asked.times == 6
 
 

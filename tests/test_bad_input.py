@@ -121,9 +121,10 @@ JSON_CASES = {
 SVG_CASES = {
     "truncated": (svg(SQUARE)[:-9], "not well-formed XML"),
     "not svg": ("<html><body/></html>", "outermost element must be svg"),
-    "entity": ('<!DOCTYPE svg [<!ENTITY lol "ha">]>' + svg("<text>&lol;</text>"), 'entity "lol"'),
+    "entity": ('<!DOCTYPE svg [<!ENTITY a "ha"><!ENTITY lol "&a;&a;">]>' + svg("<text>&lol;</text>"), 'entity "lol"'),
     "parameter entity": ('<!DOCTYPE svg [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]>' + svg(SQUARE), 'entity "x"'),
-    "hidden entity": ('<!--a--><!DOCTYPE svg [<!--b--><!ENTITY c "d">]>' + svg(SQUARE), 'entity "c"'),
+    "long entity": ('<!DOCTYPE svg [<!ENTITY c "' + 99 * "d" + '">]>' + svg(SQUARE), 'entity "c"'),
+    "hidden entity": ('<!--a--><!DOCTYPE svg [<!ENTITY<!--b--> c "&d;">]>' + svg(SQUARE), 'entity "c"'),
     "unknown entity": (svg("<g>&nope;</g>"), "not well-formed XML"),
     "nothing": (svg(""), "no closed outline"),
     "open only": (svg('<path d="M0 0L3 0L3 3"/>'), "but 1 open; every part must be closed"),
@@ -147,7 +148,6 @@ SVG_CASES = {
     "zero width": (svg(SQUARE, 'width="0mm" viewBox="0 0 9 9"'), "must be larger than 0"),
     "bad width": (svg(SQUARE, 'width="wide"'), "is not a length"),
     "bad viewBox": (svg(SQUARE, 'width="9mm" viewBox="0 0 9"'), "four numbers"),
-    "empty viewBox": (svg(SQUARE, 'width="9mm" viewBox="0 0 0 9"'), "larger than 0"),
     "bad transform": (svg(f'<g transform="rotate(30">{SQUARE}</g>'), "transform cannot be read"),
     "unknown transform": (svg(f'<g transform="wobble(3)">{SQUARE}</g>'), '"wobble" is not known'),
     "transform of three": (svg(f'<g transform="matrix(1 0 0)">{SQUARE}</g>'), "6 finite numbers"),
@@ -335,7 +335,7 @@ def test_all_findings_of_a_drawing_at_once(tmp_path):
     assert [next(n for n in ("p", "c", "r") if f'"{n}"' in finding) for finding in findings] == ["p", "c", "r"]
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(15))
 def test_damaged_files(tmp_path, seed):
     """Bytes changed at random: read or refused, nothing else."""
     import random

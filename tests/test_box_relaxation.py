@@ -63,7 +63,7 @@ def test_rows_hold_at_free_motions(joint, gap, shift):
     assert looked_at > 300
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_no_bound_lies_below_the_play_however_small_and_far_from_the_origin(seed):
     """A rectangle in a hole that is wider by its play all round: pulled along its side it moves by the play."""
     rng = np.random.default_rng(seed)

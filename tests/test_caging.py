@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from wiggleroom.drawing.model import Surface
 from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.solids.convex import convex_piece, cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import Surface
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.verdict import Certainty, Separability
 
@@ -48,14 +48,14 @@ def escapes(boxes, radius, step=0.25):
     return regions[middle, middle, middle] == regions[0, 0, 0] > 0
 
 
-@pytest.mark.parametrize(("window", "stays"), [(5.0, True), (5.5, True), (6.5, False), (8.0, False)])
+@pytest.mark.parametrize(("window", "stays"), [(5.5, True), (6.5, False)])
 def test_a_ball_stays_behind_windows_that_are_too_narrow(window, stays):
     boxes = cage(window)
     assert escapes(boxes, 3.0) is not stays
     assert ball_stays([cuboid(low, high) for low, high in boxes], np.zeros(3), 3.0) is stays
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_nothing_stays_that_gets_out(seed):
     draw = np.random.default_rng(seed)
     boxes = []

@@ -104,7 +104,7 @@ def test_the_file_verifies_as_it_was_written(proven):
     assert not refused(json.dumps(proven[1]) + "\n")
 
 
-@pytest.mark.parametrize("seed", [*range(30), *(pytest.param(k, marks=pytest.mark.slow) for k in range(30, 330))])
+@pytest.mark.parametrize("seed", [*range(30), *(pytest.param(k, marks=pytest.mark.slow) for k in range(30, 110))])
 def test_one_digit_changed_anywhere_is_refused(proven, seed):
     text, rng = json.dumps(proven[1]), random.Random(seed)
     k = rng.choice([k for k, c in enumerate(text) if c.isdigit()])
@@ -123,7 +123,7 @@ def test_digits_that_change_no_number_are_refused(proven):
     assert same
 
 
-@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 70))])
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 24))])
 def test_one_digit_of_the_proof_changed_and_sealed_says_nothing_false(proven, seed):
     """Without the checksum the mathematics alone: what still verifies is not below the truth."""
     answer, content = proven

@@ -85,7 +85,7 @@ def test_strips_lie_in_their_bodies_and_have_no_edges_without_direction(seed: in
             assert np.hypot(*(end - start).T).min() > 1e-4 * whole.margin
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
     made = random_joints.tab_pair(seed, 0.02)
     a, b, apart = made.local()

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
+from wiggleroom.assembly.build import doubts
 from wiggleroom.drawing import read_drawing
+from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.drawing.readers.svg import read_svg
 from wiggleroom.errors import InputError
 
@@ -103,3 +105,10 @@ def test_a_dxf_without_unit(tmp_path: Path, measurement: int, sizes: tuple[float
         width_of for part in drawing.parts for width_of in np.ptp(part.regions[0].outer, axis=0)
     ) == pytest.approx(mm)
     assert any("says no unit" in note and "--unit" in note for note in drawing.notes)
+
+
+@pytest.mark.parametrize(("width", "doubted"), [(4.3, True), (43.0, False), (6000.0, True)])
+def test_a_size_that_is_hardly_meant(width: float, doubted: bool) -> None:
+    square = Region(np.array([[0.0, 0.0], [width, 0.0], [width, width], [0.0, width]]))
+    said = doubts(Drawing((Part("a", (square,)),)))
+    assert any("is its unit right" in line for line in said) == doubted

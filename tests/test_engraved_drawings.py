@@ -241,3 +241,127 @@ def test_a_template_says_what_is_cut(tmp_path):
     assert said(drawing, "template of Ponoko")
     with pytest.raises(InputError, match="no layer, colour or name"):
         read(tmp_path, *body, skip=("orange",))
+
+
+NAVY, GREEN, INKED = 'fill="#000080"', 'fill="#008000"', 'fill="#000000"'
+
+
+def test_holes_in_a_colour_of_their_own(tmp_path):
+    """In a filled panel small shapes of a colour that stands nowhere else are holes; large ones, and parts, are pieces."""
+    panel, holes = rect(20, 20, 200, 100, NAVY), disc(40, 40, 4, GREEN) + rect(60, 60, 60, 20, GREEN)
+    drawing = read(tmp_path, panel, holes)
+    assert counted(drawing) == (1, 2)
+    assert any("2 outlines inside others are holes" in note for note in drawing.notes)
+    assert counted(read(tmp_path, panel, holes, disc(300, 40, 4, GREEN)))[0] == 4
+    assert counted(read(tmp_path, panel, rect(30, 30, 120, 80, GREEN)))[0] == 2
+    assert counted(read(tmp_path, panel, disc(40, 40, 4, GREEN, 'id="peg"')))[0] == 2
+
+
+def test_a_picture_in_a_panel_of_several_lines(tmp_path):
+    """What is filled among lines is engraved, whether or not one line alone runs round it."""
+    panel = path([(20, 20), (20, 120), (220, 120)], BLUE, closed=False)
+    panel += path([(220, 120), (220, 20), (20, 20)], BLUE, closed=False)
+    drawing = read(tmp_path, panel, disc(120, 70, 45, INKED), rect(30, 30, 10, 80, INKED))
+    assert counted(drawing) == (1, 0)
+    assert any("engraving" in note for note in drawing.notes)
+    assert counted(read(tmp_path, panel, disc(300, 70, 45, INKED))) == (2, 0)
+
+
+def test_a_red_picture_beside_red_lettering(tmp_path):
+    """Red is the colour of fixed parts, unless lettering has it."""
+    red = 'fill="#ff0000"'
+    panel, picture = rect(20, 20, 200, 100), disc(120, 70, 20, red)
+    letters = '<g id="text12">' + disc(40, 40, 3, red) + "</g>"
+    assert counted(read(tmp_path, panel, picture)) == (2, 1)
+    assert counted(read(tmp_path, panel, picture, letters)) == (1, 0)
+
+
+def test_a_scrap_is_said(tmp_path):
+    """A tiny outline beside the others is a part, but hardly one that is wanted."""
+    drawing = read(tmp_path, rect(20, 20, 200, 100), rect(250, 20, 1, 2))
+    assert counted(drawing) == (2, 0)
+    assert any("1 part is tiny" in note for note in drawing.notes)
+
+
+def test_splinters_fall_out(tmp_path):
+    """What a line cuts off a panel and is a thousandth of it is no part; a corner of a few hundredths is."""
+    panel = rect(20, 20, 200, 100)
+    assert counted(read(tmp_path, panel, path([(20, 22), (22, 20)], closed=False)))[0] == 1
+    assert counted(read(tmp_path, panel, path([(20, 60), (60, 20)], closed=False)))[0] == 2
+
+
+def test_notches_by_open_lines_are_asked_about(tmp_path):
+    """A face in the edge of another one may be a notch; the note gives the point that leaves it out."""
+    panel, notch = rect(20, 20, 200, 100), path([(100, 20), (100, 60), (130, 60), (130, 20)], closed=False)
+    drawing = read(tmp_path, panel, notch)
+    assert counted(drawing)[0] == 2
+    asked = next(note for note in drawing.notes if "if notches" in note)
+    left = read(tmp_path, panel, notch, skip=tuple(asked.split("--skip ")[1].replace(",@", " @").split()))
+    assert area(left) == pytest.approx([200 * 100 - 30 * 40])
+    halves = read(tmp_path, panel, path([(120, 20), (120, 120)], closed=False))
+    assert not any("if notches" in note for note in halves.notes)
+
+
+def test_scraps_in_holes(tmp_path):
+    """A circle in the seat of a nut falls out with it; a larger disc in a hole, or one with a name, is a part."""
+    panel = rect(20, 20, 200, 100)
+    nut = "".join(rect(x, 60, 6, 6) + disc(x + 3, 63, 1.5) for x in (40, 80, 120))
+    drawing = read(tmp_path, panel, nut)
+    assert counted(drawing) == (1, 3)
+    assert said(drawing, "3 scraps in holes left out")
+    assert counted(read(tmp_path, panel, nut, solid=("all",)))[0] == 7
+    assert counted(read(tmp_path, panel, disc(100, 60, 12), disc(100, 60, 11)))[0] == 2
+    assert counted(read(tmp_path, panel, disc(100, 60, 2), disc(100, 60, 1.5, BLACK, 'id="pin"')))[0] == 2
+
+
+def test_letters_with_white_lines(tmp_path):
+    """White is no colour of cuts: what is filled and has a white line is engraved."""
+    white = 'fill="#0000ff" stroke="#ffffff"'
+    assert counted(read(tmp_path, rect(20, 20, 200, 100), rect(60, 40, 20, 30, white))) == (1, 0)
+
+
+def test_a_colour_whose_outlines_hold_windows_is_engraved(tmp_path):
+    """The bezel of a display, drawn round its window, would make the window fall out with it."""
+    other = rect(250, 0, 100, 100)
+    bezels = [rect(30, 20, 60, 40, RED), disc(140, 50, 12, RED)]
+    windows = [rect(40, 28, 40, 26), disc(140, 50, 5)]
+    drawing = read(tmp_path, rect(0, 0, 200, 100), other, *bezels, *windows)
+    assert counted(drawing) == (2, 2)
+    assert said(drawing, "2 outlines in red inside parts, one in another: taken as an engraved picture")
+    lid = rect(30.2, 20.2, 59.6, 39.6)  # fits the hole, and is a part
+    assert counted(read(tmp_path, rect(0, 0, 200, 100), other, rect(30, 20, 60, 40, RED), lid)) == (3, 1)
+
+
+def test_straight_lines_of_another_colour_on_parts_are_scored(tmp_path):
+    lines = [path([(x, 0), (x, 100)], BLUE, closed=False) for x in (50, 100, 150)]
+    second = rect(0, 110, 200, 100)
+    drawing = read(tmp_path, rect(0, 0, 200, 100), second, *lines)
+    assert counted(drawing) == (2, 0)
+    assert said(drawing, "3 lines in blue on parts, which bound none: taken as scored")
+    assert len(read(tmp_path, rect(0, 0, 200, 100), second, *(line.replace(BLUE, RED) for line in lines)).parts) == 5
+    assert len(read(tmp_path, rect(0, 0, 200, 100), *lines).parts) == 4  # it may be the board
+    grid = [*lines, *(path([(0, y), (200, y)], BLUE, closed=False) for y in (30, 70)), rect(70, 20, 60, 60, BLUE)]
+    assert counted(read(tmp_path, rect(0, 0, 200, 100), second, disc(100, 50, 5), *grid)) == (2, 1)
+
+
+def test_an_outline_drawn_with_the_thickness_of_its_line_is_one(tmp_path):
+    def thick(x, y, w, h):
+        inner = f"M{x + 0.2},{y + 0.2}v{h - 0.4}h{w - 0.4}v{0.4 - h}z"
+        return f'<path fill="#000000" fill-rule="evenodd" d="M{x},{y}h{w}v{h}h{-w}z{inner}"/>'
+
+    drawing = read(tmp_path, thick(0, 0, 100, 80), thick(20, 20, 50, 40), disc(10, 10, 2, RED))
+    assert counted(drawing) == (1, 2)
+    assert np.isclose(area(drawing)[0], 8000 - 2000 - 4 * np.pi, rtol=1e-3)
+    assert said(drawing, "2 outlines drawn with the thickness of their line")
+
+
+def test_a_sheet_that_is_round_in_pixels_is_doubted(tmp_path):
+    """A drawing of 300 x 150 mm that was exported as pixels of 1/96 inch is 3.78 times too small."""
+    k = 25.4 / 96
+    panels = [rect(x * k, 10 * k, 80 * k, 60 * k) + disc((x + 40) * k, 40 * k, 5 * k) for x in (10, 110, 210)]
+    drawing = read(tmp_path, rect(0, 0, 300 * k, 150 * k, BLUE), *panels)
+    assert counted(drawing) == (3, 3)
+    assert said(drawing, "the sheet is 79.375 x 39.6875 mm, but 300 x 150 pixels of 1/96 inch")
+    sheet = rect(0, 0, 300, 150, BLUE)
+    panels = [rect(x, 10, 80, 60) + disc(x + 40, 40, 5) for x in (10, 110, 210)]
+    assert not said(read(tmp_path, sheet, *panels), "pixels of")

@@ -14,7 +14,7 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.disassembly.closed_pairs import ClosedPairs, closed_pairs
 from wiggleroom.disassembly.escape_by_pairs import escape_by_known_pairs, escape_by_pairs
-from wiggleroom.disassembly.interlock import with_ground
+from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.path_following import RelativeSegment, follow
 from wiggleroom.drawing.model import Drawing

@@ -47,7 +47,9 @@ PATTERNS = {
     "--pull b3-23:-x --pull b37-23:+x",
 }
 
-SLOW = ("18_grid_of_4096", "20_elephant", "21_butterfly")
+SLOW = (
+    "04_jigsaw", "15_grid", "16_chain_sweeps", "18_grid_of_4096", "19_space_divider", "20_elephant", "21_butterfly", "23_mechanisms",
+)  # fmt: skip
 LIVE = {shlex.join(words[:-2]): f"{name}.html" for name, words in live_pages.commands().items()}
 """Live pages of the site, by the commands that they show."""
 DRAWN = ("14_shelf", "19_space_divider", "23_mechanisms")

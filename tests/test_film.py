@@ -175,20 +175,6 @@ def test_frames_follow_the_path_in_pixels() -> None:
     assert blue[1] > blue[0] + 5
 
 
-def test_frames_in_two_layers_look_like_the_whole_picture() -> None:
-    images = pytest.importorskip("PIL.Image")
-    from wiggleroom.report.films.film_frames import _frames
-    from wiggleroom.report.pictures.png import png
-
-    for case in (made(row(4)), made(leaving())):
-        frames = list(_frames(case, (400, 300), None))
-        for k in (0, case.frames // 2, case.frames - 1):
-            whole = images.open(io.BytesIO(png(case.drawn(k), width=frames[k].width, own_font_only=True)))
-            off = np.abs(np.asarray(whole.convert("RGB")).astype(int)[: frames[k].height] - np.asarray(frames[k]))
-            assert off.mean() < 0.2
-            assert (off.max(axis=2) > 30).mean() < 1e-4  # a line's edge may fall on another shade
-
-
 def test_gif_plays_with_pauses(tmp_path: Path) -> None:
     images = pytest.importorskip("PIL.Image")
     drawn: list[tuple[int, int]] = []

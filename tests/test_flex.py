@@ -18,7 +18,7 @@ from tests.oracle.closed_forms import frame, rectangle, regular
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn, W
 from wiggleroom.geometry.relative_pose import relative_pose
-from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, followed
+from wiggleroom.search.moves import CongruentSwap, congruent_swaps, followed
 
 CLOSE = 1e-6
 SLOT = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 2.1), (4, 2.1), (4, 3.1), (0, 3.1)]  # open to the right, y from 1 to 2.1
@@ -51,8 +51,7 @@ def test_peg_leaves_an_open_slot():
     assert answer.path == "checked"
 
 
-@pytest.mark.parametrize("thick", [1.0, 0.01])
-@pytest.mark.parametrize("away", [5.0, 8.0, 30.0, 200.0])
+@pytest.mark.parametrize(("away", "thick"), [(5.0, 1.0), (8.0, 0.01), (200.0, 0.01)])
 def test_peg_stops_at_a_wall_outside_the_slot(away, thick):
     wall = box("wall", away, -500, away + thick, 500, fixed=True)
     answer = flex(slot(wall), Pull("peg", (1, 0)))
@@ -61,8 +60,7 @@ def test_peg_stops_at_a_wall_outside_the_slot(away, thick):
     assert answer.objective == pytest.approx(away - 2.05, rel=CLOSE)
 
 
-@pytest.mark.parametrize("thick", [1.0, 0.01])
-@pytest.mark.parametrize("far", [10.0, 100.0, 1000.0])
+@pytest.mark.parametrize(("far", "thick"), [(10.0, 0.01), (1000.0, 1.0)])
 def test_wall_far_away_stops_a_block_from_the_floor(far, thick):
     answer = flex([FLOOR, BLOCK, box("wall", -3 * far, far, 3 * far, far + thick, fixed=True)], Pull("b", (0, 1)))
     assert answer.path == "checked"
@@ -130,13 +128,6 @@ def test_wide_bent_channel_is_followed_to_its_lid():
     assert answer.objective == pytest.approx((2.5 + 2.96) / math.sqrt(2), rel=CLOSE)
 
 
-def test_bent_channel_is_not_left_sideways():
-    answer = flex(bent_channel(), Pull("b", (0, 1)))
-    assert answer.verdict in ("proven", "optimal", "unbounded")
-    if answer.verdict in ("proven", "optimal"):
-        assert answer.objective >= 0.05 * (1 - CLOSE)
-
-
 @pytest.mark.parametrize("wall", [0.5, 0.01])
 def test_thin_box_holds_a_block(wall):
     shape = shapely.Polygon(rectangle(20 + 2 * wall, 20 + 2 * wall), [rectangle(20, 20)])
@@ -168,32 +159,19 @@ def test_polygon_that_nearly_fills_its_hole_does_not_turn():
     assert answer.objective == pytest.approx(limit, rel=CLOSE)
 
 
-def test_block_beside_a_floor_turns_without_end():
-    answer = flex([FLOOR, BLOCK], Turn("b"))
-    assert answer.verdict == "unbounded"
-    assert "b" in (*answer.turns, *answer.leaves)
-
-
 def test_block_between_two_plates_turns_without_end_where_they_are_wide_apart():
     answer = flex([FLOOR, box("top", -2, 2, 2, 3, fixed=True), box("b", -0.5, 0.5, 0.5, 1.5)], Turn("b"))
     assert answer.verdict == "unbounded"
     assert answer.turns == ("b",)
 
 
-@pytest.mark.parametrize("point", [(0.0, 0.0), (-30.0, 20.0), (-300.0, 200.0)], ids=str)
-@pytest.mark.parametrize("joint", ["tee", "round", "hook"])
-def test_path_is_free_wherever_the_reference_points_are(joint, point):
+@pytest.mark.parametrize(("joint", "point"), [("tee", (0.0, 0.0)), ("round", (-300.0, 200.0)), ("hook", (-30.0, 20.0))])
+def test_value_is_the_same_and_the_path_free_wherever_the_reference_points_are(joint, point):
     """Outlines drawn in assembly coordinates, "at" left out: the path between waypoints must be free for these motions too."""
-    answer = wr.flex(assemble(about(chain(joint, 6, 0.03).drawing, point)), search=0)
-    check_safe(answer)
-
-
-@pytest.mark.parametrize("point", [(0.0, 0.0), (-30.0, 20.0), (-300.0, 200.0)], ids=str)
-@pytest.mark.parametrize("joint", ["tee", "round", "hook"])
-def test_value_is_the_same_wherever_the_reference_points_are(joint, point):
     drawing = chain(joint, 6, 0.03).drawing
-    one, other = (wr.flex(assemble(d), search=0).objective for d in (drawing, about(drawing, point)))
-    assert other == pytest.approx(one, rel=CLOSE)
+    one, other = (wr.flex(assemble(d), search=0) for d in (drawing, about(drawing, point)))
+    check_safe(other)
+    assert other.objective == pytest.approx(one.objective, rel=CLOSE)
 
 
 # -- contacts -------------------------------------------------------------------------------------------------------
@@ -245,23 +223,12 @@ def test_negative_weight_pulls_the_other_way():
     assert wr.flex(assembly, Pull("b3", (0, 1), weight=-1.0), search=0).objective == pytest.approx(down, rel=CLOSE)
 
 
-def test_goals_of_the_file_are_the_default():
-    assembly = chain()
-    assert wr.flex(assembly, search=0).objective == wr.flex(assembly, Pull("b3", (0, 1)), search=0).objective
-
-
 def test_point_of_a_pull_counts():
     assembly = chain()
     goal = Pull("b3", (0, 1), (2.5, 0.5))
     answer = wr.flex(assembly, goal, search=0)
     assert answer.objective == pytest.approx(float(value_of(assembly, [goal], answer.motion)), abs=1e-13)
     assert answer.objective > wr.flex(assembly, Pull("b3", (0, 1)), search=0).objective
-
-
-@pytest.mark.parametrize("goal", [Pull("b9", (0, 1)), Turn("b9"), W("b9", (1, 0, 0))], ids=lambda g: type(g).__name__)
-def test_unknown_part_is_named(goal):
-    with pytest.raises(wr.InputError, match="b9"):
-        wr.flex(chain(), goal, search=0)
 
 
 def test_nothing_fixed_or_nothing_pulled_is_an_error():
@@ -321,7 +288,7 @@ def test_stopped_before_it_began():
     assert answer.objective >= 0
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 5, 8, 12, 16, 20, 25, 30, 40])
+@pytest.mark.parametrize("count", [1, 3, 8, 20, 40])
 def test_stopped_on_the_way_is_safe(count):
     assembly = wr.patterns.jigsaw(3, 3, gap=0.02, seed=1)
     best = wr.flex(assembly, search=0).objective
@@ -423,14 +390,6 @@ def test_one_looser_joint_lies_between(joint):
     mixed = wr.flex(chain(joint, 4, 0.01, gaps=(JointGap(("b2", "b3"), 0.02),)), search=0)
     check_safe(mixed)
     assert single * 1.01 < mixed.objective < double * 0.99
-
-
-def test_tighter_joint_counts_most_where_its_lever_is_long():
-    near, far = (
-        wr.flex(chain("tee", 4, 0.01, gaps=(JointGap(pair, 0.02),)), search=0).objective
-        for pair in (("b1", "b2"), ("b3", "b4"))
-    )
-    assert near > far
 
 
 def test_a_joint_takes_the_path_of_a_congruent_one_and_no_other_joint_notices() -> None:

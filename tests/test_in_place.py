@@ -151,3 +151,58 @@ def test_only_outlines_move_in_a_dxf_also_those_in_blocks(tmp_path: Path, comman
     assert sorted(e.dxf.get("color", 256) for e in cut) == [3, 256, 256]
     for was, now in zip(areas(tmp_path / "sheet.dxf"), areas(tmp_path / "cut.dxf"), strict=True):
         assert now.symmetric_difference(was.buffer(-0.15, join_style="mitre")).area < 5e-3 * was.area
+
+
+PROJECT = """<?xml version="1.0" encoding="UTF-8"?>
+<LightBurnProject AppVersion="1.4.03" FormatVersion="1" MirrorX="False" MirrorY="False">
+    <CutSetting type="Cut"><index Value="0"/><name Value="C00"/><speed Value="12"/></CutSetting>
+    <CutSetting type="Scan"><index Value="1"/><name Value="C01"/></CutSetting>
+    <Shape Type="Group"><XForm>0 1 -1 0 50 10</XForm><Children>
+        <Shape Type="Rect" CutIndex="0" W="60" H="60" Cr="0" PowerScale="80"><XForm>1 0 0 1 30 30</XForm></Shape>
+        <Shape Type="Rect" CutIndex="0" W="40" H="40" Cr="0"><XForm>1 0 0 1 30 30</XForm></Shape>
+        <Shape Type="Ellipse" CutIndex="0" Name="pe&amp;g" Rx="15" Ry="15"><XForm>1 0 0 1 30 30</XForm></Shape>
+    </Children></Shape>
+    <Shape Type="Path" CutIndex="0"><XForm>1 0 0 1 0 0</XForm><VertList>V80 0V90 0V90 10V80 10V85 4c0x86c0y5V88 6c1x87c1y7</VertList>
+        <PrimList>L0 1L1 2L2 3L3 0B4 5</PrimList></Shape>
+    <Shape Type="Rect" CutIndex="1" W="5" H="5" Cr="0"><XForm>1 0 0 1 100 30</XForm></Shape>
+    <Notes ShowOnLoad="0" Notes="gr\u00fc\u00dfe"/>
+</LightBurnProject>
+"""
+
+
+def test_outlines_go_into_a_lightburn_project_and_its_layers_stay(tmp_path: Path, command_output: Command) -> None:
+    (tmp_path / "plate.lbrn2").write_text(PROJECT, encoding="utf-8")
+    path, cut = tmp_path / "plate.lbrn2", tmp_path / "cut.lbrn2"
+    said = command_output("convert", path, cut, "--gap", "0.4", "--kerf", "0.1")
+    assert said[0] == 0, said
+    text = cut.read_text(encoding="utf-8")
+    for kept in (
+        '<speed Value="12"/>',
+        'Notes="gr\u00fc\u00dfe"',
+        'CutIndex="1" W="5"',
+        "<XForm>0 1 -1 0 50 10</XForm>",
+    ):
+        assert kept in text
+    assert re.search(r'<Shape Type="Path" CutIndex="0" PowerScale="80"><XForm>1 0 0 1 30 30</XForm><VertList>V', text)
+    assert 'Name="pe&amp;g"' in text
+    was_all, now_all = areas(path), areas(cut)
+    assert len(was_all) == len(now_all) == 3
+    assert "V85 4c0x86c0y5V88 6c1x87c1y7" in text  # a curve that is no outline, of the same shape
+    for was, now in zip(was_all, now_all, strict=True):
+        assert now.symmetric_difference(was.buffer(-0.15, join_style="mitre")).area < 1e-3 * was.area
+    command_output("convert", path, tmp_path / "same.lbrn2")
+    assert (tmp_path / "same.lbrn2").read_text(encoding="utf-8") == PROJECT
+
+
+def test_a_shape_that_shares_its_vertices_with_an_outline_is_refused(tmp_path: Path, command_output: Command) -> None:
+    square = "<VertList>V0 0V9 0V9 9V0 9</VertList><PrimList>LineClosed</PrimList>"
+    shapes = [
+        f'<Shape Type="Path" CutIndex="0" VertID="0" PrimID="0"><XForm>1 0 0 1 0 0</XForm>{square}</Shape>',
+        '<Shape Type="Path" CutIndex="1" VertID="0" PrimID="0"><XForm>1 0 0 1 20 0</XForm></Shape>',
+    ]
+    engraved = '<CutSetting type="Scan"><index Value="1"/><name Value="C01"/></CutSetting>'
+    path = tmp_path / "twins.lbrn2"
+    path.write_text(f"<LightBurnProject>{engraved}{''.join(shapes)}</LightBurnProject>")
+    code, _, lines = command_output("convert", path, tmp_path / "cut.lbrn2", "--gap", "0.4")
+    assert code == 2
+    assert any("shares its vertices with an outline" in line for line in lines)

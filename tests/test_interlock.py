@@ -15,14 +15,14 @@ from tests.flexing import displaced, part_at
 from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
-from wiggleroom.disassembly.escape import EscapeEffort
-from wiggleroom.disassembly.interlock import interlock, with_ground
-from wiggleroom.disassembly.passages_by_gap import PassagesByGap
+from wiggleroom.context import UNLIMITED
+from wiggleroom.disassembly.escape_effort import EscapeEffort
+from wiggleroom.disassembly.ground import with_ground
+from wiggleroom.disassembly.interlock import interlock
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import FreeSpaceError
 from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.report.results.separability import check_result, further, why
-from wiggleroom.search.progress import silent
 
 HERE = Path(__file__).parents[1] / "examples" / "17_does_it_come_apart"
 TRUTH = json.loads((HERE / "truth.json").read_text())
@@ -221,31 +221,6 @@ def test_the_same_of_equal_parts_stands_at_every_gap():
     assert len({tuple(p.name for p in assembly.parts if p.fixed) for assembly in standing}) == 1
 
 
-def test_what_led_apart_at_one_gap_is_asked_first_at_another():
-    drawing = wr.read(str(HERE / "simultaneous.json")).drawing
-    effort = EscapeEffort(40_000, 40)
-    for gap in (1.1 * drawing.gap, 1.05 * drawing.gap):
-        made = assemble(drawing, gap=gap)
-        found = interlock(made, effort, every=False, stop=None, tell=silent)
-        assert found.verdict == "comes apart"
-        assert deepest(made, found) < 1e-9
-    assert len(effort.exits) == 1
-    assert found.questions == len(effort.exits[0])  # and nothing else
-
-
-def test_no_pair_is_looked_at_where_what_led_apart_at_another_gap_does_so_here(monkeypatch):
-    drawing = wr.read(str(HERE / "simultaneous.json")).drawing
-    effort = EscapeEffort(40_000, 40)
-    interlock(assemble(drawing, gap=1.1 * drawing.gap), effort, every=False, stop=None, tell=silent)
-    looked: list[int] = []
-    monkeypatch.setattr(PassagesByGap, "look", lambda *_: looked.append(1))
-    made = assemble(drawing, gap=1.05 * drawing.gap)
-    found = interlock(made, effort, every=False, stop=None, tell=silent)
-    assert found.verdict == "comes apart"
-    assert deepest(made, found) < 1e-9
-    assert not looked
-
-
 def test_without_a_free_space_round_rest_boxes_of_motions_decide(monkeypatch):
     def refuse(*_, **__):
         raise FreeSpaceError("no free space was found")
@@ -294,11 +269,6 @@ def test_command_exits_with_zero_where_it_interlocks(command, capsys):
     assert (record["verdict"], record["escapes"], record["spins"]) == ("interlocked", [], ["plug"])
 
 
-def test_command_takes_a_gap(command, capsys):
-    assert command("check", str(HERE / "gap.json"), "--gap", "8") == 1
-    assert "right leaves" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -344,24 +314,12 @@ def test_parts_that_touch_at_rest(ground, verdict, certainty, who):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("gap", "verdict"), [(2.5, "interlocked"), (2.75, "comes apart")])
-def test_a_jigsaw_near_the_gap_at_which_it_comes_apart(gap, verdict):
-    file = HERE.parent / "drawings" / "pyjigsaw_4x5.svg"
-    drawing = wr.read(file, gap=2.0).drawing  # the same edges for its curves at both gaps
-    assembly = assemble(drawing, gap=gap)
-    found = wr.check(assembly, every=False)
-    assert found.verdict == verdict
-    assert found.certainty == "proven"
-    assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(("gap", "verdict"), [(2.6201, "interlocked"), (2.6222, "comes apart")])
 def test_both_sides_of_the_border_of_the_jigsaw_are_known_to_a_thousandth(gap, verdict):
     """Between them a corner leaves through two necks, one after the other, while others make room."""
     drawing = wr.read(HERE.parent / "drawings" / "pyjigsaw_4x5.svg", gap=1.0).drawing
     assembly = assemble(drawing, gap=gap)
-    found = interlock(assembly, EscapeEffort(40_000, 40), every=False, stop=None, tell=silent)
+    found = interlock(assembly, EscapeEffort(40_000, 40), every=False, context=UNLIMITED)
     assert (found.verdict, found.certainty) == (verdict, "proven")
     assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2
     assert away(assembly, found)

@@ -63,6 +63,32 @@ def test_a_drag_begins_where_the_part_before_was_left(latch: Assembly) -> None:
         assert overlap(one.assembly, after) < 1e-3
 
 
+def test_many_tight_parts_can_be_left_wherever_a_drag_has_shown_them() -> None:
+    grid = wr.patterns.grid(16, 16, joint="tee", gap=0.01)
+    live, names = wr.Live(grid), grid.names
+    first, other = names[120], names[40]
+    at, there = grid.rest[120, :2], grid.rest[40, :2]
+    shown = [live.drag(first, tuple(at), (at[0] + 0.4, at[1] + 0.3), start="rest", seconds=0.05).motion]
+    shown += [live.drag(first, tuple(at), (at[0] + 0.4, at[1] + 0.3), seconds=0.05).motion for _ in range(2)]
+    for motion in shown:  # the hand let go there, and took another part before the pose was asked about
+        left = as_told(motion)
+        found = live.drag(
+            other, tuple(there + left[40, :2]), tuple(there + left[40, :2] + 0.05), start=left, seconds=0.3
+        )
+        assert overlap(live.assembly, found.motion) < 1e-6
+
+
+def test_parts_that_touch_may_be_left_although_rounding_lets_them_overlap(latch: Assembly) -> None:
+    pressed = wr.Live(latch).drag("slider", (20, 15), (50, 15), start="rest", seconds=3).motion
+    pressed[SLIDER, 0] += 1e-5  # into the latch
+    assert overlap(latch, pressed) > 0
+    live = wr.Live(latch)  # a process that knows of no drag
+    assert live.leave(pressed)
+    found = live.drag("latch", (45, 50), (45, 62), start=pressed, seconds=3)
+    assert found.distance < 0.01
+    assert overlap(latch, found.motion) < 1e-9
+
+
 def test_parts_that_overlap_cannot_be_left_so(latch: Assembly) -> None:
     live = wr.Live(latch)
     wrong = np.zeros((5, 3))

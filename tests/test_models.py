@@ -81,8 +81,7 @@ def test_turning_about_the_joint_reaches_further() -> None:
         assert whole_range[0] < ends[1][0] < ends[0][0] < 0 < ends[0][1] < ends[1][1] < whole_range[1]
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.7])
-@pytest.mark.parametrize("joint", ["tee", "hook", "arrow"])
+@pytest.mark.parametrize(("joint", "angle"), [("tee", 0.7), ("hook", 0.0), ("arrow", 0.7)])
 def test_pair_models_against_sampled_collision(joint: str, angle: float) -> None:
     pair, body, D = chain(joint, 0.01, 2, angle), block(joint, 0.01), np.array([1.0, 0.0])
     walls = wr.free_space(pair, "b1", "b2")
@@ -102,8 +101,7 @@ def test_pair_models_against_sampled_collision(joint: str, angle: float) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("joint", ["tee", "swallowtail", "arrow"])
-@pytest.mark.parametrize("gap", [0.01, 0.02])
+@pytest.mark.parametrize(("joint", "gap"), [("tee", 0.02), ("swallowtail", 0.01), ("arrow", 0.01)])
 def test_chains_against_the_true_optimum(joint: str, gap: float) -> None:
     made, (best, _) = chain(joint, gap, 10), stored(joint, gap, 10)
     value = {
@@ -202,11 +200,6 @@ def test_faces_in_a_program_have_exact_derivatives() -> None:
     close(at.jacobian().toarray(), slope(of.values, u, steps(of)), 1e-8)
     curved = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam) + of.linearise(v).gradient, u, steps(of))
     close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
-
-
-def test_faces_are_the_same_wherever_the_assembly_lies() -> None:
-    straight, turned = (wr.flex(chain("tee", 0.01, 5, angle), model="hull").objective for angle in (0.0, 0.7))
-    assert straight == pytest.approx(turned, rel=1e-6)
 
 
 def test_half_planes_are_distances_and_their_derivatives() -> None:
@@ -339,14 +332,6 @@ def test_neighbours_come_closer_by_the_gap(model: str) -> None:
     else:
         assert answer.objective == pytest.approx(2 * (1.05**2 - 1.0), rel=1e-4)
         assert answer.collision_free
-
-
-def test_wiggling_of_a_grid_by_two_models() -> None:
-    made = wr.patterns.grid(3, 3, gap=0.01)
-    walls, planes = (wr.flex(made, wr.Translation(), model=m, search=0) for m in ("walls", "halfplane"))
-    assert walls.collision_free
-    assert walls.objective == pytest.approx(float((walls.motion[:, :2] ** 2).sum()), rel=1e-9)
-    assert walls.objective == pytest.approx(planes.objective, rel=0.02)
 
 
 def test_objective_of_the_whole_in_a_file(tmp_path) -> None:

@@ -181,11 +181,9 @@ def test_what_was_assumed_on_reading_stays_and_can_be_set(browser: Any) -> None:
         assert page.locator(".notices").inner_text() == ""
         page.get_by_text("Read it in another way").click()
         page.get_by_label("unit of its numbers").select_option("in")
-        page.get_by_role("button", name="Read again").click()
         until(page, lambda: "1 user unit" not in page.locator(".tabpanel").inner_text(), "it was not read again")
         page.get_by_label("leave out").fill("red")
         page.get_by_label("leave out").press("Tab")
-        page.get_by_role("button", name="Read again").click()
         until(page, lambda: page.get_by_label(re.compile("^2 parts, gap")).count() == 1, "the red part is still there")
         page.reload()
         until(page, lambda: page.get_by_label(re.compile("^2 parts, gap")).count() == 1, "a reload reads it otherwise")
@@ -199,7 +197,6 @@ def test_a_drawing_of_the_command_line_can_be_read_in_another_way_too(browser: A
         page.get_by_text("Read it in another way").click()
         page.get_by_label("leave out").fill("red")
         page.get_by_label("leave out").press("Tab")
-        page.get_by_role("button", name="Read again").click()
         until(page, lambda: page.get_by_label("leave out").input_value() == "red", "it was not read again")
         page.reload()
         until(page, lambda: page.get_by_label("leave out").input_value() == "red", "a reload reads it otherwise")
@@ -249,11 +246,27 @@ def test_parts_that_should_be_tighter_are_made_so_by_one_press(browser: Any) -> 
         page.get_by_role("button", name="Find them").click()
         said = page.locator(".result .strong").first
         said.wait_for()
-        then = said.inner_text().removeprefix("Then ")
+        then = said.inner_text().removesuffix(" with these parts tighter")
         page.get_by_role("button", name="Make them tighter").click()
         answered(page, then)
         assert len(design(page)["extra"]) == 3
         assert page.get_by_role("button", name="Make them tighter").count() == 0  # it is of the design before
+
+
+def test_the_gap_to_draw_is_found_and_set_by_one_press(browser: Any) -> None:
+    with serving(EXAMPLES / "02_chain_of_tees" / "chain.json") as served, visiting(browser, served) as page:
+        answered(page, "b10 moves 1.372 mm")
+        page.get_by_role("tab", name="Vary").click()
+        for name, value in (("moves at most", "0.5"), ("kerf", "0.1")):
+            page.get_by_role("textbox", name=name).fill(value)
+            page.keyboard.press("Enter")
+        page.get_by_role("button", name="Find the gap").click()
+        page.locator(".result", has_text="b10 in +y stays below 0.5 mm").wait_for()
+        assert "offset the cut by" in page.locator(".result").inner_text()
+        page.get_by_role("button", name="Set this gap").click()
+        answered(page, "b10 moves 0.49")
+        assert 0.0036 < design(page)["gap"] < 0.0038
+        page.get_by_role("button", name="Set this gap").wait_for(state="hidden")
 
 
 def test_parts_that_nothing_asks_about_do_not_fly(browser: Any, tmp_path: Path) -> None:

@@ -72,6 +72,7 @@ def test_keys_of_other_programs_do_what_they_do_there(browser: Any, peg: Served)
         page.keyboard.press("Control+s")
         page.get_by_role("menuitem", name="Picture svg").wait_for()
         page.keyboard.press("Escape")
+        page.get_by_role("menuitem", name="Picture svg").wait_for(state="hidden")
         with page.expect_file_chooser():
             page.keyboard.press("Control+o")
         page.keyboard.press("]")

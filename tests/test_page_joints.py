@@ -86,6 +86,11 @@ def test_a_contact_that_is_pressed_in_the_picture_chooses_its_joint(browser: Any
         answered(page, f"peg moves {gap:g} mm")
         page.get_by_role("button", name=re.compile("the gap of all others")).first.click()
         answered(page, "peg moves 1 mm")
+        page.get_by_role("tab", name="Gaps").click()
+        page.get_by_role("button", name="Rank", exact=True).click()
+        worth = page.get_by_title("what this joint's gap is worth to the answer").inner_text()
+        assert worth.endswith(" mm per mm of gap")
+        assert float(worth.split()[0]) == pytest.approx(1, abs=1e-3)
 
 
 def test_the_gap_of_a_joint_is_saved_with_the_assembly_and_said_where_parts_do_not_meet(

@@ -17,7 +17,7 @@ from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.neighbours import neighbours
-from wiggleroom.geometry.overlap import overlaps, within_reach
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program.nonlinear_program import build_program
@@ -217,20 +217,6 @@ def test_a_grid_of_tees_has_four_classes_of_pairs(nx, ny, change):
         assert label[first[k]] == k
 
 
-def test_different_pieces_are_different_classes():
-    them = bodies(patterns.jigsaw(4, 4))
-    near = neighbours(them, placed(them), REACH, ignored=NONE)
-    assert len(congruence_classes(them, near.a, near.b, relative_pose(them, near.a, near.b))[0]) == len(near.a)
-
-
-def test_turning_once_round_is_the_same_class():
-    them = bodies(patterns.chain(3))
-    a, b = np.array([0, 1, 0, 0]), np.array([1, 2, 1, 1])
-    pose = relative_pose(them, a, b) + np.array([[0, 0, 0], [0, 0, 2 * np.pi], [0, 0, -2 * np.pi], [0, 0, 1e-3]])
-    assert congruence_classes(them, a, b, pose)[1][:3].tolist() == [0, 0, 0]
-    assert congruence_classes(them, a, b, pose)[1][3] != 0
-
-
 @each
 @pytest.mark.parametrize("reach", [0.0, 0.012, 0.5, 3.0])
 def test_neighbours_are_all_pairs_within_reach(name, reach):
@@ -296,12 +282,3 @@ def test_overlaps_of_some_bodies_are_those_that_polygons_of_all_have_with_one_of
         found += len(pairs)
     assert found > 10
     assert not len(overlaps(them, motion, NONE, np.zeros(len(them.fixed), dtype=bool)).a)
-
-
-def test_bodies_within_reach_are_those_whose_discs_are():
-    random = np.random.default_rng(4)
-    for _ in range(20):
-        place, radius = random.uniform(-10, 10, (60, 2)), random.uniform(0.1, 2, 60)
-        some, reach = random.choice(60, 4, replace=False), float(random.uniform(0, 1))
-        far = np.linalg.norm(place[:, None] - place[some], axis=2) - radius[:, None] - radius[some]
-        assert within_reach(place, radius, some, reach).tolist() == np.flatnonzero((far <= 2 * reach).any(1)).tolist()

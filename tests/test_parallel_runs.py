@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
+from wiggleroom.context import Context
 from wiggleroom.parallel import parallel_run as module
-from wiggleroom.parallel.parallel_run import ParallelRun
+from wiggleroom.parallel.parallel_run import run_each
 
 
 def square(shared: float, task: float) -> float:
@@ -54,50 +55,50 @@ def slow(_: None, task: int) -> int:
 
 
 @pytest.fixture
-def processes(monkeypatch: pytest.MonkeyPatch) -> ParallelRun:
+def processes(monkeypatch: pytest.MonkeyPatch) -> Context:
     """Two processes, started at once however short the work is; the first task stays in this one."""
     monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
-    return ParallelRun(workers=2)
+    return Context(workers=2)
 
 
-def test_order_is_kept(processes: ParallelRun) -> None:
+def test_order_is_kept(processes: Context) -> None:
     tasks = list(range(1, 20))
-    assert processes.each(square, 2.0, tasks) == [2.0 * t * t for t in tasks]
+    assert run_each(square, 2.0, tasks, processes) == [2.0 * t * t for t in tasks]
 
 
-def test_a_process_that_dies_costs_no_result(processes: ParallelRun, tmp_path: Path) -> None:
-    assert processes.each(dies_once, str(tmp_path / "marker"), list(range(8))) == [10 * t for t in range(8)]
+def test_a_process_that_dies_costs_no_result(processes: Context, tmp_path: Path) -> None:
+    assert run_each(dies_once, str(tmp_path / "marker"), list(range(8)), processes) == [10 * t for t in range(8)]
     assert (tmp_path / "marker").exists()
 
 
-def test_a_task_that_kills_every_process_is_given_up(processes: ParallelRun) -> None:
+def test_a_task_that_kills_every_process_is_given_up(processes: Context) -> None:
     with pytest.raises(wr.WiggleroomError, match="died"):
-        processes.each(always_dies, None, [0, 1, 2])
+        run_each(always_dies, None, [0, 1, 2], processes)
 
 
-def test_what_a_task_prints_does_no_harm(processes: ParallelRun) -> None:
-    assert processes.each(talks, None, [1, 2, 3]) == [1, 2, 3]
+def test_what_a_task_prints_does_no_harm(processes: Context) -> None:
+    assert run_each(talks, None, [1, 2, 3], processes) == [1, 2, 3]
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_errors_come_through(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     with pytest.raises(ValueError, match="task 2"):
-        ParallelRun(workers=workers).each(raises, None, [1, 2, 3])
+        run_each(raises, None, [1, 2, 3], Context(workers=workers))
 
 
 def test_it_can_be_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     stop = threading.Event()
-    many = ParallelRun(workers=2, stop=stop, progress=lambda done, _: stop.set() if done >= 3 else None)
-    results = many.each(slow, None, list(range(40)))
+    context = Context(workers=2, stop=stop, counted=lambda done, _: stop.set() if done >= 3 else None)
+    results = run_each(slow, None, list(range(40)), context)
     assert 3 <= sum(r is not None for r in results) < 12
     assert all(r in (None, k) for k, r in enumerate(results))
 
 
-def test_progress_counts_up(processes: ParallelRun) -> None:
+def test_progress_counts_up(processes: Context) -> None:
     told: list[tuple[int, int]] = []
-    ParallelRun(workers=2, progress=lambda done, total: told.append((done, total))).each(square, 1.0, [1.0, 2.0, 3.0])
+    run_each(square, 1.0, [1.0, 2.0, 3.0], Context(workers=2, counted=lambda done, total: told.append((done, total))))
     assert told == [(1, 3), (2, 3), (3, 3)]
 
 
@@ -112,9 +113,9 @@ def test_processes_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_cluster_that_is_not_there_is_said_so() -> None:
     pytest.importorskip("distributed")
     with pytest.raises(wr.WiggleroomError, match="no Dask scheduler answers"):
-        ParallelRun(cluster="tcp://127.0.0.1:1").each(square, 1.0, [1.0])
+        run_each(square, 1.0, [1.0], Context(cluster="tcp://127.0.0.1:1"))
     with pytest.raises(wr.WiggleroomError, match="no Dask scheduler answers"):
-        ParallelRun(cluster="nonsense://x").each(square, 1.0, [1.0])
+        run_each(square, 1.0, [1.0], Context(cluster="nonsense://x"))
 
 
 @pytest.fixture

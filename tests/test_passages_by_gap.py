@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
+from wiggleroom.context import UNLIMITED
 from wiggleroom.disassembly.closed_pairs import closed_pairs, enclosed_links
 from wiggleroom.disassembly.enclosure import enclosed
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
@@ -36,25 +37,25 @@ def test_what_is_known_holds_on_one_side_only(
 ) -> None:
     for gap in known + asked:
         passages, looks = PassagesByGap(), []
-        passages.look(ready_at(at), A, B, 100, lambda: found, None)
-        passages.look(ready_at(gap), B, A, 100, lambda looks=looks: looks.append(1) or UNDECIDED, None)
+        passages.look(ready_at(at), A, B, 100, lambda: found, UNLIMITED)
+        passages.look(ready_at(gap), B, A, 100, lambda looks=looks: looks.append(1) or UNDECIDED, UNLIMITED)
         assert bool(looks) == (gap in asked)
 
 
 def test_what_neither_side_decides_is_not_looked_at_with_as_many_boxes() -> None:
     passages, looks = PassagesByGap(), []
     for gap in (0.01, 0.03):
-        passages.look(ready_at(gap), A, B, 100, lambda: UNDECIDED, None)
+        passages.look(ready_at(gap), A, B, 100, lambda: UNDECIDED, UNLIMITED)
     for most in (100, 200):
-        passages.look(ready_at(0.02), A, B, most, lambda most=most: looks.append(most) or CLOSED, None)
+        passages.look(ready_at(0.02), A, B, most, lambda most=most: looks.append(most) or CLOSED, UNLIMITED)
     assert looks == [200]
 
 
 def test_other_parts_are_other_passages() -> None:
     passages, looks = PassagesByGap(), []
     ready = ready_at(0.02, count=3)
-    passages.look(ready, A, B, 100, lambda: CLOSED, None)
-    passages.look(ready, B, np.array([2]), 100, lambda: looks.append(1) or CLOSED, None)
+    passages.look(ready, A, B, 100, lambda: CLOSED, UNLIMITED)
+    passages.look(ready, B, np.array([2]), 100, lambda: looks.append(1) or CLOSED, UNLIMITED)
     assert looks
 
 
@@ -64,7 +65,7 @@ def test_pairs_are_tied_as_without_it(joint: str) -> None:
     for gap in (0.02, 0.05, 0.03, 0.01):
         ready = ready_at(gap, joint, 3)
         surveyed = survey(ready.assembly)
-        around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, None)
+        around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored)
         begin = enclosed_links(surveyed.bodies.fixed, around)
         alone, among = (closed_pairs(ready, begin, known) for known in (PassagesByGap(), passages))
         assert np.array_equal(alone.group, among.group)

@@ -68,8 +68,7 @@ def see_free(found):
         last, gone = step.path[-1], gone | set(step.leaves)
 
 
-@pytest.mark.parametrize("turn", [0.0, 0.3])
-@pytest.mark.parametrize("count", [1, 2, 3, 5, 8])
+@pytest.mark.parametrize(("count", "turn"), [(1, 0.0), (3, 0.3), (8, 0.3)])
 def test_nested_latches(count, turn):
     found = wr.plan(latches(count, turn), ["bolt"])
     assert found.verdict == "comes apart"
@@ -89,7 +88,7 @@ def test_check_finds_nested_latches_too():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [200, 201, 202, 203, 1085])
+@pytest.mark.parametrize("seed", [200, 203, 1085])
 def test_random_trays_agree_with_the_grid(seed):
     pieces, wall = random_tray(seed)
     truth, exhausted = grid_search(pieces, wall)
@@ -134,12 +133,6 @@ def test_a_lock_with_three_tumblers():
     see_free(found)
 
 
-def test_a_frame_of_twenty_parts():
-    found = wr.plan(frame_puzzle())
-    assert sum(map(len, found.order)) == 20
-    assert found.remains == ()
-
-
 @pytest.mark.parametrize("count", [3, 5])
 def test_pinwheels_leave_at_once_and_off_their_contacts(count):
     found = wr.plan(pinwheel(count))
@@ -149,12 +142,6 @@ def test_pinwheels_leave_at_once_and_off_their_contacts(count):
     # at rest neighbours are 0.3 apart, and no path from there has more
     assert found.steps[0].clearance > 0.25
     assert min(step.clearance for step in found.steps) > 0.15
-
-
-def test_a_hook_turns_out_with_room():
-    found = wr.plan(wr.read("examples/17_does_it_come_apart/rotation.json"))
-    see_free(found)
-    assert found.steps[-1].clearance > 0.5  # at rest it is 1 from the channel
 
 
 @pytest.mark.parametrize("case", ["latches", "lock", "pushed"])
@@ -340,10 +327,13 @@ def test_films_play(tmp_path):
     assert "order of leaving" in (tmp_path / "plan.svg").read_text()
 
 
-def test_numbers_fit_into_their_discs():
+def test_a_frame_of_twenty_parts_and_numbers_that_fit_into_their_discs():
     from wiggleroom.report.page.plan_pictures import picture_of_plan
 
-    svg = picture_of_plan(wr.plan(frame_puzzle()))
+    found = wr.plan(frame_puzzle())
+    assert sum(map(len, found.order)) == 20
+    assert found.remains == ()
+    svg = picture_of_plan(found)
     marks = re.findall(r'<circle [^>]*r="([\d.]+)"[^>]*/><text [^>]*font-size="([\d.]+)"[^>]*>(\d+)</text>', svg)
     assert {int(number) for _, _, number in marks} == set(range(1, 21))
     assert all(0.64 * len(number) * float(size) < 2 * float(radius) * 0.95 for radius, size, number in marks)

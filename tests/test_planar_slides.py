@@ -15,9 +15,9 @@ from shapely import affinity, box
 import wiggleroom as wr
 from tests.test_spatial import spatial
 from tests.test_spatial_turning import disc, plate
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.spatial.overlaps.difference_section import minkowski_difference, slab_shadow
 from wiggleroom.spatial.planar_slides import TranslationSpace
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 Slabs = dict[str, tuple[shapely.Polygon, float, float]]
@@ -36,13 +36,13 @@ def keyhole(pins: int, wide: float, travel: float = 9.0) -> Slabs:
     return {"hung": (hung, 0.1, 3.0), **slabs}
 
 
-def drawn(slabs: Slabs, moves: str) -> SpatialAssembly:
+def drawn(slabs: Slabs, moves: str) -> Assembly:
     """Plates, of which one moves; the others are glued."""
     parts = [plate(name, *slab, **({} if name == moves else {"fixed": True})) for name, slab in slabs.items()]
     return spatial(*parts, gap=0, glue=[[name for name in slabs if name != moves]])
 
 
-def depth(slabs: Slabs, assembly: SpatialAssembly, path: np.ndarray, moves: str) -> float:
+def depth(slabs: Slabs, assembly: Assembly, path: np.ndarray, moves: str) -> float:
     """Deepest overlap on a path [mm], by the collision library."""
     shapes = [prisms(shape, low, high, 0.0, np.eye(3), 0.0) for shape, low, high in slabs.values()]
     still = [k for k, name in enumerate(slabs) if name != moves]

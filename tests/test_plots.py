@@ -11,7 +11,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.report.pictures import palette
 from wiggleroom.report.pictures.axes import span, ticks
-from wiggleroom.report.pictures.importance_picture import shade
+from wiggleroom.report.pictures.finding_picture import shade
 from wiggleroom.report.pictures.plots import bars, curve, histogram
 from wiggleroom.report.pictures.text import text_width
 
@@ -145,7 +145,7 @@ def test_bars_above_the_limit_are_red_and_no_bar_holds_both() -> None:
 
 
 @pytest.mark.parametrize("framed", [True, False])
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(6))
 def test_no_line_and_no_other_label_crosses_the_label_of_a_line(seed: int, framed: bool) -> None:
     random = np.random.default_rng(seed)
     values = random.gamma(random.uniform(0.5, 8), size=60)

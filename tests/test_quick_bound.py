@@ -11,7 +11,7 @@ import pytest
 import shapely
 
 import wiggleroom as wr
-from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled
+from tests.flexing import case_assembly, random_assembly, random_goals, row_of
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
@@ -65,7 +65,7 @@ def test_pockets_hold_all_true_slices(joint, gap):
     assert held if gap == 0.01 else held is not False
 
 
-@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 80))])
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 32))])
 def test_pockets_of_random_joints_hold_all_true_slices(seed):
     make = random_joints.peg_pair if seed % 2 else random_joints.tab_pair
     pair = make(seed, (0.004, 0.01, 0.02)[seed % 3], holes=bool(seed % 5 == 0))
@@ -140,24 +140,15 @@ def look(seed):
     assert most is None or most >= answer.objective * (1 - ROUNDING)
 
 
-@pytest.mark.parametrize("seed", range(0, 40, 2))
+@pytest.mark.parametrize("seed", range(0, 40, 4))
 def test_no_bound_below_a_checked_motion(seed):
     look(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(400, 460))
+@pytest.mark.parametrize("seed", range(400, 420))
 def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
-
-
-@pytest.mark.parametrize("how", [mirrored, lambda d: scaled(d, 100.0), lambda d: displaced(d, 0.7, (300.0, -200.0))])
-def test_same_chain_otherwise(how):
-    drawing = row_of([blocks.block("swallowtail", 0.02)] * 5)
-    one, other = (wr.flex(assemble(d, gap=0.0)) for d in (drawing, how(drawing)))
-    assert (
-        max(one.bound.within, other.bound.within) < 0.12
-    )  # how far it is tightened hangs on the iterations of the search
 
 
 def test_stated_in_json_terminal_and_picture(tmp_path, capsys, command):

@@ -21,13 +21,13 @@ from scipy.optimize import linprog
 import wiggleroom as wr
 from tests.flexing import box, part_at, polygon_part, slot
 from wiggleroom.assembly.build import assemble
+from wiggleroom.context import Context
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
 from wiggleroom.search.active_set import touching
 from wiggleroom.sensitivity.dual_face import DualFace
-from wiggleroom.sensitivity.face_ranges import ranges
 from wiggleroom.sensitivity.flat_motions import other_optima
 from wiggleroom.sensitivity.perturbation import ended
-from wiggleroom.sensitivity.rank import rank_at_once
+from wiggleroom.sensitivity.rank import ranges, rank_at_once
 
 
 def ranked(assembly: wr.Assembly, **how: Any) -> wr.Ranking:
@@ -70,13 +70,6 @@ def test_only_what_stops_a_block_counts(by: str) -> None:
     assert of(ranking, "left") == pytest.approx((0.0, 0.0), abs=1e-5)
     assert ranking.percent.sum() == pytest.approx(100)
     assert ranking.unique.all()
-
-
-def test_one_joint_holds_the_block() -> None:
-    ranking = ranked(assemble(slot()))
-    names = ranking.answer.assembly.names
-    assert [{names[i] for i in pair} for pair in ranking.joints] == [{"right", "block"}]
-    assert ranking.joint_looser == pytest.approx([1.0], abs=1e-5)
 
 
 @pytest.mark.parametrize("by", ["duals", "differences"])
@@ -183,21 +176,6 @@ def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
         assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3, abs=1e-4)
 
 
-def test_other_optima_are_in_balance() -> None:
-    """The forces there hold the table against its pull, and against turning about where it lies now."""
-    found = ended(wr.flex(assemble(table_on_humps())))
-    program, solution = found.program, found.solution
-    row = touching(program, solution.u, solution.lam).row
-    others = other_optima(program, solution.u, row, solution.lam[row])
-    load = program.linearise(solution.u).jacobian()[row].T @ solution.lam[row]
-    assert len(others) > 1
-    for other in others:
-        assert other.force.min() >= 0
-        assert program.linearise(other.u).jacobian()[row].T @ other.force == pytest.approx(
-            load, abs=1e-6 * abs(load).max()
-        )
-
-
 def block_at_a_wall() -> Drawing:
     """A block in a tray, pulled against a wall along which it may slide by a quarter of its side, up or down."""
     tray = [(0, -3), (6, -3), (6, 7), (0, 7), (0, 5), (4.4, 5), (4.4, -1), (0, -1)]
@@ -266,20 +244,6 @@ def test_of_glued_parts_only_the_one_that_touches_counts() -> None:
     ranking = ranked(assemble(drawing))
     assert of(ranking, "front") == pytest.approx((0.5, 0.5), abs=1e-5)
     assert of(ranking, "rear") == pytest.approx((0.0, 0.0), abs=1e-5)
-
-
-def test_a_slanted_contact_counts_by_its_normal() -> None:
-    """A wedge meets the slanted side of a block on a floor: both contacts count, each by its own normal."""
-    parts = (
-        box("floor", -5.0, -1.1, 15.0, -0.1, fixed=True),
-        box("ceiling", -5.0, 4.1, 7.4, 5.0, fixed=True),
-        polygon_part("wedge", [(10.3, 0.4), (14.0, 0.4), (14.0, 4.0), (7.6, 4.0)], fixed=True),
-        polygon_part("block", [(0.0, 0.0), (10.0, 0.0), (7.0, 4.0), (0.0, 4.0)]),
-    )
-    drawing = Drawing(parts, goals=(Pull("block", (1.0, 0.0)),))
-    ranking = ranked(assemble(drawing))
-    for name in ("floor", "wedge", "block"):
-        assert of(ranking, name)[0] == pytest.approx(again(drawing, name, 0.002), rel=0.02, abs=1e-4)
 
 
 ASSEMBLIES = {
@@ -351,17 +315,15 @@ def glued_grid() -> Drawing:
     "drawing",
     [
         lambda: wr.patterns.chain(3, joint="tee", gap=0.02).drawing,
-        lambda: wr.patterns.grid(3, 2, joint="tee", gap=0.02).drawing,
-        lambda: wr.patterns.frame(4, 4, gap=0.01).drawing,
         lambda: replace(
             wr.patterns.chain(4, joint="tee", gap=0.02).drawing,
             gaps=(JointGap(("b2", "b3"), 0.035), JointGap(("b1", "b2"), 0.012)),
         ),
         lambda: replace(wr.patterns.grid(2, 2, joint="tee", gap=0.03).drawing, goals=(Turn("b2-2", "ccw"),)),
         offset_chain,
-        glued_grid,
+        pytest.param(glued_grid, marks=pytest.mark.slow),
     ],
-    ids=["chain", "grid", "frame", "own gaps", "turn", "offsets", "glued"],
+    ids=["chain", "own gaps", "turn", "offsets", "glued"],
 )
 def test_a_joint_is_worth_what_a_gap_of_its_own_is(drawing: Callable[[], Drawing]) -> None:
     made = drawing()
@@ -462,14 +424,6 @@ def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
         loosened_joint(drawing, ("block", "tip"), 0.01)
 
 
-def test_turns_are_ranked_in_radians() -> None:
-    drawing = wr.patterns.chain(3, joint="tee", gap=0.02).drawing
-    drawing = replace(drawing, goals=(Turn("b3", "ccw"),))
-    ranking = ranked(assemble(drawing))
-    for k, name in enumerate(("b1", "b2", "b3")):
-        assert ranking.looser[k] == pytest.approx(again(drawing, name, 0.0002), rel=0.02)
-
-
 @pytest.mark.parametrize("name", ["frame", "jigsaw"])
 def test_both_ways_put_the_top_fifth_in_the_same_order(name: str) -> None:
     assembly = wr.patterns.frame(15, 15, gap=0.01) if name == "frame" else wr.patterns.jigsaw(5, 4, gap=0.01)
@@ -568,7 +522,7 @@ def test_ranges_are_those_of_the_equations_without_rounding(
 ) -> None:
     face, worth, null = almost_dependent_face()
     if not with_highspy:
-        monkeypatch.setattr("wiggleroom.sensitivity.face_ranges.find_spec", lambda name: None)
+        monkeypatch.setattr("wiggleroom.sensitivity.rank.find_spec", lambda name: None)
     found = ranges(face, worth)
     for row, ends in zip(worth.toarray(), found, strict=True):
         for sign, end in zip((1.0, -1.0), ends, strict=True):
@@ -584,7 +538,7 @@ def test_ranges_stop_when_asked() -> None:
     face, worth, _ = almost_dependent_face()
     stop = threading.Event()
     stop.set()
-    assert np.isnan(ranges(face, worth, stop)).all()
+    assert np.isnan(ranges(face, worth, Context(stop=stop))).all()
 
 
 @pytest.mark.slow

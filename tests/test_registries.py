@@ -17,11 +17,13 @@ from tests.test_imports import ORDER
 from wiggleroom import schema
 from wiggleroom.app.dispatcher import ANSWERS, OF_DRAWINGS
 from wiggleroom.assembly.joints import JOINTS
-from wiggleroom.cli import coupon_command, flex_command, make_command, make_image_command
+from wiggleroom.cli import coupon_command, make_command, make_image_command, words
 from wiggleroom.cli.words import DRAWINGS
+from wiggleroom.drawing import dimension
 from wiggleroom.drawing.read import READERS
 from wiggleroom.schema import replies, requests, results
 from wiggleroom.solve import SOLVERS
+from wiggleroom.studies.flex import FlexQuestion
 
 TOP = Path(__file__).parents[1]
 
@@ -35,14 +37,15 @@ def test_the_help_of_joint_names_every_family(command):
 
 
 def test_every_solver_is_a_choice_of_the_command():
-    hints = typing.get_type_hints(flex_command.flex)
+    hints = typing.get_type_hints(FlexQuestion)
     assert set(typing.get_args(hints["solver"])) == set(SOLVERS)
 
 
 def test_every_format_that_is_read_is_known_to_the_command_line_and_the_page():
     assert {*DRAWINGS, ".json"} == set(READERS)
+    assert words.PUZZLES == dimension.PUZZLES
     accepted = re.search(r'accept="([^"]*)"', (TOP / "web/src/chrome/TopBar.tsx").read_text())
-    assert set(accepted[1].split(",")) == set(READERS)
+    assert set(accepted[1].split(",")) == {*READERS, *dimension.PUZZLES}
 
 
 def test_every_text_that_lists_the_formats_of_drawings_lists_all():

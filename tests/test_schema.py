@@ -29,6 +29,7 @@ COMMANDS = {
     "plan": ["plan", LATCH, "--sample", "0.02", "--draws", "5", "--rank", "--smallest-gap"],
     "gap": ["gap", FRAME, "--at-most", "0.06", "--kerf", "0.1"],
     "gap that fits": ["gap", FRAME, "--fits", "0.05"],
+    "clearances": ["clearances", FRAME],
     "tolerances": ["tolerances", FRAME, "--tolerances", "TABLE"],
     "space": ["space", FRAME, "plate", "peg", "--samples", "10"],
     "parts": ["parts", FRAME],
@@ -50,6 +51,7 @@ IN_SPACE = {
     "sweep": ["sweep", JOINT, *LIFT, "--gaps", "0.2,0.3"],
     "sample": ["sample", JOINT, *LIFT, "--spread", "0.01", "--draws", "2"],
     "gap": ["gap", JOINT, *LIFT, "--at-most", "1"],
+    "clearances": ["clearances", JOINT, "--xy", "0.4", "--z", "0.2"],
 }
 """Every command that answers in space."""
 

@@ -28,7 +28,6 @@ from wiggleroom.search.incumbent import start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH, WITHOUT_BRANCHES
 from wiggleroom.search.prepare import prepare_as_drawn
-from wiggleroom.search.state_tree import ClimbTree
 from wiggleroom.solve import interior_point
 from wiggleroom.verdict import Verdict
 
@@ -74,16 +73,6 @@ def test_says_how_many_starts_ended_where():
     assert 1 <= answer.search.at_value <= 13
     assert answer.search.next_best is None or answer.search.next_best < answer.objective
     assert json.loads(msgspec.json.encode(flex_result(answer)))["search"]["starts"] == 13
-
-
-def test_no_search_says_nothing_of_one():
-    answer = wr.flex(bent_corridor(wr.Pull("peg", (0, 1))), search=0)
-    assert answer.search is None
-
-
-def test_negative_number_of_starts_is_refused():
-    with pytest.raises(wr.InputError, match="search: -1 starts"):
-        wr.flex(bent_corridor(wr.Pull("peg", (0, 1))), search=-1)
 
 
 def test_same_answer_every_time():
@@ -138,16 +127,6 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
     at_most, path = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
     assert at_most is None
     assert d @ path[-1, :2] > truth * 0.5
-
-
-def test_tree_keeps_new_states_only():
-    ready = prepare_as_drawn(bent_corridor(wr.Pull("peg", (0, 1))))
-    tree = ClimbTree(start_at_rest(ready), ready.bodies.radius, ready.clearance)
-    still = np.zeros((2, 3))
-    assert tree.known(still) == 0
-    aside = np.array([[0, 0, 0], [ready.clearance, 0, 0]])
-    assert tree.known(aside) is None
-    assert tree.segments_to(0) == ()
 
 
 def told_differently():

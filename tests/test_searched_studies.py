@@ -16,11 +16,13 @@ from tests.flex_truth import Ground
 from tests.flexing import box, part_at, polygon_part
 from tests.test_studies import caged_bolt, everything, rectangle
 from wiggleroom.assembly.build import assemble
+from wiggleroom.context import UNLIMITED
 from wiggleroom.drawing.model import Tolerance
-from wiggleroom.report.results.allowable_gap_results import gap_result, gap_sentence
-from wiggleroom.report.results.study_results import sample_result, yield_sentence
+from wiggleroom.report.findings.sample import yield_sentence
 from wiggleroom.sensitivity.gap_trials import CLIMBED
 from wiggleroom.sensitivity.planar_study import PlanarStudy
+from wiggleroom.studies.gap import GapQuestion
+from wiggleroom.studies.sample import SampleQuestion
 from wiggleroom.verdict import Certainty
 
 
@@ -33,7 +35,7 @@ def test_draws_in_which_a_way_out_opens_are_found() -> None:
     fits = ~np.isnan(found.value) & ~found.undecided
     assert ((found.value > 1.0) == (together > 0.1))[fits].all()
     assert found.undecided.sum() <= 2
-    assert sample_result(found).loosest == "unbounded"
+    assert SampleQuestion.finding(found).record().loosest == "unbounded"
 
 
 def shafts() -> wr.Assembly:
@@ -91,7 +93,7 @@ def test_the_largest_gap_for_a_motion_lies_below_the_gap_at_which_a_way_out_open
 
 def test_what_was_climbed_is_not_called_optimal() -> None:
     found = wr.allowable_gap(wr.patterns.chain(2, joint="tee", gap=0.02), at_most=0.1)
-    said = {trial.gap: trial.verdict for trial in gap_result(found).trials}
+    said = {trial.gap: trial.verdict for trial in GapQuestion.finding(found).record().trials}
     assert said[found.searched_gap] in ("optimal", "proven")
     assert CLIMBED in said.values()
     for trial in found.trials:
@@ -102,7 +104,7 @@ def test_what_was_climbed_is_not_called_optimal() -> None:
 def test_the_path_out_is_followed_to_the_gap_at_which_it_opens() -> None:
     wide = caged_bolt()
     loose = PlanarStudy(assemble(wide.drawing, gap=0.2), wide.goals)
-    answer = loose.with_room(loose.answer(None), np.inf, None)
+    answer = loose.with_room(loose.answer(UNLIMITED), np.inf, UNLIMITED)
     for gap, free in ((0.15, True), (0.0999, False)):
         there = PlanarStudy(assemble(wide.drawing, gap=gap), wide.goals).followed(answer, np.inf)
         assert (there is not None) is free
@@ -155,7 +157,7 @@ def divider() -> wr.Drawing:
 def test_the_gap_that_fits_is_found_from_parts_that_overlap(larger: float, truth: float) -> None:
     found = wr.allowable_gap(assemble(divider(), overlapping=True), fits=larger)
     assert found.gap == pytest.approx(truth, rel=2e-6)
-    assert "as drawn, not shifted" in gap_sentence(found)
+    assert "as drawn, not shifted" in GapQuestion.finding(found).title
     with pytest.raises(wr.InputError, match="overlap"):
         assemble(divider())
 

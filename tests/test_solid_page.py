@@ -41,7 +41,7 @@ def test_the_page_carries_parts_path_and_contacts() -> None:
     turn = Rotation.from_quat(motions[-1, 1, 3:]).as_rotvec()
     assert turn == pytest.approx(answer.motion[1, 3:], abs=1e-6)
     assert motions[-1, 1, :3] == pytest.approx(answer.motion[1, :3], abs=1e-6)
-    peg = answer.assembly.made[1].surface
+    peg = answer.assembly.solids[1].surface
     corners = unpacked(data["parts"][1]["vertices"], "<f4").reshape(-1, 3) + data["parts"][1]["reference"]
     assert corners == pytest.approx(peg.vertices, abs=1e-5)
     assert len(data["contacts"]) == len(answer.contacts) > 0
@@ -95,7 +95,7 @@ def test_parts_with_one_centre_are_apart_in_an_exploded_view(tmp_path: Path) -> 
     path = tmp_path / "burr.json"
     path.write_text(SPATIAL_SAMPLES["burr"].text())
     burr = wr.read(path)
-    corners = [m.surface.vertices + p.at for m, p in zip(burr.made, burr.parts, strict=True)]
+    corners = [m.surface.vertices + p.at for m, p in zip(burr.solids, burr.parts, strict=True)]
     lows, highs = (np.array([f(c, axis=0) for c in corners]) + exploded_offsets(burr) for f in (np.min, np.max))
     for i, j in itertools.combinations(range(len(corners)), 2):
         assert ((highs[i] <= lows[j]) | (highs[j] <= lows[i])).any()

@@ -13,7 +13,6 @@ from scipy.optimize import nnls
 import wiggleroom as wr
 from wiggleroom.assembly import patterns
 from wiggleroom.errors import InputError, MissingExtraError
-from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve import SOLVERS, interior_point, ipopt, solver_named
 from wiggleroom.solve.kkt_conditions import conditions
 from wiggleroom.solve.nonnegative_least_squares import nonnegative_least_squares
@@ -91,26 +90,14 @@ def test_same_optimum_and_optimality_conditions(name):
     ("name", "goal"),
     [
         ("chain of 10 dovetails", "sideways"),
-        ("revolute chain", "sideways"),
         ("6 by 5 tees", "sideways"),
-        ("chain of 10 dovetails", "turn"),
         ("revolute chain", "turn"),
-        ("6 by 5 tees", "turn"),
-        ("jigsaw", "turn"),
-        ("chain of 10 dovetails", "several"),
         ("6 by 5 tees", "several"),
         ("jigsaw", "several"),
     ],
 )  # the others have several local optima, and solvers may end at different ones
 def test_same_optimum_for_other_goals(name, goal):
     agree(problem(name, goal), PROBLEMS[name]().size)
-
-
-@pytest.mark.parametrize("name", ["chain of 10 tees", "6 by 5 tees", "jigsaw"])
-def test_tolerance_is_a_share_of_the_objective(name):
-    program = problem(name)
-    found = [value(program, solver_named(s)(program, tolerance=USUAL)) for s in SOLVERS]
-    assert found[0] == pytest.approx(found[1], rel=USUAL)
 
 
 def test_same_multipliers_where_they_are_unique():
@@ -169,14 +156,6 @@ def test_a_start_inside_leads_to_the_same_optimum(name, solver):
 
 
 @BOTH
-def test_the_start_is_not_changed(solver):
-    program = problem("jigsaw")
-    start = np.zeros(len(program.scale))
-    solver_named(solver)(program, start)
-    assert not start.any()
-
-
-@BOTH
 @pytest.mark.parametrize("k", [0, 1, 4])
 def test_stop_is_asked_every_iteration(solver, k):
     program, stop = problem("6 by 5 tees"), StopAfter(k)
@@ -185,6 +164,14 @@ def test_stop_is_asked_every_iteration(solver, k):
     assert solution.iterations == k
     assert stop.asked == k + 1
     assert program.values(solution.inner).min() > 0
+
+
+@BOTH
+def test_the_start_is_not_changed(solver):
+    program = problem("jigsaw")
+    start = np.zeros(len(program.scale))
+    solver_named(solver)(program, start)
+    assert not start.any()
 
 
 @BOTH
@@ -202,14 +189,6 @@ def test_stop_by_an_event_from_progress(solver):
     assert [k for k, _ in seen] == [0, 1, 2, 3]
     assert seen[0][1] == 0.0
     assert seen[-1][1] == pytest.approx(value(program, solution), abs=1e-12)
-
-
-@BOTH
-def test_progress_ends_at_the_optimum(solver):
-    program, seen = problem("frame"), []
-    solution = solver_named(solver)(program, progress=lambda k, v: seen.append((k, v)))
-    assert [k for k, _ in seen] == list(range(solution.iterations + 1))
-    assert seen[-1][1] == pytest.approx(value(program, solution), rel=1e-6)
 
 
 @BOTH
@@ -263,8 +242,6 @@ def test_degenerate_grids_converge(solver, assembly):
 @pytest.mark.parametrize(
     "assembly",
     [
-        pytest.param(lambda: patterns.chain(2), id="2 tees"),
-        pytest.param(lambda: patterns.chain(10), id="10 tees"),
         pytest.param(lambda: patterns.chain(5, "swallowtail", 0.02), id="5 swallowtails"),
         pytest.param(lambda: patterns.chain(6, "revolute", 0.02), id="revolute"),
         pytest.param(lambda: patterns.grid(4, 4), id="4 by 4"),
@@ -322,13 +299,6 @@ def test_conditions_see_what_is_wrong():
     push = np.zeros_like(lam)
     push[program.values(u).argmax()] = lam.max()
     assert not conditions(program, u, lam + push).hold(assembly.size)
-
-
-def test_prepared_assemblies_serve_both_solvers():
-    ready = prepare_as_drawn(patterns.chain(3))
-    assert wr.flex(ready, solver="ipopt", search=0).objective == pytest.approx(
-        wr.flex(ready, search=0).objective, rel=1e-6
-    )
 
 
 def test_nonnegative_least_squares_comes_as_near_as_the_library():

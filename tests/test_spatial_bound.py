@@ -9,8 +9,8 @@ import pytest
 
 import wiggleroom as wr
 from tests.test_spatial import spatial
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.cli import main
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 CYCLE = {0: ["x", "ry", "rz"], 1: ["y", "rz", "rx"], 2: ["z", "rx", "ry"]}
 """Locks that leave the motions of the plane across an axis."""
@@ -25,7 +25,7 @@ def turned(points: list[list[float]], axis: int) -> list[list[float]]:
     return found
 
 
-def dovetail(axis: int, high: float) -> SpatialAssembly:
+def dovetail(axis: int, high: float) -> Assembly:
     """A hook in a pocket; above a level the pocket is wider, so cross-sections differ."""
     pocket = [
         [-3, -3, 0, 3, 0, 1],
@@ -61,7 +61,7 @@ def test_a_film_in_a_cross_section_leaves_the_bound_as_it_is() -> None:
     """A film beside the pocket, of which the section keeps less than a billionth of its size."""
     with_film = dovetail(2, 2.0)
     film = [[-4, -3, 0, -4 + 8e-9, 5, 2]]
-    pocket, hook = with_film.parts
+    pocket, hook = with_film.drawing.parts
     boxes = [box.ravel().tolist() for box in pocket.solid.boxes]
     again = spatial(
         {"name": "pocket", "boxes": [*boxes, *film], "fixed": True},

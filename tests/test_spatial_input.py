@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 import trimesh
 from benchmarks.attack.families_solid import draw_solids
-from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.drawing.model import Pull
 from wiggleroom.spatial.solids.convex import convex_piece, distinct_axes
+from wiggleroom.spatial.solids.convex_hulls import hull_surface
 from wiggleroom.spatial.solids.made_solids import made_solid
-from wiggleroom.spatial.solids.solid_boolean import centroid_of
+from wiggleroom.spatial.solids.mesh_pieces import in_pieces
+from wiggleroom.spatial.solids.solid_boolean import centroid_of, solid_of, union_of
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, read_spatial_assembly
 from wiggleroom.spatial.solids.spatial_file import read_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
@@ -63,7 +64,6 @@ BAD = {
     "far corner": (text({"name": "a", "outline": [[0, 0], [1e30, 0], [0, 1]], "thickness": 1}), "outline has numbers"),
     "lock": (text(BOX | {"lock": ["w"]}), 'lock names "w"'),
     "density": (text(BOX | {"density": 0}), "density is 0"),
-    "offset": (text(BOX | {"offset": 1}), "offset moves the cut edges of plates only"),
     "glue": (text(BOX, glue=[["a", "b"]]), 'there is no part "b"'),
     "ignore": (text(BOX, ignore=[["a", "a"]]), "must name two different parts"),
     "pull fixed": (
@@ -213,8 +213,8 @@ def test_sheets_are_read_by_the_name_of_the_part(tmp_path: Path) -> None:
     sheet = head + '<rect id="lid" width="80" height="30"/></svg>'
     (tmp_path / "sheet.svg").write_text(sheet)
     read = read_spatial_assembly(write(tmp_path, {"name": "lid", "outline": "sheet.svg#lid", "thickness": 3}))
-    assert read.made[0].volume == pytest.approx(80 * 30 * 3)
-    assert np.allclose(read.made[0].centroid, [40, 45, 1.5])  # y points up from the bottom of the sheet
+    assert read.solids[0].volume == pytest.approx(80 * 30 * 3)
+    assert np.allclose(read.solids[0].centroid, [40, 45, 1.5])  # y points up from the bottom of the sheet
     with pytest.raises(wr.InputError, match='has no part "box"; its parts are "lid"'):
         read_spatial(write(tmp_path, {"name": "lid", "outline": "sheet.svg#box", "thickness": 3}))
 
@@ -233,17 +233,17 @@ def test_units_of_files_and_formats(tmp_path: Path) -> None:
     cube.export(tmp_path / "a.glb")
     parts = [{"name": k, "mesh": f"a.{k}", "at": [10 * i, 0, 0]} for i, k in enumerate(("stl", "glb"))]
     read = read_spatial_assembly(write(tmp_path, *parts, {"name": "b", "boxes": [[0, 0, 5, 1, 1, 6]]}, unit="cm"))
-    assert [m.volume for m in read.made] == pytest.approx([20.0**3, 2000.0**3, 10.0**3])
+    assert [m.volume for m in read.solids] == pytest.approx([20.0**3, 2000.0**3, 10.0**3])
     assert read.parts[1].at[0] == 100
 
 
 def test_the_gap_moves_every_face_of_the_union_inward() -> None:
     bar = {"name": "bar", "boxes": [[0, 0, 0, 60, 20, 20], [20, 20, 0, 40, 40, 20]]}
-    made = assemble_spatial(read_spatial(text(bar, gap=0.4))).made[0]
+    made = assemble_spatial(read_spatial(text(bar, gap=0.4))).solids[0]
     assert centroid_of(made.surface)[0] == pytest.approx(59.6 * 19.6 * 19.6 + 19.6 * 20 * 19.6)
     assert made.volume == pytest.approx(60 * 20 * 20 + 20 * 20 * 20)
     plate = {"name": "p", "outline": SQUARE, "holes": [[[1, 1], [3, 1], [3, 3], [1, 3]]], "thickness": 3}
-    made = assemble_spatial(read_spatial(text(plate, gap=0.2))).made[0]
+    made = assemble_spatial(read_spatial(text(plate, gap=0.2))).solids[0]
     assert centroid_of(made.surface)[0] == pytest.approx((3.8**2 - 2.2**2) * 2.8)
     with pytest.raises(wr.InputError, match="thickness 3 is used up by gap 3"):
         assemble_spatial(read_spatial(text(plate, gap=3)))
@@ -259,7 +259,7 @@ def test_the_same_part_as_a_mesh_gives_the_same_answer(tmp_path: Path) -> None:
     exact = assemble_spatial(read_spatial(text(plate, peg)))
     goal = Pull("peg", (1, 0.2, 0), (0, 0, 20))
     truth = flex_spatial(exact, goal).objective
-    surface = exact.made[0].surface
+    surface = exact.solids[0].surface
     for ending in ("stl", "ply", "obj", "3mf"):
         trimesh.Trimesh(surface.vertices, surface.faces, process=False).export(tmp_path / f"plate.{ending}")
         as_mesh = {"name": "plate", "mesh": f"plate.{ending}", "at": [0, 0, -6], "fixed": True}
@@ -323,6 +323,128 @@ def test_bodies_of_an_obj_file_are_its_objects(tmp_path: Path) -> None:
         made = made_solid(drawing.parts[0], 0.0)[0]
         assert made.volume == pytest.approx(8)
         assert made.centroid == pytest.approx((x, 0, 0), abs=1e-9)
+
+
+def test_disjoint_bodies_of_a_mesh_are_parts_by_number(tmp_path: Path) -> None:
+    """The largest first, then by place; a body in the hollow of another is one of its own."""
+    shells = [trimesh.creation.box((4, 4, 4)), trimesh.creation.box((3, 3, 3)), trimesh.creation.box((1, 1, 1))]
+    shells[1].invert()
+    others = [trimesh.creation.box((2, 2, 2)).apply_translation(at) for at in ((20, 0, 0), (9, 0, 0), (9, 0, -5))]
+    trimesh.util.concatenate([others[0], *shells, *others[1:]]).export(tmp_path / "a.stl")
+    expected = [(64 - 27, (0, 0, 0)), (8, (9, 0, -5)), (8, (9, 0, 0)), (8, (20, 0, 0)), (1, (0, 0, 0))]
+    parts = [{"name": f"p{k}", "mesh": f"a.stl#{k + 1}"} for k in range(5)]
+    drawing = read_spatial(write(tmp_path, *parts))
+    assert drawing.notes == ()
+    for part, (volume, middle) in zip(drawing.parts, expected, strict=True):
+        made = made_solid(part, 0.0)[0]
+        assert made.volume == pytest.approx(volume)
+        assert made.centroid == pytest.approx(middle, abs=1e-6)
+    for wrong in ("a.stl#6", "a.stl#0", "a.stl#one"):
+        with pytest.raises(wr.InputError, match="there is no body"):
+            read_spatial(write(tmp_path, {"name": "a", "mesh": wrong}))
+    whole = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.stl"}))
+    assert any('name one as "a.stl#1"' in note for note in whole.notes)
+
+
+def test_named_bodies_of_several_solids_are_parts_by_name_and_number(tmp_path: Path) -> None:
+    lines = _obj(("o one", 0), ("", 5), ("o two", 9)).splitlines()
+    (tmp_path / "a.obj").write_text("\n".join(line for line in lines if line))
+    parts = [{"name": n, "mesh": f"a.obj#{n}"} for n in ("one#1", "one#2", "two")]
+    drawing = read_spatial(write(tmp_path, *parts))
+    middles = [made_solid(part, 0.0)[0].centroid[0] for part in drawing.parts]
+    assert middles == pytest.approx([0, 5, 9], abs=1e-9)
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_groups_of_an_obj_file_are_its_bodies_where_they_are_closed(tmp_path: Path, closed: bool) -> None:
+    bodies = _obj(("g one", 0), ("g two", 9)) if closed else _obj(("g one", 0), ("g two", 9), faces="g rest")
+    (tmp_path / "a.obj").write_text(bodies)
+    named = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.obj#two" if closed else "a.obj#2"}))
+    assert made_solid(named.parts[0], 0.0)[0].centroid == pytest.approx((9, 0, 0), abs=1e-9)
+
+
+def test_bodies_of_a_mesh_file_are_listed_without_cutting_it(tmp_path: Path, monkeypatch, command_output) -> None:
+    from wiggleroom.spatial.solids import mesh_pieces
+
+    def never(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(mesh_pieces, "convex_pieces", never)
+    torus = trimesh.creation.torus(10, 3, major_sections=60, minor_sections=30)
+    trimesh.util.concatenate([trimesh.creation.box((2, 3, 4)), torus]).export(tmp_path / "a.stl")
+    code, out, _ = command_output("parts", tmp_path / "a.stl", "--json", "-", "--unit", "cm")
+    assert code == 0
+    listed = json.loads(out)["parts"]
+    assert [p["name"] for p in listed] == ["a.stl#1", "a.stl#2"]
+    assert [p["volume"] for p in listed] == pytest.approx([1000 * torus.volume, 24_000], rel=1e-5)
+    assert listed[1]["size"] == pytest.approx([20, 30, 40])
+    assert {p["pieces"] for p in listed} == {None}
+
+
+@pytest.mark.parametrize(
+    ("size", "unit", "asked"), [(20, "mm", False), (0.02, "mm", True), (0.02, "m", False), (9000, "mm", True)]
+)
+def test_units_are_asked_about_where_a_mesh_is_tiny_or_huge(
+    tmp_path: Path, size: float, unit: str, asked: bool
+) -> None:
+    trimesh.creation.box((size, size, size)).export(tmp_path / "a.stl")
+    trimesh.creation.box((size / 50, size / 50, size / 50)).export(tmp_path / "b.stl")
+    parts = [{"name": n, "mesh": f"{n}.stl"} for n in "ab"]
+    notes = read_spatial(write(tmp_path, *parts, unit=unit)).notes
+    assert len(notes) == asked
+    assert all("a.stl: is" in note and "says no unit" in note for note in notes)
+
+
+def test_walls_thinner_than_the_gap_are_named(tmp_path: Path) -> None:
+    """A cup of walls 2 thick, one of them 0.3."""
+    cup = trimesh.boolean.difference(
+        [
+            trimesh.creation.box(bounds=[(0, 0, 0), (20, 20, 20)]),
+            trimesh.creation.box(bounds=[(0.3, 2, 2), (18, 18, 30)]),
+        ],
+        engine="manifold",
+    )
+    cup.export(tmp_path / "a.stl")
+    file = write(tmp_path, {"name": "a", "mesh": "a.stl"})
+    with pytest.raises(wr.InputError, match=r"is thinner than the gap behind the face at \(0(\.3)?, ") as raised:
+        read_spatial_assembly(file, gap=0.4)
+    assert len(raised.value.findings) == 1
+    assert read_spatial_assembly(file, gap=0.2).solids[0].pieces
+
+
+def test_a_mesh_that_crosses_itself_is_what_it_encloses(tmp_path: Path) -> None:
+    """One shell: a bar bent round so that its end goes through its beginning."""
+    import shapely
+
+    from wiggleroom.spatial.solids.mesh_file import MeshFiles
+
+    ring = np.array([(0, 0), (10, 0), (10, 10), (2, 10), (2, -5), (4, -5), (4, 8), (8, 8), (8, 2), (0, 2)], dtype=float)
+    flat = [(0, 8, 9), (0, 1, 8), (1, 2, 7), (1, 7, 8), (2, 3, 7), (3, 6, 7), (3, 4, 6), (4, 5, 6)]
+    corners = np.vstack([np.column_stack([ring, np.full(10, z)]) for z in (0.0, 3.0)])
+    low = [f[::-1] for f in flat]
+    high = [tuple(i + 10 for i in f) for f in flat]
+    walls = [w for k in range(10) for w in ((k, (k + 1) % 10, (k + 1) % 10 + 10), (k, (k + 1) % 10 + 10, k + 10))]
+    trimesh.Trimesh(corners, [*low, *high, *walls], process=False).export(tmp_path / "a.stl")
+    surface, notes = MeshFiles(1.0).read(tmp_path / "a.stl")
+    assert [note for note in notes if "crosses itself at" in note]
+    truth = shapely.union_all([shapely.Polygon(ring[list(f)]) for f in flat]).area * 3
+    assert centroid_of(surface)[0] == pytest.approx(truth, rel=1e-9)
+
+
+def test_a_place_is_said_where_a_mesh_is_open(tmp_path: Path) -> None:
+    cube = trimesh.creation.box(bounds=[(0, 0, 0), (2, 2, 2)])
+    trimesh.Trimesh(cube.vertices, cube.faces[:6], process=False).export(tmp_path / "a.ply")
+    with pytest.raises(wr.InputError, match=r"is not closed: \d+ edges belong to one face only, one at \(") as raised:
+        read_spatial(write(tmp_path, {"name": "a", "mesh": "a.ply"}))
+    assert len(raised.value.findings) == 1
+
+
+def test_cutting_stops_where_it_is_asked_to(tmp_path: Path) -> None:
+    from wiggleroom.deadline import Deadline
+
+    trimesh.creation.torus(10, 3, major_sections=32, minor_sections=24).export(tmp_path / "a.stl")
+    with pytest.raises(wr.StoppedError):
+        wr.read(write(tmp_path, {"name": "a", "mesh": "a.stl"}), stop=Deadline(1e-9))
 
 
 def test_an_object_of_two_colours_is_one_body(tmp_path: Path) -> None:
@@ -430,13 +552,14 @@ def test_a_part_shut_up_in_a_mesh_stops_at_its_walls(tmp_path: Path, gap: float)
     assert abs(flex_spatial(assembly, Pull("b", (1, 0, 0))).objective - 1 - gap) < 1e-6
 
 
-def test_faces_that_cannot_meet_again_are_refused(tmp_path: Path) -> None:
+def test_a_mesh_whose_faces_cannot_meet_again_is_covered_and_that_is_said(tmp_path: Path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=1).difference(trimesh.creation.box((3, 0.5, 0.5)))
     ball.export(tmp_path / "a.stl")
     file = write(tmp_path, {"name": "a", "mesh": "a.stl"}, gap=0.05)
-    with pytest.raises(wr.InputError, match=r"cannot all move inward|cross each other"):
-        read_spatial_assembly(file)
-    assert read_spatial_assembly(file, gap=0.0).made[0].pieces
+    covered = read_spatial_assembly(file)
+    assert 0 < covered.overshoot <= 0.05 / 8
+    assert sum("is covered by" in note for note in covered.drawing.notes) == 1
+    assert read_spatial_assembly(file, gap=0.0).overshoot == 0
 
 
 @pytest.mark.parametrize("joint", ["tee", "finger", "swallowtail"])
@@ -445,34 +568,31 @@ def test_a_mesh_of_a_plate_is_made_as_the_plate_is(joint: str, turned: bool) -> 
     import shapely
     import trimesh
 
-    from wiggleroom.drawing.model import Region
-    from wiggleroom.spatial.solids.made_solids import made_solid
-    from wiggleroom.spatial.solids.solid_boolean import solid_of
-    from wiggleroom.spatial.solids.spatial_model import Plate, SpatialPart, Surface
+    from wiggleroom.drawing.model import Part, Plate, Region, Surface
 
     ring = wr.patterns.chain(3, joint=joint, gap=0.04).drawing.parts[1].regions[0].outer
     mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 0.5, engine="manifold")
     R = Rotation.from_euler("xyz", [20, 50, 70], degrees=True).as_matrix() if turned else np.eye(3)
     surface = Surface(np.array(mesh.vertices) @ R.T, np.array(mesh.faces, dtype=np.int64))
-    plate, wrong = made_solid(SpatialPart("a", Plate((Region(ring),), 0.5), np.zeros(3), np.eye(3)), 0.04)
-    solid, also_wrong = made_solid(SpatialPart("a", surface, np.zeros(3), np.eye(3)), 0.04)
+    plate, wrong = made_solid(Part("a", solid=Plate((Region(ring),), 0.5)), 0.04)
+    solid, also_wrong = made_solid(Part("a", solid=surface), 0.04)
     assert (wrong, also_wrong) == ([], [])
     assert plate is not None
     assert solid is not None
     volume = solid_of(plate.surface).volume()
     assert solid_of(solid.surface).volume() == pytest.approx(volume, rel=1e-9)
-    pieces = [hull_volume(piece.corners) for piece in solid.pieces]
-    assert sum(pieces) == pytest.approx(volume, rel=1e-9)  # cut, not overlapping
+    together = union_of([solid_of(hull_surface(piece.corners)) for piece in in_pieces(solid, float).pieces])
+    assert together.volume() == pytest.approx(volume, rel=1e-9)
 
 
-@pytest.mark.parametrize("sides", [16, 24])
+@pytest.mark.parametrize("sides", [16])
 def test_the_leaf_of_a_hinge_is_cut_exactly_as_a_mesh(sides: int) -> None:
     import shapely
     import trimesh
 
+    from wiggleroom.drawing.model import Surface
     from wiggleroom.spatial.solids.mesh_pieces import convex_pieces
     from wiggleroom.spatial.solids.solid_boolean import solid_of, union_of
-    from wiggleroom.spatial.solids.spatial_model import Surface
 
     def slab(shape: shapely.Polygon, low: float, high: float):
         mesh = trimesh.creation.extrude_polygon(shape, high - low, engine="manifold")
@@ -489,34 +609,6 @@ def test_the_leaf_of_a_hinge_is_cut_exactly_as_a_mesh(sides: int) -> None:
     assert pieces is not None
     volume = knuckle.area * 10 + 14 * 3 * 20.4
     assert sum(hull_volume(piece.corners) for piece in pieces) == pytest.approx(volume, rel=1e-9)
-
-
-@pytest.mark.parametrize("turned", [(0, 0, 0), (125.96012661, 82.99484877, 241.3604674)])
-def test_cutting_a_mesh_that_a_file_has_rounded_ends(
-    turned: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import manifold3d
-
-    from wiggleroom.spatial.solids import mesh_pieces
-    from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of
-
-    cuts_of, seen = mesh_pieces._cuts, [0]
-
-    def counted(surface):
-        seen[0] += len(surface.faces)
-        assert seen[0] < 50_000  # the same planes peel off rounding again and again
-        return cuts_of(surface)
-
-    hole = manifold3d.Manifold.cylinder(50, 3.893505885718849, 3.893505885718849, 32, True)
-    block = manifold3d.Manifold.cube((40, 30, 12), True) - hole.translate((-12, -3.106796154602387, 0))
-    surface = surface_of(block.rotate(turned))
-    rounded = replace(surface, vertices=surface.vertices.astype(np.float32).astype(float))
-    monkeypatch.setattr(mesh_pieces, "_cuts", counted)
-    pieces = mesh_pieces.convex_pieces(solid_of(rounded))
-    if pieces is None:  # it may be refused where rounding is in the way
-        assert any(turned)
-    else:
-        assert sum(hull_volume(piece.corners) for piece in pieces) == pytest.approx(block.volume(), rel=1e-6)
 
 
 def test_a_film_between_two_cuts_is_a_piece() -> None:
@@ -561,7 +653,9 @@ def test_parts_that_were_turned_before_an_stl_file_rounded_them(
         peg, direction = slab(box(-5, -5, 5, 5), -20, 20), (1, 0, 0)
     else:
         holes = box(-12, -2, -6, 2) | box(6, -2, 12, 2)
-        plate, direction = slab(box(-20, -20, 20, 20) - holes, 0, 3), (0, 0, -1)
+        direction = (0, 0, -1)
+        bridge = [slab(box(-20, -2, 20, 2), 9, 11), *(slab(box(x, -2, x + 4, 2), 0, 11) for x in (-20, 16))]
+        plate = trimesh.boolean.union([slab(box(-20, -20, 20, 20) - holes, 0, 3), *bridge], engine="manifold")
         tabs = [slab(box(x, -1.8, x + 5.4, 1.8), -1, 5) for x in (-11.7, 6.3)]
         peg = trimesh.boolean.union([*tabs, slab(box(-14, -1.8, 14, 1.8), 4, 8)], engine="manifold")
     R = Rotation.random(random_state=turned)
@@ -581,8 +675,8 @@ def test_parts_that_were_turned_before_an_stl_file_rounded_them(
 
 
 def test_what_a_file_has_not_rounded_stays_as_it_is() -> None:
+    from wiggleroom.drawing.model import Surface
     from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
-    from wiggleroom.spatial.solids.spatial_model import Surface
 
     ball = trimesh.creation.icosphere(subdivisions=3, radius=10)
     dented = trimesh.creation.box((10, 10, 10)).subdivide()
@@ -590,19 +684,19 @@ def test_what_a_file_has_not_rounded_stays_as_it_is() -> None:
     for mesh, out in ((ball, 0.0), (dented, 1e-4)):
         mesh.vertices[corner] += [0, 0, out]
         drawn = Surface(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
-        kept, moved = with_flat_faces(drawn)
+        kept, moved = with_flat_faces(drawn, 1e-6)
         assert moved < 1e-10
         assert np.abs(kept.vertices - mesh.vertices).max() < 1e-10
 
 
-@pytest.mark.parametrize("turned", range(6))
+@pytest.mark.parametrize("turned", range(2))
 def test_a_turned_leaf_keeps_its_volume(turned: int) -> None:
     """Facets of a knuckle beside an arm have corners in line: the library may flip edges between two facets."""
     from shapely import Polygon, box
     from trimesh.creation import extrude_polygon
 
+    from wiggleroom.drawing.model import Surface
     from wiggleroom.spatial.solids.solid_boolean import solid_of
-    from wiggleroom.spatial.solids.spatial_model import Surface
 
     angle = 2 * np.pi * (np.arange(6) + 0.5) / 6
     ring = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -619,14 +713,14 @@ def test_a_turned_leaf_keeps_its_volume(turned: int) -> None:
     assert solid_of(surface).volume() == pytest.approx(knuckle.area * 14 + 14 * 3 * 7.2, rel=1e-6)
 
 
-@pytest.mark.parametrize("turned", range(4))
+@pytest.mark.parametrize("turned", range(2))
 def test_the_narrow_rim_of_a_rounded_box_is_one_plane_again(turned: int) -> None:
     from shapely import box
     from trimesh.creation import extrude_polygon
 
+    from wiggleroom.drawing.model import Surface
     from wiggleroom.spatial.solids.face_planes import face_planes
     from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
-    from wiggleroom.spatial.solids.spatial_model import Surface
 
     outer = box(-1.5, -1.5, 22.4, 25.9)
     walls = extrude_polygon(outer - box(0, 0, 20.9, 24.4), 34.0, engine="manifold")
@@ -635,7 +729,7 @@ def test_the_narrow_rim_of_a_rounded_box_is_one_plane_again(turned: int) -> None
     R = Rotation.random(random_state=turned).as_matrix()
     rounded = (np.array(whole.vertices) @ R.T).astype(np.float32).astype(float)
     drawn = Surface(rounded, np.array(whole.faces, dtype=np.int64))
-    flat, moved = with_flat_faces(drawn)
+    flat, moved = with_flat_faces(drawn, 2.0**-23 * np.abs(rounded).max())
     assert 0 < moved < 1e-5
     assert len(face_planes(drawn)[0]) > 11
     assert len(face_planes(flat)[0]) == 11
@@ -718,7 +812,8 @@ def test_what_shells_enclose_together_is_the_part(tmp_path: Path, boxes: list, v
     assert said in " ".join(drawing.notes)
     made = made_solid(drawing.parts[0], 0.0)[0]
     assert made.volume == pytest.approx(volume)
-    assert sum(ConvexHull(piece.corners).volume for piece in made.pieces) == pytest.approx(volume)
+    together = union_of([solid_of(hull_surface(piece.corners)) for piece in in_pieces(made, float).pieces])
+    assert together.volume() == pytest.approx(volume)
 
 
 @pytest.mark.parametrize("kind", ["bytes", "text", "counted"])
@@ -778,16 +873,14 @@ def test_parallel_axes_are_there_once() -> None:
 
 
 def test_cutting_a_mesh_into_pieces_ends_with_the_time(tmp_path: Path, command_output) -> None:
-    torus = trimesh.creation.torus(10, 3, major_sections=80, minor_sections=40)
+    torus = trimesh.creation.torus(10, 3, major_sections=32, minor_sections=24)
     torus.export(tmp_path / "a.stl")
     file = write(
         tmp_path, {"name": "a", "mesh": "a.stl", "fixed": True}, {"name": "b", "boxes": [[20, 0, 0, 21, 1, 1]]}
     )
-    began = time.monotonic()
-    code, _, err = command_output("check", file, "--time", 1)
+    code, _, err = command_output("check", file, "--time", 0.02)
     assert code in (2, 3)
-    assert "stopped after 1 s" in " ".join(err)
-    assert time.monotonic() - began < 30  # cut into pieces it takes minutes
+    assert "stopped after 0.02 s" in " ".join(err)
 
 
 @pytest.mark.parametrize("depth", [1.0, -1.0])
@@ -820,3 +913,31 @@ def test_a_slit_that_shares_faces_with_the_outside_is_left_out(tmp_path: Path, n
     for part in drawing.parts[:2]:
         drawn = trimesh.load(tmp_path / f"{part.name}.stl")
         assert made_solid(part, 0.0)[0].volume == pytest.approx(drawn.volume, rel=1e-6)
+
+
+def test_an_assembly_is_made_again_from_its_drawing_or_from_what_was_made() -> None:
+    cube = {"name": "a", "boxes": [[0, 0, 0, 10, 10, 10]]}
+    assembly = assemble_spatial(read_spatial(text(cube, gap=0.4)))
+    assert wr.assemble(assembly.drawing, gap=1.0, fix=["a"]).size == pytest.approx(9.0)
+    again = wr.assemble(assembly.as_cut(), gap=1.0)
+    assert again.size == pytest.approx(9.6 - 1.0)
+    assert again.dimension == again.drawing.dimension == assembly.as_cut().dimension == 3
+    with pytest.raises(wr.InputError, match="assemble: offset: for drawings only"):
+        wr.assemble(assembly.drawing, offset={"a": 0.1})
+
+
+def test_parts_of_the_plane_and_of_space_are_not_mixed() -> None:
+    drawn = read_spatial(text({"name": "a", "boxes": [[0, 0, 0, 10, 10, 10]]}))
+    flat = wr.Part("b", (wr.Region(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])),))
+    with pytest.raises(wr.InputError, match='part "b" is in the plane'):
+        wr.assemble(wr.Drawing((*drawn.parts, flat)))
+
+
+def test_names_in_space_are_checked_as_those_of_drawings_are() -> None:
+    drawn = read_spatial(text({"name": "box", "boxes": [[0, 0, 0, 10, 10, 10]]}))
+    with pytest.raises(wr.InputError) as refused:
+        wr.assemble(replace(drawn, glue=(("box", "bax"),), ignore=(("box", "box2"),)))
+    assert [line.split(": ", 1)[1] for line in refused.value.findings] == [
+        'glue: there is no part "bax": did you mean "box"?',
+        'ignore: there is no part "box2": did you mean "box"?',
+    ]

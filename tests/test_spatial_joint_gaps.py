@@ -16,7 +16,7 @@ from tests.test_spatial import sound, spatial
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.cli import main
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
-from wiggleroom.report.solids.spatial_listing import spatial_parts_result
+from wiggleroom.report.solids.spatial_listing import drawn_parts
 from wiggleroom.spatial.solids.solid_boolean import centroid_of
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
@@ -46,9 +46,9 @@ def test_a_joint_moves_by_its_own_gap_and_all_others_by_theirs(gap: float) -> No
 
 
 def test_the_list_of_parts_shows_them_as_drawn() -> None:
-    found = spatial_parts_result(spatial(*WALLS, BLOCK, gap=0.2, gaps=[joint("west", "block", 0.5)]))
-    assert {part.name: part.size for part in found.parts}["block"] == (10.0, 10.0, 10.0)
-    assert {part.name: part.volume for part in found.parts}["block"] == pytest.approx(1000.0)
+    found = drawn_parts(spatial(*WALLS, BLOCK, gap=0.2, gaps=[joint("west", "block", 0.5)]).drawing)
+    assert {part.name: part.size for part in found}["block"] == (10.0, 10.0, 10.0)
+    assert {part.name: part.volume for part in found}["block"] == pytest.approx(1000.0)
 
 
 @pytest.mark.parametrize("larger", [0.0, 0.1, 0.2])
@@ -64,19 +64,18 @@ def test_parts_drawn_larger_than_nominal_face_each_other_as_in_the_plane(larger:
 def test_a_region_inside_a_face_is_cut_away_or_built_up(own: float) -> None:
     big = {"name": "big", "boxes": [[0, 0, 0, 20, 20, 10]], "fixed": True}
     small = {"name": "small", "boxes": [[4, 6, 10, 9, 12, 14]]}
-    made = spatial(big, small, gap=0.2, gaps=[joint("big", "small", own)]).made
+    made = spatial(big, small, gap=0.2, gaps=[joint("big", "small", own)]).solids
     assert volume(made[0]) == pytest.approx(19.8**2 * 9.8 - 30 * (own - 0.2) / 2, rel=1e-12)
     assert volume(made[1]) == pytest.approx(4.8 * 5.8 * (3.9 - own / 2), rel=1e-12)
     assert sum(len(m.pieces) for m in made) >= 2
 
 
-@pytest.mark.parametrize("rotate", [[0, 0, 0], [20, -35, 70]])
-@pytest.mark.parametrize("own", [0.05, 0.6])
+@pytest.mark.parametrize(("own", "rotate"), [(0.05, [20, -35, 70]), (0.6, [0, 0, 0])])
 def test_corners_between_faces_of_a_joint_are_mitred(own: float, rotate: list[float]) -> None:
     # an L and a block in its inner corner, as long as it
     angle = {"name": "angle", "boxes": [[0, 0, 0, 10, 2, 8], [0, 0, 0, 2, 10, 8]], "fixed": True, "rotate": rotate}
     block = {"name": "block", "boxes": [[2, 2, 0, 10, 10, 8]], "rotate": rotate}
-    made = spatial(angle, block, gap=0.2, gaps=[joint("angle", "block", own)]).made
+    made = spatial(angle, block, gap=0.2, gaps=[joint("angle", "block", own)]).solids
     # as long as the block: the faces of the joint move by half of its gap, all others by 0.1
     leg = 2 - 0.1 - own / 2
     long = 10 - 0.2
@@ -84,8 +83,7 @@ def test_corners_between_faces_of_a_joint_are_mitred(own: float, rotate: list[fl
     assert volume(made[1]) == pytest.approx((8 - 0.1 - own / 2) ** 2 * 7.8, rel=1e-11)
 
 
-@pytest.mark.parametrize("family", ["tee", "swallowtail", "dovetail", "finger", "jigsaw", "revolute"])
-@pytest.mark.parametrize("own", [0.004, 0.03])
+@pytest.mark.parametrize(("family", "own"), [("tee", 0.004), ("dovetail", 0.03), ("jigsaw", 0.03)])
 def test_extruded_joints_are_the_drawings_extruded(family: str, own: float) -> None:
     flat = wr.patterns.chain(3, joint=family, gap=0.01).drawing
     names = [p.name for p in flat.parts]
@@ -94,7 +92,7 @@ def test_extruded_joints_are_the_drawings_extruded(family: str, own: float) -> N
         {"name": p.name, "outline": p.regions[0].outer.tolist(), "thickness": thick, "at": [*p.at[:2], 0], "rotate": [0, 0, p.at[2]]}
         for p in flat.parts
     ]  # fmt: skip
-    made = spatial(*parts, gap=0.01, gaps=[joint(names[0], names[1], own)]).made
+    made = spatial(*parts, gap=0.01, gaps=[joint(names[0], names[1], own)]).solids
     truth, wrong = apply_gap(Drawing(flat.parts, gap=0.01, gaps=(JointGap((names[0], names[1]), own),)))
     assert not wrong
     for solid, part in zip(made, truth, strict=True):
@@ -147,7 +145,7 @@ def test_offset_adds_to_the_gap_of_a_joint_on_cut_edges_only() -> None:
     plate = {"name": "plate", "outline": square, "thickness": 3, "offset": 0.02}
     side = {"name": "side", "boxes": [[10, 0, 0, 14, 10, 3]], "fixed": True}
     top = {"name": "top", "boxes": [[0, 0, 3, 10, 10, 5]], "fixed": True}
-    made = spatial(plate, side, top, gap=0.1, gaps=[joint("plate", "side", 0.3), joint("plate", "top", 0.4)]).made[0]
+    made = spatial(plate, side, top, gap=0.1, gaps=[joint("plate", "side", 0.3), joint("plate", "top", 0.4)]).solids[0]
     assert volume(made) == pytest.approx((10 - 0.05 + 0.02 - 0.15 + 0.02) * 9.94 * (3 - 0.05 - 0.2), rel=1e-12)
 
 
@@ -167,7 +165,7 @@ def corners(*boxes: list[float]) -> list[np.ndarray]:
     return [np.array(list(itertools.product(*zip(b[:3], b[3:], strict=True)))) for b in boxes]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_ways_in_a_pocket_are_free_for_a_collision_library(seed: int) -> None:
     # floor and lid have a pocket of the block's own face; all shapes of the judge are written down by hand
     floor = {"name": "floor", "boxes": [[-10, -10, -4, 20, 20, 0]], "fixed": True}
@@ -235,7 +233,7 @@ def test_a_closed_cavity_stays_hollow(pair: str, far: float) -> None:
     shell = {"name": "shell", "boxes": SHELL, "fixed": True}
     lid = {"name": "lid", "boxes": [[-10, -10, 10, 10, 10, 12]], "fixed": True}
     assembly = spatial(shell, CUBE, lid, gap=0.2, gaps=[joint("shell", pair, 0.5)])
-    made = assembly.made[0]
+    made = assembly.solids[0]
     drawn = 20.0 - 0.2, 10.0 + (0.5 if pair == "cube" else 0.2)
     lost = 19.8**2 * 0.15 if pair == "lid" else 0.0  # the lid's joint takes 0.25 off where the others take 0.1
     assert volume(made) == pytest.approx(drawn[0] ** 3 - drawn[1] ** 3 - lost, rel=1e-9)

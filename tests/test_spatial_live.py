@@ -11,6 +11,7 @@ import pytest
 from benchmarks import spatial_overlaps
 
 from tests.test_spatial import PEG, PLATE, spatial
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
@@ -18,7 +19,6 @@ from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_live import SpatialLive
 
 
@@ -29,7 +29,7 @@ class Patient(SpatialLive):
         return super().drag(*where, seconds=60, **how)  # type: ignore[arg-type]
 
 
-def live(assembly: SpatialAssembly) -> SpatialLive:
+def live(assembly: Assembly) -> SpatialLive:
     one = Patient()
     one.take(assembly)
     return one

@@ -26,8 +26,15 @@ POSTS = [
 ]
 
 
-@pytest.mark.parametrize("turns", [t for k in range(4) for t in itertools.combinations(AXES[3:], k)], ids=str)
-@pytest.mark.parametrize("moves", [(), ("x",), ("y", "z")], ids=str)
+@pytest.mark.parametrize(
+    ("moves", "turns"),
+    [
+        *(((), turns) for k in range(4) for turns in itertools.combinations(AXES[3:], k)),
+        (("x",), ("ry",)),
+        (("y", "z"), ("rx", "rz")),
+    ],
+    ids=str,
+)
 def test_a_lock_holds_along_the_whole_path(moves: tuple[str, ...], turns: tuple[str, ...]) -> None:
     lock = [*moves, *turns]
     assembly = spatial(PLATE, PEG | {"lock": lock})
@@ -101,7 +108,7 @@ class Arm:
         return value(middle)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_an_arm_that_may_not_roll_reaches_what_sampling_finds(seed: int) -> None:
     rng = np.random.default_rng(seed)
     arm = {"name": "arm", "boxes": ARM, "lock": ["x", "y", "z", "rx"]}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -99,10 +101,27 @@ def test_a_bayonet_comes_apart_by_a_turn() -> None:
     assert worst_on(judge, escape.path) < 1e-6
 
 
+@pytest.mark.slow
 def test_a_bayonet_without_a_slot_is_held_or_unknown() -> None:
     """It can turn, and a search does not cover all turns: only a proof may say that it is held."""
     found = wr.check(spatial(*bayonet(False, 77.0)[0], glue=GLUE))
     assert (found.verdict, found.certainty) in (("interlocked", "proven"), ("unknown", "searched"))
+
+
+def test_two_that_turn_only_together_are_not_called_interlocked() -> None:
+    """A bar across a slot, and a peg in its window: each keeps the other from turning, and turned as one they leave."""
+    case = [
+        [-40, -40, -20, 40, 40, -10], [-40, -40, -20, -30, 40, 30], [30, -40, -20, 40, 40, 30], [-40, -40, -20, 40, -30, 30],
+        [-40, 30, -20, 40, 40, 30], [-40, 5, 10, 40, 40, 30], [-40, -40, 10, 40, -5, 30], [-40, -40, 10, -15, 40, 30],
+        [15, -40, 10, 40, 40, 30],
+    ]  # fmt: skip
+    bar = [[-5, 8, -10, 5, 15, 0], [-5, -15, -10, 5, -8, 0], [-5, -8, -10, -4, 8, 0], [4, -8, -10, 5, 8, 0]]
+    parts = (
+        {"name": "case", "boxes": case, "fixed": True}, {"name": "bar", "boxes": bar},
+        {"name": "peg", "boxes": [[-4, -8, -10, 4, 8, 10]]},
+    )  # fmt: skip
+    assert wr.check(spatial(*parts, gap=0.2)).verdict == "unknown"
+    assert wr.check(spatial(*parts, gap=0.2, glue=[["bar", "peg"]])).verdict == "comes apart"
 
 
 def test_the_axis_of_a_loose_pin_is_that_of_one_of_its_round_parts_and_lies_not_between_them() -> None:
@@ -130,3 +149,41 @@ def test_what_gets_loose_is_twisted_for_ever(number: int, tmp_path: Path) -> Non
     again = (np.abs(turned - turned[-1]).max(axis=(1, 2)) < 1e-9) & (np.abs(at - at[-1]).max(axis=1) < 1e-9)
     assert again[:-1].any(), "it has come back to where its last turn began"
     assert not SolidGround(made, assembly.reference).overlap(found.waypoints)
+
+
+def capped(hole: list[list[float]], peg: list[list[float]]) -> dict[str, Any]:
+    """A peg in the hole of a plate, between two lids."""
+    square = [[-10, -10], [10, -10], [10, 10], [-10, 10]]
+    return {
+        "format": "wiggleroom/2", "gap": 0.2,
+        "parts": [
+            {"name": "plate", "outline": square, "holes": [hole], "thickness": 5, "fixed": True},
+            {"name": "peg", "outline": peg, "thickness": 4, "at": [0, 0, 0.5]},
+            {"name": "low", "boxes": [[-10, -10, -3, 10, 10, -0.5]], "fixed": True},
+            {"name": "top", "boxes": [[-10, -10, 5.5, 10, 10, 8]], "fixed": True},
+        ],
+    }  # fmt: skip
+
+
+def regular(count: int, radius: float) -> list[list[float]]:
+    return [[radius * np.cos(2 * np.pi * k / count), radius * np.sin(2 * np.pi * k / count)] for k in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("hole", "peg", "spins"),
+    [
+        (
+            regular(24, 4.0),
+            regular(24, 3.6),
+            ("peg",),
+        ),  # the inner radius of the hole is 3.97, the outer one of the peg 3.6
+        (regular(4, 4.0), regular(4, 3.6), ()),
+        (regular(4, 4.0), regular(4, 2.6), ("peg",)),  # 2.6 is less than the inner radius, 2.83
+    ],
+)
+def test_what_turns_in_place_without_limit_spins(hole, peg, spins, tmp_path: Path) -> None:
+    path = tmp_path / "peg.json"
+    path.write_text(json.dumps(capped(hole, peg)))
+    found = wr.check(wr.read(path))
+    assert str(found.verdict) == "interlocked" or (spins and str(found.verdict) == "unknown")
+    assert found.spins == spins

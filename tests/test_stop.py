@@ -19,7 +19,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.cli.running import unless_stopped
+from wiggleroom.cli.study_command import unless_stopped
 from wiggleroom.cli.watch import at_once, interruptible
 from wiggleroom.drawing import write_drawing
 from wiggleroom.search.progress import Progress
@@ -54,6 +54,7 @@ ASKED: dict[str, Callable[[wr.Assembly, threading.Event], Any]] = {
     "prove": lambda a, stop: wr.flex(a, PULL, prove=1e-4, stop=stop, search=0),
     "rank": lambda a, stop: wr.rank(a, PULL, by="differences", workers=1, stop=stop),
     "tighten": lambda a, stop: wr.tighten(a, PULL, parts=3, workers=1, stop=stop),
+    "clearances": lambda a, stop: wr.clearances(a, stop=stop),
     "sweep": lambda a, stop: wr.sweep(a, [0.5, 1.0, 1.5, 2.0], PULL, stop=stop),
     "sample": lambda a, stop: wr.sample(a, 0.05, PULL, workers=1, stop=stop),
 }
@@ -128,7 +129,7 @@ def many_tees() -> wr.Assembly:
     return wr.patterns.grid(32, 32, joint="tee", gap=0.02)
 
 
-@pytest.mark.parametrize("after", [0.2, 0.5, 0.8, 1.2, 1.6])
+@pytest.mark.parametrize("after", [0.2, 0.8, 1.6])
 def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly) -> None:
     stop = AfterSeconds(after)
     answer = wr.flex(many_tees, stop=stop, search=0)
@@ -139,7 +140,7 @@ def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.As
         assert answer.objective == pytest.approx(wr.flex(many_tees, search=0).objective, rel=1e-6)
 
 
-@pytest.mark.parametrize("after", [0.5, 2.0, 3.5])
+@pytest.mark.parametrize("after", [0.5, 2.0])
 def test_check_of_a_thousand_parts_stops_in_any_stage(
     after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly
 ) -> None:
@@ -176,7 +177,7 @@ def test_what_was_found_before_the_stop_is_kept(jigsaw: wr.Assembly) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ASKED)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(1))
 def test_stop_is_honoured_at_any_time(what: str, seed: int, jigsaw: wr.Assembly) -> None:
     delay = float(np.random.default_rng([seed, len(what)]).uniform(0.05, 8.0))
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), delay) < LATE

@@ -87,24 +87,11 @@ def test_a_limit_that_nothing_reaches_is_said_so() -> None:
     assert len(found.chosen) == 3
 
 
-def test_a_limit_that_holds_already_needs_nothing() -> None:
-    found = wr.tighten(wr.patterns.chain(3, gap=0.02), limit=5.0)
-    assert found.chosen == ()
-    assert found.reached
-
-
 def test_parts_that_have_no_room_are_not_chosen() -> None:
     made = wr.patterns.chain(6, joint="tee", gap=0.02)
     tight = replace(made.drawing, gaps=(JointGap(("b1", "b2"), 0.002),))
     found = wr.tighten(assemble(tight, gap=0.02, goals=[wr.Pull("b4", (0, 1))]), parts=6, draws=3, workers=1)
     assert found.chosen == ("b3", "b4", "b5", "b6"), "the joint b1-b2 is as tight as the others shall be"
-
-
-def test_a_smaller_joint_of_its_own_is_not_closed_beyond() -> None:
-    drawing = replace(wr.patterns.chain(3, joint="tee", gap=0.02).drawing, gaps=(JointGap(("b1", "b2"), 0.004),))
-    found = wr.tighten(assemble(drawing), parts=3, draws=2, workers=1)
-    assert found.after.objective is not None
-    assert found.after.objective < (found.before.objective or 0)
 
 
 @pytest.mark.parametrize(
@@ -159,13 +146,7 @@ def test_no_band_in_space_and_none_of_nonsense() -> None:
         wr.sweep(wr.patterns.chain(2), [0.01], prove=0.0)
 
 
-def test_sweep_of_joints_with_gaps_of_their_own() -> None:
-    drawing = replace(wr.patterns.chain(3, gap=0.02).drawing, gaps=(JointGap(("b1", "b2"), 0.01),))
-    found = wr.sweep(assemble(drawing), [0.01, 0.02])
-    for step in found.steps:
-        assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap), search=0).objective, rel=1e-6)
-
-
+@pytest.mark.slow
 def test_swallowtails_come_apart_where_they_are_known_to() -> None:
     found = wr.sweep(wr.patterns.chain(2, joint="swallowtail"), np.linspace(0.02, 0.08, 4))
     assert found.lost is not None
@@ -237,11 +218,6 @@ def test_a_sweep_that_is_stopped_where_it_searches_again_keeps_what_it_found() -
     assert 0.1 < found.lost[1] <= 0.2  # the path out may have been followed a little before it was stopped
 
 
-def test_every_gap_of_a_sweep_is_searched() -> None:
-    found = wr.sweep(wr.patterns.chain(3, joint="tee", gap=0.02), [0.01, 0.02, 0.025])
-    assert all(step.answer.search is not None for step in found.steps)
-
-
 def test_a_sweep_can_be_stopped() -> None:
     stop = threading.Event()
     found = wr.sweep(
@@ -299,9 +275,8 @@ def test_draws_on_a_jigsaw_are_what_flex_says() -> None:
 
 
 def test_the_spread_is_foreseen_by_the_ranking() -> None:
-    for sheet in (0.0, 0.7):
-        found = wr.sample(wr.patterns.chain(4, gap=0.02), wr.Spread(0.001, sheet=sheet), draws=100, workers=1)
-        assert found.bounded.std(ddof=1) == pytest.approx(found.foreseen, rel=0.2)
+    found = wr.sample(wr.patterns.chain(4, gap=0.02), wr.Spread(0.001, sheet=0.7), draws=100, workers=1)
+    assert found.bounded.std(ddof=1) == pytest.approx(found.foreseen, rel=0.2)
 
 
 @pytest.mark.parametrize("kind", ["normal", "uniform", "truncated"])

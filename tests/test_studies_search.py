@@ -17,13 +17,11 @@ from tests.flexing import part_at
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import FreeSpaceError
 from wiggleroom.maximise import flex
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity import planar_study
-from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import perturbed_objective_anew
 from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.verdict import Verdict
@@ -74,20 +72,6 @@ def test_tightening_says_what_is_left_of_the_answer_of_flex() -> None:
     assert found.before.objective == pytest.approx(2.06)
     assert found.after.objective == pytest.approx(2.056)
     assert not wr.tighten(corridor(gap=0.01), limit=1.0, gap=0.002, draws=0).reached
-
-
-def test_what_tighter_parts_do_the_others_do_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    nominal = corridor(gap=0.01)
-    monkeypatch.setattr(
-        PlanarStudy,
-        "answer",
-        lambda self, _: flex(self.assembly, self.goals, search=0 if self.assembly is nominal else None),
-    )
-    found = wr.tighten(nominal, parts=1, gap=0.002, draws=1, workers=1)
-    assert found.after.objective == pytest.approx(2.056)
-    assert found.before.objective == found.after.objective
-    assert audit_path(found.before.assembly, found.before.waypoints).free
-    assert found.lowered == 0.0
 
 
 def test_parts_that_get_away_when_they_are_larger_cannot_be_tightened(tmp_path: Path) -> None:
@@ -145,14 +129,6 @@ def test_the_path_of_a_larger_gap_is_followed_as_far_as_it_is_free() -> None:
     assert audit_path(tight.assembly, kept.waypoints).free
     assert tight.followed(found, 1.6) is None
     assert tight.followed(found, 3.0) is None
-
-
-def test_a_gap_whose_motion_was_not_searched_in_time_is_said_to_be_stopped() -> None:
-    border = MotionBorder(PlanarStudy(corridor(gap=0.01), corridor().goals), 1.0, Deadline(60.0, None), None)
-    low = border._bracket()[0]
-    border.deadline = border.gaps.stop = Deadline(1e-9, None)
-    assert border._confirmed(low)
-    assert border._answer(low, "").stopped
 
 
 @pytest.mark.slow

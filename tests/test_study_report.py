@@ -17,20 +17,23 @@ from tests.standalone import frames, rows, told
 from tests.test_answer_page import tags
 from tests.test_plots import all_of, axis
 from wiggleroom.report.page import pages
+from wiggleroom.report.page.finding_page import page_of_finding
 from wiggleroom.report.pictures import palette
-from wiggleroom.report.pictures.importance_picture import picture_of_ranking, picture_of_tightening, shade
-from wiggleroom.report.pictures.study_plots import picture_of_sample, picture_of_sweep
-from wiggleroom.report.results.rank_results import rank_result
+from wiggleroom.report.pictures.finding_picture import picture_of_finding, shade
 from wiggleroom.report.results.separability import Checked
 from wiggleroom.report.results.tables import csv_of
+from wiggleroom.studies.registry import finding_of
 
-PAGES = {
-    wr.Ranking: pages.page_of_ranking,
-    wr.Tightening: pages.page_of_tightening,
-    wr.Sweep: pages.page_of_sweep,
-    wr.Sample: pages.page_of_sample,
-}
+KINDS = (wr.Ranking, wr.Tightening, wr.Sweep, wr.Sample)
 NASTY = "<img src=x onerror=alert(1)></script>"
+
+
+def picture(found: Any, command: str = "") -> str:
+    return picture_of_finding(finding_of(found, command), command=command)
+
+
+def page_of(found: Any, command: str = "") -> str:
+    return page_of_finding(finding_of(found, command), command=command)
 
 
 def named(assembly: wr.Assembly, part: str, name: str) -> wr.Assembly:
@@ -57,7 +60,7 @@ def studies() -> dict[type, Any]:
 
 def test_the_curve_goes_through_what_was_found_and_ends_where_it_is_lost(studies: dict[type, Any]) -> None:
     found = studies[wr.Sweep]
-    svg = picture_of_sweep(found, command="wiggleroom sweep it")
+    svg = picture(found, command="wiggleroom sweep it")
     dots = np.array([[float(c.get("cx", "0")), float(c.get("cy", "0"))] for c in all_of(svg, "circle")])
     (kx, x0), (ky, y0) = axis(svg, of_x=True), axis(svg, of_x=False)
     held = [s for s in found.steps if s.objective is not None]
@@ -71,7 +74,7 @@ def test_the_curve_goes_through_what_was_found_and_ends_where_it_is_lost(studies
 
 def test_the_histogram_has_every_draw_and_the_limit(studies: dict[type, Any]) -> None:
     found = studies[wr.Sample]
-    svg = picture_of_sample(found)
+    svg = picture(found)
     up, _ = axis(svg, of_x=False)
     boxes = [r for r in all_of(svg, "rect") if r.get("stroke")]
     red = sum(float(r.get("height", "0")) for r in boxes if r.get("fill") == palette.FIXED[0]) / -up
@@ -86,18 +89,18 @@ def test_draws_without_an_end_are_said_not_drawn(studies: dict[type, Any]) -> No
     value = found.value.copy()
     value[:5], value[5:8] = np.inf, np.nan
     odd = replace(found, value=value)
-    for text in (picture_of_sample(odd), pages.page_of_sample(odd)):
+    for text in (picture(odd), page_of(odd)):
         assert re.search(r"in 5 (draws )?nothing stops the motion", text)
         assert re.search(r"in 3 (draws )?parts do not fit", text)
         assert not re.search(r"\b(nan|inf)\b", text)
     none = replace(found, value=np.full(60, np.nan))
-    assert "50 % below" not in picture_of_sample(none)
-    pages.page_of_sample(none)
+    assert "50 % below" not in picture(none)
+    page_of(none)
 
 
 def test_parts_are_coloured_by_their_numbers(studies: dict[type, Any]) -> None:
     ranking = studies[wr.Ranking]
-    svg = picture_of_ranking(ranking)
+    svg = picture(ranking)
     fill = {}
     for group in all_of(svg, "g"):
         for use in group.findall("{http://www.w3.org/2000/svg}use"):
@@ -107,12 +110,12 @@ def test_parts_are_coloured_by_their_numbers(studies: dict[type, Any]) -> None:
     share = ranking.looser / ranking.looser.max()
     assert fill == dict(zip(ranking.answer.assembly.names, map(shade, share), strict=True))
     tight = studies[wr.Tightening]
-    assert picture_of_tightening(tight).count(f'fill="{palette.CHOSEN}" fill-opacity') == 1
+    assert picture(tight).count(f'fill="{palette.CHOSEN}" fill-opacity') == 1
 
 
 def test_pages_hold_the_numbers(studies: dict[type, Any]) -> None:
     ranking = studies[wr.Ranking]
-    page = told(PAGES[wr.Ranking](ranking))
+    page = told(page_of(ranking))
     names = ranking.answer.assembly.names
     assert list(page["rank"]["parts"]) == [names[k] for k in ranking.order]
     for k, one in zip(ranking.order, page["rank"]["parts"].values(), strict=True):
@@ -121,15 +124,15 @@ def test_pages_hold_the_numbers(studies: dict[type, Any]) -> None:
     worth = [one["mm_per_mm"] for one in page["rank"]["joints"]]
     assert worth == sorted(ranking.joint_looser, reverse=True)
     sample = studies[wr.Sample]
-    numbers = dict(rows(told(PAGES[wr.Sample](sample)), "In numbers"))
+    numbers = dict(rows(told(page_of(sample)), "In numbers"))
     assert numbers["95 % of the draws below"] == pytest.approx(sample.quantile(0.95), rel=1e-3)
-    tight = told(PAGES[wr.Tightening](studies[wr.Tightening]))
+    tight = told(page_of(studies[wr.Tightening]))
     chosen = [name for _, name, *_ in rows(tight, "Make these tighter, in this order")]
     assert chosen == list(studies[wr.Tightening].chosen) == list(tight["tints"]["values"])
 
 
 def test_the_page_of_a_sweep_has_the_answer_at_every_gap(studies: dict[type, Any]) -> None:
-    page = told(PAGES[wr.Sweep](studies[wr.Sweep]))
+    page = told(page_of(studies[wr.Sweep]))
     assert [one["gap"] for one in page["answers"]] == [0.01, 0.03, 0.05, 0.07]
     assert page["begin"] in (0.01, 0.03)  # next to the 0.02 of the drawing
     assert 0.0600 <= page["lost"][0] < page["lost"][1] <= 0.0606
@@ -142,9 +145,9 @@ def test_the_page_of_a_sweep_has_the_answer_at_every_gap(studies: dict[type, Any
     assert rows(page, "Motion against gap")[3][1:4] == [None, None, "unbounded"]
 
 
-@pytest.mark.parametrize("kind", PAGES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_page_asks_nothing_of_any_network_and_names_are_text(studies: dict[type, Any], kind: type) -> None:
-    seen = tags(PAGES[kind](studies[kind], command=f"wiggleroom {NASTY}"))
+    seen = tags(page_of(studies[kind], command=f"wiggleroom {NASTY}"))
     assert not {"img", "b", "iframe", "object", "form"} & {tag for tag, _ in seen}
     ids = [given["id"] for _, given in seen if "id" in given]
     assert len(ids) == len(set(ids))
@@ -155,7 +158,7 @@ def test_a_page_asks_nothing_of_any_network_and_names_are_text(studies: dict[typ
             assert (given.get(link) or "#").startswith(("#", "data:,"))
 
 
-@pytest.mark.parametrize("kind", PAGES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_study_draws_itself(studies: dict[type, Any], kind: type, tmp_path: Path) -> None:
     found = studies[kind]
     found.draw(tmp_path / "a.svg")
@@ -190,9 +193,9 @@ def test_what_check_found_is_shown_as_it_is(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", PAGES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_pages_open_in_a_browser(studies: dict[type, Any], opened: Any, kind: type) -> None:
-    at = opened(PAGES[kind](studies[kind], command="wiggleroom it"), viewport={"width": 400, "height": 800})
+    at = opened(page_of(studies[kind], command="wiggleroom it"), viewport={"width": 400, "height": 800})
     assert at.evaluate("() => document.documentElement.scrollWidth") <= 400
     assert at.locator("canvas").is_visible()
     for k in range(at.get_by_role("tab").count()):
@@ -207,7 +210,7 @@ def test_pages_open_in_a_browser(studies: dict[type, Any], opened: Any, kind: ty
 @pytest.mark.slow
 def test_a_ranking_is_read_as_colours_and_sorted_tables(studies: dict[type, Any], opened: Any) -> None:
     ranking = studies[wr.Ranking]
-    at = opened(PAGES[wr.Ranking](ranking))
+    at = opened(page_of(ranking))
     assert at.get_by_role("tab", selected=True).inner_text() == "Whose gap"
     parts, joints = (at.locator(".sorts").nth(k).locator("tbody tr") for k in (0, 1))
     first = ranking.order[0]
@@ -224,7 +227,7 @@ def test_a_ranking_is_read_as_colours_and_sorted_tables(studies: dict[type, Any]
 @pytest.mark.slow
 def test_a_sweep_is_read_along_its_slider(studies: dict[type, Any], opened: Any) -> None:
     found = studies[wr.Sweep]
-    at = opened(PAGES[wr.Sweep](found))
+    at = opened(page_of(found))
     at.locator(".curve .dot").nth(2).wait_for(state="attached")  # the curve is drawn when its size is known
     assert at.locator(".curve .dot").count() == 3
     for step in found.steps[:3]:
@@ -265,7 +268,7 @@ def test_a_ranking_keeps_its_order_where_parts_are_called_by_numbers(opened: Any
     for part, name in zip(chain.names, ("4", "1", "3", "2"), strict=True):
         chain = named(chain, part, name)
     found = wr.rank(wr.flex(chain, search=0))
-    at = opened(pages.page_of_ranking(found))
+    at = opened(page_of(found))
     shown = at.locator("table.sorts").first.locator("tbody tr td:first-child").all_inner_texts()
     assert shown == [found.answer.assembly.names[k] for k in found.order]
 
@@ -274,5 +277,5 @@ def test_the_table_of_a_ranking_has_the_order_of_its_json() -> None:
     found = wr.rank(wr.patterns.chain(4, joint="tee", gap=0.01))
     tighter = 10 * np.argsort(np.argsort(-found.joint_looser)).astype(float)  # the more where it was the less
     found = replace(found, joint_tighter=tighter, joint_unique=np.zeros(len(tighter), dtype=bool))
-    table = [line.split(",")[1:3] for line in csv_of(found).splitlines() if line.startswith("joint")]
-    assert table == [list(joint.parts) for joint in rank_result(found).joints]
+    table = [line.split(",")[1:3] for line in csv_of(finding_of(found)).splitlines() if line.startswith("joint")]
+    assert table == [list(joint.parts) for joint in finding_of(found).record().joints]

@@ -42,11 +42,9 @@ def names(drawing: Drawing) -> list[str]:
 @pytest.mark.parametrize(
     ("file", "gap", "count", "area"),
     [
-        ("jointpanel_2x2", 0.2, 4, 100**2),
         ("jointpanel_4x4", 0.2, 16, 160**2),
         ("jointpanel_10x10", 0.2, 100, 500**2),
         ("pyjigsaw_4x5", 1.0, 20, 500 * 400),
-        ("pyjigsaw_10x10", 1.0, 100, 1000**2),
     ],
 )
 def test_real_drawings_fit_together(file, gap, count, area):
@@ -96,14 +94,8 @@ def test_slot_with_four_arcs_under_any_transform(transform, matrix):
     fine = shapely.points(shapely.get_coordinates(moved.exterior))
     assert shapely.distance(fine, found.exterior).max() <= 1.01e-3
     corners = shapely.points(shapely.get_coordinates(found.exterior))
-    assert shapely.distance(corners, moved.exterior).max() <= 2e-5
-
-
-def test_slot_arcs_lie_on_their_circles():
-    """Against the analytic area of a slot: a rectangle and two half discs."""
-    slot = read('<path d="M20 20H60A10 10 0 0 1 60 40H20A10 10 0 0 1 20 20Z"/>', flatten=1e-5).parts[0]
-    assert material(slot).area == pytest.approx(40 * 20 + np.pi * 100, abs=1e-3)
-    assert slot.at == pytest.approx((40, 70, 0), abs=1e-9)
+    stretch = np.linalg.norm(matrix, 2)  # of the truth, which is itself flattened
+    assert shapely.distance(corners, moved.exterior).max() <= 1.05e-5 * max(stretch, 1)
 
 
 @pytest.mark.parametrize(
@@ -478,18 +470,6 @@ def test_plain_doctype_and_declared_encoding(tmp_path):
     assert names(read_drawing(path)) == ["ä"]
 
 
-def test_drawing_of_many_kinds():
-    """Polygons, circle, ellipse, a copy and nested transforms in one drawing, area by area."""
-    drawing = read(
-        """<polygon id="tri" points="0,0 20,0 0,20"/><circle id="disc" cx="50" cy="10" r="8"/>
-        <g transform="translate(30 60)"><g transform="scale(2 1) rotate(45)"><ellipse id="egg" rx="4" ry="6"/></g></g>
-        <use id="tri2" href="#tri" transform="translate(95 95) scale(-1)"/>"""
-    )
-    areas = {part.name: material(part).area for part in drawing.parts}
-    assert areas == pytest.approx({"tri": 200, "disc": np.pi * 64, "egg": np.pi * 24 * 2, "tri2": 200}, rel=1e-3)
-    assert material(drawing.parts[3]).equals(Polygon([(95, 5), (75, 5), (95, 25)]))
-
-
 # The way back --------------------------------------------------------------------------------------------------------
 
 
@@ -622,3 +602,22 @@ def test_of_a_switch_one_child_is_drawn() -> None:
     assert len(read(f"<switch>{adobe}<g>{BAR}{other}</g></switch>").parts) == 2
     drawing = read(f'<switch><g systemLanguage="de">{other}</g>{BAR}{other}</switch>')
     assert [material(part).area for part in drawing.parts] == pytest.approx([200])
+
+
+def test_namespaces_as_entities():
+    """Adobe Illustrator declares its namespaces as entities, which are short plain texts."""
+    drawing = read_svg(
+        "<!DOCTYPE svg [<!ENTITY ns_svg \"http://www.w3.org/2000/svg\"> <!ENTITY ns_ai 'http://ns.adobe.com/AdobeIllustrator/10.0/'>]>"
+        '<svg xmlns="&ns_svg;" xmlns:i="&ns_ai;" width="9mm" height="9mm" viewBox="0 0 9 9"><rect id="a" width="4" height="2"/></svg>'
+    )
+    assert [part.name for part in drawing.parts] == ["a"]
+
+
+def test_a_view_box_without_a_size_is_ignored(tmp_path):
+    file = tmp_path / "a.svg"
+    file.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="96" height="96" viewBox="0 0 0 523"><rect width="9" height="8"/></svg>'
+    )
+    drawing = read_drawing(file)
+    assert len(drawing.parts) == 1
+    assert any('the viewBox "0 0 0 523" has no size' in note for note in drawing.notes)

@@ -14,10 +14,11 @@ import pytest
 
 import wiggleroom as wr
 from tests.test_allowable_gap import peg_in_slot
+from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.deviations import deviated
 from wiggleroom.drawing import read_drawing, write_drawing
-from wiggleroom.drawing.model import Tolerance
+from wiggleroom.drawing.model import Pull, Tolerance
+from wiggleroom.sensitivity.worst_case import deviated
 from wiggleroom.verdict import Certainty
 
 
@@ -40,9 +41,8 @@ def test_a_stack_of_tolerances_has_a_closed_form() -> None:
     assert found.keeps
 
 
-@pytest.mark.parametrize("joint", ["tee", "swallowtail"])
-def test_the_worst_of_all_corners(joint: str) -> None:
-    chain = wr.patterns.chain(3, joint=joint, gap=0.02)
+def test_the_worst_of_all_corners() -> None:
+    chain = wr.patterns.chain(3, joint="swallowtail", gap=0.02)
     some = [
         Tolerance(("b1",), 0.001, 0.002),
         Tolerance(("b3",), 0.002, 0.001, outline=1),
@@ -161,3 +161,85 @@ def test_the_command_lists_who_contributes(
     assert told["worst"]["objective"] == pytest.approx(3.26, rel=1e-6)
     assert "rim, outline 2" in out["svg"].read_text()
     assert command(*words, "--picture", out["html"]) == 0
+
+
+def test_a_stack_of_tolerances_in_space_has_a_closed_form() -> None:
+    """A peg has 0.2 mm of room on every side and the gap: faces, cut edges, one outline and a joint add what they lie further in."""
+    assembly = spatial(PLATE, PEG | {"lock": ["y", "z", "rx", "ry", "rz"]}, gap=0.1)
+    some = [
+        Tolerance(("peg",), 0.01, 0.02),
+        Tolerance(("plate",), 0.0, 0.04, outline=2),
+        Tolerance(("plate",), 0.3, 0.3, outline=1),
+    ]
+    found = wr.worst_case(assembly, some, Pull("peg", (1, 0, 0)), limit=0.37)
+    assert found.nominal.objective == pytest.approx(0.3, abs=1e-6)
+    assert found.loosest.objective == pytest.approx(0.36, abs=1e-6)
+    assert found.tightest is not None
+    assert found.tightest.objective == pytest.approx(0.29, abs=1e-6)
+    assert found.first_order == pytest.approx(0.36, abs=1e-6)
+    assert [c.tolerance.outline for c in found.contributions] == [2, None, 1]
+    assert found.keeps
+    whole = wr.worst_case(assembly, [Tolerance(("plate",), 0.05, 0.05)], Pull("peg", (1, 0, 0)))
+    assert whole.loosest.objective == pytest.approx(0.35, abs=1e-6)
+    assert whole.contributions[0].slope == pytest.approx(1.0, abs=1e-4)
+    joint = wr.worst_case(assembly, [Tolerance(("plate", "peg"), 0.05, 0.05)], Pull("peg", (1, 0, 0)))
+    assert joint.loosest.objective == pytest.approx(0.35, abs=1e-6)
+    assert joint.contributions[0].slope == pytest.approx(1.0, abs=1e-4)
+
+
+def test_the_thickness_of_a_plate_is_a_dimension_like_others() -> None:
+    """A plate 3 mm thick in a slot of 3.2 mm, its middle where it was: half of what it is thinner is room to either side."""
+    slot = {"name": "slot", "boxes": [[-20, -20, -5, 20, 20, 0], [-20, -20, 3.2, 20, 20, 8]], "fixed": True}
+    sheet = {"name": "sheet", "outline": [[-5, -5], [5, -5], [5, 5], [-5, 5]], "thickness": 3, "at": [0, 0, 0.1]}
+    assembly = spatial(slot, sheet | {"lock": ["x", "y", "rx", "ry", "rz"]})
+    some = [Tolerance(("sheet",), 0.1, 0.06, outline="thickness")]
+    found = wr.worst_case(assembly, some, Pull("sheet", (0, 0, 1)))
+    assert found.nominal.objective == pytest.approx(0.1, abs=1e-6)
+    assert found.loosest.objective == pytest.approx(0.13, abs=1e-6)
+    assert found.tightest is not None
+    assert found.tightest.objective == pytest.approx(0.05, abs=1e-6)
+    assert found.contributions[0].slope == pytest.approx(0.5, abs=1e-4)
+    with pytest.raises(wr.InputError, match="has no thickness"):
+        wr.worst_case(assembly, [Tolerance(("slot",), 0.1, 0.1, outline="thickness")], Pull("sheet", (0, 0, 1)))
+
+
+def test_the_worst_of_all_corners_in_space() -> None:
+    joint = wr.read("examples/43_mortise_and_tenon/joint.json")
+    goal = Pull("rail", (0, 0, 1), (120, 0, 0))
+    some = [Tolerance(("post",), 0.01, 0.02), Tolerance(("rail",), 0.02, 0.01)]
+    found = wr.worst_case(joint, some, goal)
+    values = []
+    for signs in itertools.product((1, -1), repeat=2):
+        off = [(t, t.plus if sign > 0 else -t.minus) for t, sign in zip(some, signs, strict=True)]
+        values.append(wr.flex(wr.assemble(deviated(joint.drawing, off)), goal, search=0).objective)
+    assert found.loosest.objective == pytest.approx(max(values), rel=1e-6)
+    assert found.tightest is not None
+    assert found.tightest.objective == pytest.approx(min(values), rel=1e-6)
+    assert found.first_order == pytest.approx(max(values), rel=1e-2)
+
+
+def test_parts_in_space_that_do_not_fit_at_their_largest() -> None:
+    found = wr.worst_case(spatial(PLATE, PEG), [Tolerance(("peg",), 0.3, 0.0)], Pull("peg", (1, 0, 0)))
+    assert found.tightest is None
+    assert "peg" in found.misfit
+
+
+def test_tolerances_of_a_file_in_space_by_the_command(
+    command: Callable[..., int], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    tolerances = [
+        {"part": "plate", "outline": "thickness", "plus": 0.1, "minus": 0.1},
+        {"part": "peg", "plus": 0, "minus": 0.05},
+    ]
+    pull = [{"part": "peg", "direction": [1, 0, 0]}]
+    parts = [PLATE, PEG | {"lock": ["rx", "ry", "rz"], "offset": -0.1}]
+    file = {"format": "wiggleroom/2", "parts": parts, "pull": pull, "tolerances": tolerances}
+    (tmp_path / "a.json").write_text(json.dumps(file))
+    assert command("tolerances", tmp_path / "a.json", "--json", "-", "--picture", tmp_path / "a.html") == 0
+    said = json.loads(capfd.readouterr().out)
+    assert said["dimension"] == 3
+    assert said["objective"] == pytest.approx(0.3, abs=1e-6)  # its offset is that of all faces
+    assert said["worst"]["objective"] == pytest.approx(0.35, abs=1e-6)
+    assert [entry["outline"] for entry in said["contributions"]] == [None, "thickness"]
+    (tmp_path / "t.csv").write_text("part,outline,plus,minus\nplate,thickness,0.1,0.1\npeg,,0,0.05\n")
+    assert wr.read_tolerances(tmp_path / "t.csv") == wr.read(tmp_path / "a.json").drawing.tolerances

@@ -21,7 +21,7 @@ def placed(ring: np.ndarray, pose: np.ndarray) -> np.ndarray:
     return ring @ np.array([[c, s], [-s, c]]) + pose[:2]
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_leaving_far_edges_out_changes_no_distance_and_no_push(seed: int) -> None:
     random = np.random.default_rng(seed)
     rings = [star(random, int(random.integers(3, 60))) for _ in range(3)]

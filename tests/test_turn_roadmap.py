@@ -132,7 +132,7 @@ def worst_overlap(parts: list[dict], reference: np.ndarray, path: np.ndarray, mo
 FAMILIES = [bar_in_a_case, coin_in_a_money_box, key_below_a_lid, bar_that_turns_twice, coin_below_an_oblique_slot]
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_what_turns_and_slides_out_is_found(family, seed: int) -> None:
     parts, glue = family(np.random.default_rng(seed))

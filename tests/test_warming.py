@@ -79,23 +79,6 @@ def test_it_begins_when_all_is_answered_and_ends_when_something_is_asked(endless
     asyncio.run(live())
 
 
-def test_it_is_done_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(warming, "IDLE_SECONDS", 0.01)
-    note = tmp_path / "note"
-
-    async def live() -> None:
-        one = Warming(nothing, (sys.executable, "-c", f"open({str(note)!r}, 'a').write('x')"))
-        for _ in range(2):
-            with one.held():
-                pass
-            await until(lambda: one.done)
-            await asyncio.sleep(0.2)
-        await one.close()
-
-    asyncio.run(live())
-    assert note.read_text() == "x"
-
-
 def test_a_server_begins_after_its_first_answer_and_ends_it_when_it_closes(
     endless: tuple[Path, tuple[str, ...]],
 ) -> None:
@@ -112,23 +95,21 @@ def test_a_server_begins_after_its_first_answer_and_ends_it_when_it_closes(
     assert not runs(pid)
 
 
-def test_the_process_of_the_next_page_is_begun_when_all_is_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_done_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warming, "IDLE_SECONDS", 0.01)
-    begun: list[str] = []
-
-    async def prepare() -> None:
-        begun.append("process")
+    note = tmp_path / "note"
 
     async def live() -> None:
-        one = Warming(prepare, (sys.executable, "-c", ""))
-        one.done = True  # a wheel carries the kernels
-        with one.held():
-            await asyncio.sleep(0.3)
-            assert not begun, "it would take a core from the answer"
-        await until(lambda: bool(begun))
+        one = Warming(nothing, (sys.executable, "-c", f"open({str(note)!r}, 'a').write('x')"))
+        for _ in range(2):
+            with one.held():
+                pass
+            await until(lambda: one.done)
+            await asyncio.sleep(0.2)
         await one.close()
 
     asyncio.run(live())
+    assert note.read_text() == "x"
 
 
 def test_a_server_prepares_the_next_page_after_its_first_answer() -> None:

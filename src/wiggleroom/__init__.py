@@ -17,8 +17,7 @@ from wiggleroom.displayable import Displayable, Drawable
 if TYPE_CHECKING:
     from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.assembly import Assembly
-    from wiggleroom.assembly.build import assemble
-    from wiggleroom.bound.prove import prove
+    from wiggleroom.assembly.clearances import Clearances
     from wiggleroom.disassembly.interlock_result import Escape, Interlock
     from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.drawing.model import (
@@ -41,21 +40,17 @@ if TYPE_CHECKING:
     from wiggleroom.freespace.free_space import FreeSpace, free_space
     from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
     from wiggleroom.freespace.models.polyhedron import Polyhedron
-    from wiggleroom.gap_questions import allowable_gap, largest_gap, rank, sample, sweep, tighten
     from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
-    from wiggleroom.planning.plan import Plan, plan
+    from wiggleroom.planning.plan import Plan
     from wiggleroom.planning.plan_tolerance import (
         PlanRanking,
         PlanSample,
         SmallestGap,
-        rank_plan,
-        sample_plan,
-        smallest_gap,
     )
     from wiggleroom.planning.steps import Step
-    from wiggleroom.questions import check, flex, read
+    from wiggleroom.questions import assemble, check, flex, largest_gap, read
     from wiggleroom.report.films.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
@@ -65,7 +60,15 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.sample import Sample
     from wiggleroom.sensitivity.sweep import Sweep
     from wiggleroom.sensitivity.tighten import Tightening
-    from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
+    from wiggleroom.sensitivity.worst_case import WorstCase
+    from wiggleroom.studies.clearances import clearances
+    from wiggleroom.studies.gap import allowable_gap
+    from wiggleroom.studies.plan import plan, rank_plan, sample_plan, smallest_gap
+    from wiggleroom.studies.rank import rank
+    from wiggleroom.studies.sample import sample
+    from wiggleroom.studies.sweep import sweep
+    from wiggleroom.studies.tighten import tighten
+    from wiggleroom.studies.tolerances import worst_case
     from wiggleroom.verdict import Verdict
 
 _HOME = {
@@ -74,6 +77,7 @@ _HOME = {
     "Assembly": "assembly.assembly",
     "Blocking": "form_closure.blocking_graph",
     "Bound": "search.answer",
+    "Clearances": "assembly.clearances",
     "Closer": "drawing.model",
     "Contact": "search.answer",
     "Drawing": "drawing.model",
@@ -115,30 +119,31 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "WorstCase": "sensitivity.worst_case",
-    "allowable_gap": "gap_questions",
-    "assemble": "assembly.build",
+    "allowable_gap": "studies.gap",
+    "assemble": "questions",
     "blocking": "form_closure.blocking_graph",
     "check": "questions",
+    "clearances": "studies.clearances",
     "coupon": "assembly",
     "film": "report.films.film",
     "flex": "questions",
     "free_space": "freespace.free_space",
-    "largest_gap": "gap_questions",
+    "largest_gap": "questions",
     "patterns": "assembly",
-    "plan": "planning.plan",
+    "plan": "studies.plan",
     "prepare": "maximise",
-    "prove": "bound.prove",
-    "rank": "gap_questions",
+    "prove": "questions",
+    "rank": "studies.rank",
     "read": "questions",
-    "rank_plan": "planning.plan_tolerance",
-    "sample": "gap_questions",
-    "sample_plan": "planning.plan_tolerance",
-    "smallest_gap": "planning.plan_tolerance",
-    "sweep": "gap_questions",
-    "tighten": "gap_questions",
+    "rank_plan": "studies.plan",
+    "sample": "studies.sample",
+    "sample_plan": "studies.plan",
+    "smallest_gap": "studies.plan",
+    "sweep": "studies.sweep",
+    "tighten": "studies.tighten",
     "tight_verdict": "form_closure.mobility",
     "read_tolerances": "drawing.readers.tolerances",
-    "worst_case": "sensitivity.worst_case",
+    "worst_case": "studies.tolerances",
 }
 
 __all__ = [
@@ -147,6 +152,7 @@ __all__ = [
     "Assembly",
     "Blocking",
     "Bound",
+    "Clearances",
     "Closer",
     "Contact",
     "Drawing",
@@ -192,6 +198,7 @@ __all__ = [
     "assemble",
     "blocking",
     "check",
+    "clearances",
     "coupon",
     "film",
     "flex",
@@ -216,13 +223,13 @@ __all__ = [
 
 
 def _draw(found: Any, path: Any) -> None:
-    from wiggleroom.report.write_picture import write_picture  # slow to import, and not always needed
+    from wiggleroom.studies.showing import draw  # slow to import, and not always needed
 
-    write_picture(found, path)
+    draw(found, path)
 
 
 def _mime_bundle(found: Any) -> dict[str, str]:
-    from wiggleroom.report.notebook import mime_bundle  # slow to import, and needed in notebooks only
+    from wiggleroom.studies.showing import mime_bundle  # slow to import, and needed in notebooks only
 
     return mime_bundle(found)
 

@@ -103,7 +103,9 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
     for _ in range(MAX_REFINEMENTS if query.start is None else 0):
         if answer.verdict is Verdict.PROVEN:
             return _with_work(answer, climbs, query)
-        finer = prepare_simplified(ready.assembly, places, query.stop) if answer.verdict.ends and len(places) else None
+        if not answer.verdict.ends or not len(places):
+            break
+        finer = prepare_simplified(ready.assembly, places, query.stop, ready.clearance)
         if finer is None or query.stopped:
             break
         again = _climbed(finer, replace(query, start=None, began=time.perf_counter()), _near_end(finer, answer))
@@ -227,7 +229,7 @@ def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...])
         answer = with_quick_bound(_answer(climb, query), climb.stop)
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, ends[-1]))
-    if alone or (exact and search is None):
+    if alone:
         from wiggleroom.search.complete_search import complete_search
 
         found = complete_search(climb)

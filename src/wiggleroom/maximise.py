@@ -16,6 +16,7 @@ from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, approximate
+from wiggleroom.context import Context
 from wiggleroom.deadline import GracePeriod
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
@@ -79,7 +80,7 @@ def prepare(
     wanted = model_named(model)
     if isinstance(wanted, Walls):
         return PreparedModel(**vars(prepare_walls(assembly, stop=stop)))
-    return ApproximateModel(**vars(approximate(assembly, wanted, stop)))
+    return ApproximateModel(**vars(approximate(assembly, wanted, Context(stop=stop))))
 
 
 def flex(
@@ -225,5 +226,5 @@ def witness(
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         from wiggleroom.compare.flex_approximate import flex_approximate
 
-        return flex_approximate(ready, asked, solver, stop, tell, time.perf_counter() - began)
+        return flex_approximate(ready, asked, solver, time.perf_counter() - began, Context(stop=stop, progress=tell))
     return flex_walls(ready, MotionQuery(asked, solver, search, start, periods, stop, tell, began))

@@ -1,21 +1,22 @@
-"""Reading, the largest motion and what comes apart, in the plane and in space: each is handed to the functions of its dimension."""
+"""Reading, making, the largest motion and what comes apart, in the plane and in space: each is handed to the functions of its dimension."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
-from wiggleroom.drawing.model import Goal
+from wiggleroom.drawing.model import Drawing, Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock_result import Interlock
+    from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.search.answer import Answer
     from wiggleroom.search.prepare import Prepared
@@ -37,13 +38,13 @@ def read(
     hole: Sequence[str] = (),
     dpi: float | None = None,
     overlapping: bool = False,
-) -> Assembly | SpatialAssembly:
+) -> Assembly:
     """Assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
 
     Parameters
     ----------
     path : str or path
-        Assembly file (.json) or drawing (.svg, .dxf, .lbrn2).
+        Assembly file (.json), drawing (.svg, .dxf, .lbrn2) or voxel puzzle (.puz, .xmpuzzle).
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional
@@ -57,9 +58,9 @@ def read(
     only, skip, join, solid, hole, dpi
         Of drawings only: see `wiggleroom.assembly.build.read`.
     stop : optional
-        Anything with `is_set()`; files in space are read in one go.
+        Anything with `is_set()`.
     overlapping : bool
-        Accept parts of a drawing that overlap, for `allowable_gap` with `fits`.
+        Accept parts that overlap, for `clearances` and `allowable_gap` with `fits`; in space meshes are then not cut into pieces.
 
     Raises
     ------
@@ -74,38 +75,61 @@ def read(
         refuse_planar_options(
             "read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, hole=hole, dpi=dpi
         )
-        return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=goals)
+        return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=goals, overlapping=overlapping, stop=stop)
     from wiggleroom.assembly.build import read as read_planar
 
     return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)
 
 
-@overload
-def flex(
-    assembly: SpatialAssembly,
-    goals: Goal | Sequence[Goal] | None = None,
+def assemble(
+    drawing: Drawing,
     *,
-    solver: str = ...,
-    search: int | None = ...,
-    stop: Stop | None = ...,
-    progress: Callable[..., None] | None = ...,
-) -> Answer[SpatialAssembly]: ...
-@overload
+    gap: float | None = None,
+    fix: Sequence[str] = (),
+    goals: Sequence[Goal] = (),
+    offset: Mapping[str, float] | None = None,
+    overlapping: bool = False,
+) -> Assembly:
+    """Parts as they are made, with their roles.
+
+    Parameters
+    ----------
+    drawing : Drawing [mm]
+    gap : float, optional [mm]
+        In place of the drawing's.
+    fix : sequence of names
+        Parts that stand, besides those the drawing fixes.
+    goals : sequence of Pull, Turn and others
+        In place of the drawing's, where there are any.
+    offset
+        Of drawings only: see `wiggleroom.assembly.build.assemble`.
+    overlapping : bool
+        See `read`.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong, one line each; an `OverlapError` where that is only that parts overlap.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> drawing = wr.patterns.chain(2, joint="tee", gap=0.02).drawing
+    >>> wr.assemble(drawing, gap=0.01).gap
+    0.01
+    """
+    if drawing.dimension == 3:
+        from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+
+        refuse_planar_options("assemble", offset=offset)
+        return assemble_spatial(drawing, gap=gap, fix=fix, goals=goals, overlapping=overlapping)
+    from wiggleroom.assembly.build import assemble as assemble_planar
+
+    return assemble_planar(drawing, gap=gap, fix=fix, goals=goals, offset=offset, overlapping=overlapping)
+
+
 def flex(
     assembly: Assembly | Prepared,
-    goals: Goal | Sequence[Goal] | None = None,
-    *,
-    model: str | PairModel | None = ...,
-    solver: str = ...,
-    start: Answer | None = ...,
-    search: int | None = ...,
-    prove: float | None = ...,
-    seconds: float | None = ...,
-    stop: Stop | None = ...,
-    progress: Callable[..., None] | None = ...,
-) -> Answer: ...
-def flex(
-    assembly: Assembly | Prepared | SpatialAssembly,
     goals: Goal | Sequence[Goal] | None = None,
     *,
     model: str | PairModel | None = None,
@@ -116,18 +140,22 @@ def flex(
     seconds: float | None = None,
     stop: Stop | None = None,
     progress: Callable[..., None] | None = None,
-) -> Answer[Any]:
+) -> Answer:
     """How far the assembly can move: the largest motion that was found and checked, and how sure it is.
 
     Parameters
     ----------
-    assembly : Assembly, Prepared or SpatialAssembly
+    assembly : Assembly or Prepared
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for. In space `Pull("lid", (0, 0, 1))` and `Turn("lid", (0, 0, 1))`: a twist about a
         direction of the world.
     solver, search, stop, progress : optional
         As of `wiggleroom.maximise.flex`; in space `progress` is called with the number of iterations and the value.
-    model, start, prove, seconds : optional
+    prove : float, optional
+        Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
+    seconds : float, optional
+        For `prove`: time that the proof may take, instead of a fixed amount of work.
+    model, start : optional
         Of drawings only: see `wiggleroom.maximise.flex`.
 
     Returns
@@ -148,39 +176,89 @@ def flex(
     >>> round(answer.objective, 4)
     0.0261
     """
-    if isinstance(assembly, SpatialAssembly):
+    if isinstance(assembly, Assembly) and assembly.dimension == 3:
         from wiggleroom.spatial.spatial_flex import flex_spatial
 
-        refuse_planar_options("flex", model=model, start=start, prove=prove, seconds=seconds)
-        return flex_spatial(assembly, goals, solver=solver, search=search, bound=True, stop=stop, progress=progress)
+        refuse_planar_options("flex", model=model, start=start)
+        if prove is not None:
+            from wiggleroom.bound.prove import check_request
+
+            check_request(prove, seconds)
+        context = Context(stop=stop, progress=progress)
+        answer = flex_spatial(assembly, goals, solver=solver, search=search, bound=True, context=context)
+        if prove is None:
+            return answer
+        from wiggleroom.spatial.proof.spatial_prove import prove_spatial
+
+        return prove_spatial(answer, prove, seconds=seconds, context=Context(stop=stop))
     from wiggleroom.maximise import flex as flex_planar
 
     options = given(seconds=seconds) | {"stop": stop, "progress": progress}
     return flex_planar(assembly, goals, model=model, solver=solver, start=start, search=search, prove=prove, **options)
 
 
-@overload
-def check(
-    assembly: SpatialAssembly,
+def prove(
+    answer: Answer,
+    within: float = 0.01,
     *,
-    stop: Stop | None = ...,
-    progress: Callable[[Progress], None] | None = ...,
-    every: bool = ...,
-    seconds: float | None = ...,
-) -> Interlock[SpatialAssembly]: ...
-@overload
+    seconds: float | None = None,
+    work: float | None = None,
+    certify: bool = False,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Answer:
+    """Work out a value that no motion can exceed.
+
+    Parameters
+    ----------
+    answer : Answer
+        From `flex`, of pulls, turns or Ws; in space of one pull or turn, where one body moves among fixed ones.
+    within : float
+        Share of the answer's objective that the bound may lie above it, more than 0. Less takes longer.
+    seconds : float, optional
+        The best bound that was found in this time is given, also where it is further away. It then depends on the speed of the machine.
+    work : float, optional
+        The best bound that this much counted work finds is given, about milliseconds; 60,000 where `seconds` is left out, else no limit.
+    certify : bool
+        Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer. Its own `at_most` is
+        larger than that of the answer where the answer had a nearer bound already.
+    stop : optional
+        Anything with `is_set()`; ends it at once.
+    progress : callable, optional
+        Told a `Progress`: what is being done and for how long, and the bound so far; not in space.
+
+    Returns
+    -------
+    Answer
+        The same, with `at_most` and `bound`. Where nothing is proven `bound.why` says why, and `at_most` is None, or what it was before.
+
+    Raises
+    ------
+    InputError
+        If the goals are not linear in points and turns, the answer is of a model that only approximates contacts, or a number makes no
+        sense.
+    MissingExtraError
+        If highspy, the extra `prove`, is not installed.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> answer = wr.prove(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01)), within=0.01)
+    >>> answer.objective <= answer.at_most <= 1.01 * answer.objective
+    True
+    """
+    if answer.assembly.dimension == 3:
+        from wiggleroom.spatial.proof.spatial_prove import prove_spatial
+
+        context = Context(stop=stop)
+        return prove_spatial(answer, within, seconds=seconds, work=work, certify=certify, context=context)
+    from wiggleroom.bound.prove import prove as prove_planar
+
+    return prove_planar(answer, within, seconds=seconds, work=work, certify=certify, stop=stop, progress=progress)
+
+
 def check(
     assembly: Assembly,
-    *,
-    stop: Stop | None = ...,
-    progress: Callable[[Progress], None] | None = ...,
-    boxes: int | None = ...,
-    questions: int | None = ...,
-    every: bool = ...,
-    seconds: float | None = ...,
-) -> Interlock: ...
-def check(
-    assembly: Assembly | SpatialAssembly,
     *,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -188,12 +266,12 @@ def check(
     questions: int | None = None,
     every: bool = True,
     seconds: float | None = None,
-) -> Interlock[Any]:
+) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
 
     Parameters
     ----------
-    assembly : Assembly or SpatialAssembly
+    assembly : Assembly
     stop : optional
         Anything with `is_set()`.
     progress : optional
@@ -220,15 +298,63 @@ def check(
     >>> str(wr.check(wr.patterns.chain(3, joint="finger", gap=0.02)).verdict)
     'comes apart'
     """
-    if isinstance(assembly, SpatialAssembly):
+    if isinstance(assembly, Assembly) and assembly.dimension == 3:
         from wiggleroom.spatial.spatial_disassembly import check_spatial
 
         refuse_planar_options("check", boxes=boxes, questions=questions)
-        return check_spatial(assembly, stop=stop if seconds is None else Deadline(seconds, stop), every=every)
+        return check_spatial(
+            assembly, every=every, context=Context(stop=stop if seconds is None else Deadline(seconds, stop))
+        )
     from wiggleroom.disassembly.interlock import check as check_planar
 
     options = given(boxes=boxes, questions=questions)
-    return check_planar(assembly, stop=stop, progress=progress, every=every, seconds=seconds, **options)
+    return check_planar(
+        assembly, every=every, seconds=seconds, **options, context=Context(stop=stop, progress=progress)
+    )
+
+
+def largest_gap(
+    assembly: Assembly,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    seconds: float | None = None,
+) -> LargestGap:
+    """The gap of the whole assembly at which it comes apart, to 0.1 %.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Its own gap is where the search begins.
+    stop : optional
+        Anything with `is_set()`.
+    seconds : float, optional
+        Time that it may take; then both sides are those that are known so far.
+    progress : optional
+        Called as it goes on; not in space.
+
+    Returns
+    -------
+    LargestGap
+
+    Raises
+    ------
+    InputError
+        As for `check`.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> wr.largest_gap(wr.patterns.chain(2, joint="finger", gap=0.02)).holds is None
+    True
+    """
+    if assembly.dimension == 3:
+        from wiggleroom.spatial.spatial_study import spatial_largest_gap
+
+        return spatial_largest_gap(assembly, context=Context(stop=stop if seconds is None else Deadline(seconds, stop)))
+    from wiggleroom.disassembly.largest_gap import largest_gap as work_out
+
+    return work_out(assembly, seconds=seconds, context=Context(stop=stop, progress=progress))
 
 
 def refuse_planar_options(question: str, **given: Any) -> None:

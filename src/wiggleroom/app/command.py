@@ -6,7 +6,6 @@ import shlex
 
 from wiggleroom.app.design_cache import goals_of, joint_gaps
 from wiggleroom.app.open_requests import File, saved_name
-from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.strokes.chord_error import chord_error
 from wiggleroom.drawing.units import PER_INCH
 from wiggleroom.schema.requests import Design, GoalEntry
@@ -25,7 +24,7 @@ def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *
         False: it does not matter what is pulled.
     """
     said = options(file, design, pulled=pulled)
-    if said is None and design.extra and not isinstance(file.drawing, Drawing):
+    if said is None and design.extra and file.drawing.dimension == 3:
         return ""  # neither options nor files say extra gaps of single parts in space
     if said is None:
         return shlex.join(["wiggleroom", name, saved_name(file.name), *more])

@@ -51,8 +51,8 @@ class LruCache(Generic[T]):
             self._found.popitem(last=False)
 
 
-class DesignCache:
-    """Assemblies of one drawing.
+class DesignedDrawing:
+    """One drawing with the gap, the roles and the question of designs.
 
     Parameters
     ----------
@@ -62,24 +62,10 @@ class DesignCache:
     def __init__(self, drawing: Drawing) -> None:
         self._drawing = drawing
         self._names = {p.name: None for p in drawing.parts}
-        self._made: LruCache[Assembly] = LruCache(MAX_DESIGNS)
 
     def gap(self, design: Design) -> float:
         """The gap of a design [mm]."""
         return self._drawing.gap if design.gap is None else design.gap
-
-    def shape(self, design: Design) -> Hashable:
-        """What the outlines as made depend on."""
-        return (
-            self.gap(design),
-            tuple(sorted(design.extra.items())),
-            joint_gaps(design, ()),
-            tuple(map(tuple, design.glue)),
-        )
-
-    def body(self, design: Design) -> Hashable:
-        """What the free spaces of pairs depend on."""
-        return self.shape(design), tuple(sorted(design.fixed))
 
     def drawing(self, design: Design) -> Drawing:
         """The drawing with the roles of a design, as it was drawn.
@@ -98,6 +84,32 @@ class DesignCache:
         glue = tuple(map(tuple, design.glue))
         gaps = joint_gaps(design, self._drawing.gaps)
         return replace(self._drawing, parts=parts, gap=self.gap(design), glue=glue, gaps=gaps, goals=goals_of(design))
+
+
+class DesignCache(DesignedDrawing):
+    """Assemblies of one drawing in the plane.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    """
+
+    def __init__(self, drawing: Drawing) -> None:
+        super().__init__(drawing)
+        self._made: LruCache[Assembly] = LruCache(MAX_DESIGNS)
+
+    def shape(self, design: Design) -> Hashable:
+        """What the outlines as made depend on."""
+        return (
+            self.gap(design),
+            tuple(sorted(design.extra.items())),
+            joint_gaps(design, ()),
+            tuple(map(tuple, design.glue)),
+        )
+
+    def body(self, design: Design) -> Hashable:
+        """What the free spaces of pairs depend on."""
+        return self.shape(design), tuple(sorted(design.fixed))
 
     def assembly(self, design: Design) -> Assembly:
         """Parts as made for a design.

@@ -17,7 +17,7 @@ from wiggleroom.schema.replies import DragReply, FlexReply, ShapeReply, Solids
 from wiggleroom.schema.reply_base import Outline
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+    from wiggleroom.assembly.assembly import Assembly
 
 Floats = NDArray[np.float64]
 
@@ -29,22 +29,27 @@ class Outlines(NamedTuple):
     shapes: list[Outline] | Solids
 
 
-def frames_of(assembly: Assembly | SpatialAssembly, points: Floats) -> Floats:
+def frames_of(assembly: Assembly, points: Floats) -> Floats:
     """Frames along a path of motions (m, n, 3) or (m, n, 6)."""
-    if isinstance(assembly, Assembly):
+    if assembly.dimension == 2:
         return path_frames(assembly, points)
     from wiggleroom.report.page.spatial_messages import spatial_frames
 
     return spatial_frames(assembly, points)
 
 
-def still_frame(motion: Floats) -> Floats:
-    """The frame of one motion (n, 3) or (n, 6)."""
-    if motion.shape[1] == 3:
-        return motion[None]
+def as_frames(motions: Floats) -> Floats:
+    """Frames of motions (k, n, 3) or (k, n, 6)."""
+    if motions.shape[2] == 3:
+        return motions
     from wiggleroom.report.solids.spatial_path import with_quaternions
 
-    return with_quaternions(motion[None])
+    return with_quaternions(motions)
+
+
+def still_frame(motion: Floats) -> Floats:
+    """The frame of one motion (n, 3) or (n, 6)."""
+    return as_frames(motion[None])
 
 
 def motion_of(pose: Mapping[str, tuple[float, ...]], names: Sequence[str], in_space: bool) -> Floats:
@@ -76,9 +81,9 @@ def rotation_vectors(frame: Floats) -> Floats:
     return np.concatenate([frame[:3], axis * (angle / sine if sine > 0 else 2.0)])
 
 
-def shapes_of(assembly: Assembly | SpatialAssembly) -> list[Outline] | Solids:
+def shapes_of(assembly: Assembly) -> list[Outline] | Solids:
     """What the parts look like."""
-    if isinstance(assembly, Assembly):
+    if assembly.dimension == 2:
         return rings_message(assembly.parts)
     from wiggleroom.report.page.spatial_messages import solids_message
 

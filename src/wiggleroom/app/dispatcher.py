@@ -28,15 +28,14 @@ ANSWERS = {
     "sweep": "study_requests",
     "prove": "study_requests",
     "bound": "study_requests",
-    "tighten": "study_requests",
-    "sample": "study_requests",
+    "study": "study_requests",
     "space": "space_requests",
     "save": "save_requests",
     "assemble": "sheet_requests",
     "lay": "sheet_requests",
 }
 """Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
-OF_DRAWINGS = ("reach", "wiggle", "plan", "prove", "bound", "space", "assemble", "lay")
+OF_DRAWINGS = ("reach", "prove", "bound", "space", "assemble", "lay")
 """What is not answered in space."""
 
 
@@ -97,7 +96,7 @@ class Dispatcher:
             from wiggleroom.app import motion_requests  # slow to import; a drawing is open before
 
             return (motion_requests.settled if settle else motion_requests.flex)(self._document, request, out)
-        kind = kind_of(request)
+        kind = str(request.__struct_config__.tag)
         if self._document.in_space and kind in OF_DRAWINGS:
             message = f"{kind}: is for drawings; {self._document.file.name} is an assembly in space"
             raise InputError(message)

@@ -17,7 +17,7 @@ from wiggleroom.geometry.relative_pose import rotated
 from wiggleroom.schema.reply_base import Pose
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+    from wiggleroom.assembly.assembly import Assembly
 
 Floats = NDArray[np.float64]
 
@@ -33,11 +33,11 @@ class Display:
         self._outlines = Outlines("", [])
         self._shown: tuple[Assembly, Floats] | None = None
 
-    def move(self, assembly: Assembly | SpatialAssembly, motion: Floats) -> None:
+    def move(self, assembly: Assembly, motion: Floats) -> None:
         """Show the parts at a motion (n, 3); of parts in space nothing asks for it later."""
-        self._shown = (assembly, motion) if isinstance(assembly, Assembly) else None
+        self._shown = (assembly, motion) if assembly.dimension == 2 else None
 
-    def new_outlines(self, key: Hashable, assembly: Assembly | SpatialAssembly, shown: str) -> Outlines | None:
+    def new_outlines(self, key: Hashable, assembly: Assembly, shown: str) -> Outlines | None:
         """Outlines or solids that depend on `key`; None where the page shows them already: those named `shown`."""
         name = blake2s(repr(key).encode(), digest_size=NAME_BYTES).hexdigest()
         if name == shown:

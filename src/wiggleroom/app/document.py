@@ -13,7 +13,7 @@ from wiggleroom.app.design_cache import DesignCache, LruCache, joint_gaps
 from wiggleroom.app.open_requests import File, opened_reply
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.findings import question_findings
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.context import Context
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Finding, Opened
 from wiggleroom.schema.requests import Design
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from wiggleroom.live.live_session import Live
     from wiggleroom.planning.plan import Plan
     from wiggleroom.search.answer import Answer
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
     from wiggleroom.spatial.spatial_live import SpatialLive
 
 
@@ -47,10 +46,10 @@ class Document:
     def __init__(self, file: File) -> None:
         self.file = file
         self.designs = _cache_of(file)
-        self._answers: LruCache[Answer[Any]] = LruCache(4)
+        self._answers: LruCache[Answer] = LruCache(4)
         self._searched: LruCache[SearchState] = LruCache(4)
         self._calm: LruCache[tuple[Answer, Answer]] = LruCache(4)
-        self._checks: LruCache[Interlock[Any]] = LruCache(2)
+        self._checks: LruCache[Interlock] = LruCache(2)
         self._plans: LruCache[Plan] = LruCache(2)
 
     @cached_property
@@ -63,12 +62,11 @@ class Document:
     @property
     def in_space(self) -> bool:
         """True for an assembly in space."""
-        return not isinstance(self.file.drawing, Drawing)
+        return self.file.drawing.dimension == 3
 
     def opened(self, design: Design | None) -> Opened:
         """What the page is told when it is opened; with a design that one stands in place of what the file asks."""
         if isinstance(self.designs, DesignCache):
-            assert isinstance(self.file.drawing, Drawing)
             content = opened_reply(self.file, self.file.drawing if design is None else self.designs.drawing(design))
         else:
             from wiggleroom.app.spatial_designs import spatial_opened_reply
@@ -92,7 +90,6 @@ class Document:
     def _live(self) -> Live:
         from wiggleroom.live.live_session import Live
 
-        assert isinstance(self.file.drawing, Drawing)
         return Live(self.file.drawing)
 
     @cached_property
@@ -110,7 +107,7 @@ class Document:
         self._spatial_live.take(self.designs.assembly(design))
         return self._spatial_live
 
-    def assembly(self, design: Design) -> Assembly | SpatialAssembly:
+    def assembly(self, design: Design) -> Assembly:
         """Parts as made for a design."""
         return self.designs.assembly(design)
 
@@ -121,21 +118,13 @@ class Document:
 
     def asked(self, design: Design) -> tuple[Any, ...]:
         """What a design asks; raises InputError where a question about motion lacks something."""
-        if isinstance(self.designs, DesignCache):
-            drawing = self.designs.drawing(design)
-            wrong = list(question_findings(drawing))
-            if wrong:
-                raise InputError(wrong)
-            return drawing.goals
-        from wiggleroom.spatial.spatial_flex import lacking
-
-        goals = self.designs.drawing(design).goals
-        wrong = lacking(self.designs.assembly(design), goals)
+        drawing = self.designs.drawing(design)
+        wrong = question_findings(drawing)
         if wrong:
             raise InputError(wrong)
-        return goals
+        return drawing.goals
 
-    def kept(self, design: Design) -> Answer[Any] | None:
+    def kept(self, design: Design) -> Answer | None:
         """The full answer, where it is known."""
         return self._answers.peek(whole(design))
 
@@ -159,7 +148,7 @@ class Document:
 
         few = is_searched(answer.assembly)
         if few:
-            found = searched_answer(answer.assembly, answer.goals, out.stop)
+            found = searched_answer(answer.assembly, answer.goals, Context(stop=out.stop))
             out.check()
             answer = found if exceeds(found, answer) else replace(answer, search=found.search)
             self.know(design, answer)
@@ -191,7 +180,7 @@ class Document:
             self._calm.keep(whole(design), kept)
         return replace(kept[1], search_state=state)
 
-    def know(self, design: Design, answer: Answer[Any]) -> None:
+    def know(self, design: Design, answer: Answer) -> None:
         """Keep a fuller answer to a design."""
         self._answers.keep(whole(design), answer)
 
@@ -213,19 +202,19 @@ class Document:
 
     def largest_gap(self, design: Design, out: Reporter) -> LargestGap:
         """The largest gap that holds a design together."""
-        from wiggleroom.gap_questions import largest_gap
+        from wiggleroom.questions import largest_gap
 
         found = largest_gap(self.assembly(design), stop=out.stop)
         out.check()
         return found
 
     def planned(
-        self, design: Design, out: Reporter, targets: tuple[str, ...] = (), gravity: tuple[float, float] | None = None
+        self, design: Design, out: Reporter, targets: tuple[str, ...] = (), gravity: tuple[float, ...] | None = None
     ) -> Plan:
         """How a design is taken apart."""
-        from wiggleroom.planning.plan import plan
+        from wiggleroom.studies.plan import plan
 
-        found = plan(self.flat(design), targets, gravity=gravity, stop=out.stop, progress=out.progress)
+        found = plan(self.assembly(design), targets, gravity=gravity, stop=out.stop, progress=out.progress)
         out.check()
         self._plans.keep(self.designs.body(design), found)
         return found
@@ -236,7 +225,7 @@ class Document:
 
 
 def _cache_of(file: File) -> DesignCache | SpatialDesignCache:
-    if isinstance(file.drawing, Drawing):
+    if file.drawing.dimension == 2:
         return DesignCache(file.drawing)
     from wiggleroom.app.spatial_designs import SpatialDesignCache  # slow to import, and of no use to drawings
 

@@ -16,7 +16,7 @@ from wiggleroom.drawing.writers.plain_json import json_bytes
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Failed
 from wiggleroom.schema.reply_base import Reply
-from wiggleroom.schema.requests import AnyRequest, OpenRequest
+from wiggleroom.schema.requests import AnyRequest, OpenRequest, StudyRequest
 
 
 class Head(Struct):
@@ -62,8 +62,8 @@ def read_again(before: bytes, request: OpenRequest) -> bytes:
 
 
 def kind_of(request: AnyRequest) -> str:
-    """Kind of a request, as in its message."""
-    return str(request.__struct_config__.tag)
+    """Kind of a request: as in its message, of a study the question's name."""
+    return request.of if isinstance(request, StudyRequest) else str(request.__struct_config__.tag)
 
 
 def head(text: bytes | str) -> tuple[int, str]:

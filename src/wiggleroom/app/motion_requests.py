@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import (
+    as_frames,
     frames_of,
     motion_of,
     still_frame,
@@ -208,11 +209,10 @@ def _spot(place: tuple[float, ...], live: Live | SpatialLive) -> Any:
 def wiggle(document: Document, request: WiggleRequest, out: Reporter) -> None:
     """Show the freedoms that are left."""
     live = document.live(request.design)
-    assert isinstance(live, Live)  # see `Dispatcher`
     modes = live.wiggle(request.part, stop=out.stop)
     out.check()
     told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
-    out.reply(Modes(modes=told), [mode.frames for mode in modes])
+    out.reply(Modes(modes=told), [as_frames(mode.frames) for mode in modes])
 
 
 def reach(document: Document, request: ReachRequest, out: Reporter) -> None:

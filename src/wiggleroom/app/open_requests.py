@@ -9,30 +9,26 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 import numpy as np
 import shapely
 from msgspec.structs import replace
 
+from wiggleroom.app.made_drawing import made_file
 from wiggleroom.app.reporter import on_the_page
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place, rings_at
-from wiggleroom.drawing.dimension import is_spatial_file
+from wiggleroom.drawing.dimension import PUZZLES, is_spatial_file
 from wiggleroom.drawing.model import Drawing, Flattening, JointGap
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.drawing.readers.source import load
 from wiggleroom.drawing.strokes.read_options import ReadOptions
+from wiggleroom.drawing.writers.boxes_writer import write_boxes
 from wiggleroom.errors import InputError
 from wiggleroom.report.page.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
-from wiggleroom.schema.requests import GoalEntry, HowRead, OpenRequest
-
-if TYPE_CHECKING:
-    from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
-
-AnyDrawing = TypeVar("AnyDrawing", Drawing, "SpatialDrawing")
+from wiggleroom.schema.requests import GoalEntry, HowRead, Made, OpenRequest
 
 NEAR_SHARE = 0.01
 """Parts nearer to each other than this share of a usual part's side do not lie apart."""
@@ -50,7 +46,7 @@ class File:
         Without folders.
     path : str
         What commands call it.
-    drawing : Drawing or SpatialDrawing
+    drawing : Drawing
         As the file says it.
     unit : str or None
         In place of the file's.
@@ -68,11 +64,13 @@ class File:
         Gaps of single joints that stand in the file itself.
     ignored : tuple of str
         Options of commands that say pairs to ignore that are not in the file.
+    made : Made or None
+        How it was made here.
     """
 
     name: str
     path: str
-    drawing: Drawing | SpatialDrawing
+    drawing: Drawing
     unit: str | None = None
     flatten: float | None = None
     flattening: Flattening | None = None
@@ -81,6 +79,7 @@ class File:
     options: ReadOptions = dataclasses.field(default_factory=ReadOptions)
     joints: tuple[JointGap, ...] = ()
     ignored: tuple[str, ...] = ()
+    made: Made | None = None
 
 
 def opened(request: OpenRequest) -> File:
@@ -94,10 +93,16 @@ def opened(request: OpenRequest) -> File:
     if request.sample:
         name = plain_name(f"{request.name}.json")
         return opened(replace(request, name=name, path=saved_name(name), data=sample_file(request.name), sample=False))
+    if request.make is not None:
+        name = f"{request.make.pattern}.json"
+        as_file = replace(request, name=name, path=saved_name(name), data=made_file(request.make), make=None)
+        return dataclasses.replace(opened(as_file), made=request.make)
     name = plain_name(request.name)
     with temporary_file(name) as path:
-        if path.suffix.lower() in READERS:
+        if path.suffix.lower() in (*READERS, *PUZZLES):
             path.write_bytes(request.data)
+        if path.suffix.lower() in PUZZLES:
+            return _puzzle(path, request)
         if is_spatial_file(path):
             return _in_space(path, request)
         read = _read(path, request)
@@ -205,7 +210,19 @@ def _in_space(path: Path, request: OpenRequest) -> File:
     return File(path.name, request.path or path.name, drawing, text=text, joints=read.gaps, ignored=ignored)
 
 
-def _with_joints(drawing: AnyDrawing, request: OpenRequest) -> tuple[AnyDrawing, tuple[str, ...]]:
+def _puzzle(path: Path, request: OpenRequest) -> File:
+    """A voxel puzzle, as the boxes that the page works on."""
+    from wiggleroom.drawing.readers.voxel_puzzle import read_puzzle
+
+    drawing = read_puzzle(path)
+    boxes = replace(
+        request, name=f"{path.stem}.json", path=request.path or path.name, data=write_boxes(drawing).encode()
+    )
+    found = opened(boxes)
+    return dataclasses.replace(found, name=path.name, drawing=dataclasses.replace(found.drawing, notes=drawing.notes))
+
+
+def _with_joints(drawing: Drawing, request: OpenRequest) -> tuple[Drawing, tuple[str, ...]]:
     """The drawing with gaps of joints and pairs to ignore as the request says, and the options of commands that say these pairs.
 
     Raises
@@ -226,17 +243,18 @@ def _with_joints(drawing: AnyDrawing, request: OpenRequest) -> tuple[AnyDrawing,
     return dataclasses.replace(drawing, gaps=gaps, ignore=ignore), tuple(said)
 
 
-def _gaps_of(drawing: Drawing | SpatialDrawing) -> list[tuple[str, str, float]]:
+def _gaps_of(drawing: Drawing) -> list[tuple[str, str, float]]:
     """Gaps of single joints, as a request says them."""
     return [(*joint.parts, joint.gap) for joint in drawing.gaps]
 
 
-def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
+def first_open_in_space(path: Path, drawing: Drawing) -> bytes:
     """The request that opens an assembly in space of this machine, and the files that it names, with what a command made of it."""
     from wiggleroom.report.page.page_messages import design_message
 
-    data = path.read_bytes()
-    named = [part.get(key) for part in json.loads(data)["parts"] for key in ("mesh", "outline")]
+    data, named = path.read_bytes(), []
+    if path.suffix.lower() not in PUZZLES:
+        named = [part.get(key) for part in json.loads(data)["parts"] for key in ("mesh", "outline")]
     files = dict.fromkeys(name.partition("#")[0] for name in named if isinstance(name, str))
     return msgspec.json.encode(
         OpenRequest(
@@ -267,6 +285,8 @@ def opened_reply(file: File, drawing: Drawing) -> Opened:
     reply = drawing_message(drawing, drawing.parts, file.name)
     if not drawing.goals and len(drawing.parts) > 1:
         reply.pulled = suggested(drawing)
+    if file.made is not None:
+        reply.made = file.made
     reply.apart = lies_apart(drawing)
     reply.notes = [on_the_page(note.removeprefix(f"{file.name}: ")) for note in reply.notes]
     if PurePosixPath(file.name).suffix.lower() != ".json":

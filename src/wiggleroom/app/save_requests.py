@@ -15,7 +15,6 @@ from wiggleroom.app.open_requests import saved_name, temporary_file
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.kerf import compensated
 from wiggleroom.drawing import write_drawing, write_in_place
-from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.page.pages import page_of_answer
 from wiggleroom.report.results.json_results import flex_result, to_json
@@ -43,6 +42,7 @@ FILE_KINDS = {
     "assembly": ("-design.json", "application/json"),
     "cut-svg": ("-cut.svg", "image/svg+xml"),
     "cut-dxf": ("-cut.dxf", "image/vnd.dxf"),
+    "cut-lbrn2": ("-cut.lbrn2", "application/xml"),
 }
 """What is added to the drawing's name, and what the browser is told it is."""
 
@@ -71,7 +71,7 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
     if request.what == "assembly":
         write_drawing(document.flat(design).drawing, path)
         return
-    if request.what in ("cut-svg", "cut-dxf"):
+    if request.what.startswith("cut-"):
         _write_outlines(document, request, path)
         return
     said = command(request.of, document.file, design, pulled=request.of == "flex")
@@ -120,13 +120,15 @@ def _write_in_space(document: Document, request: SaveRequest, path: Path, out: R
     design = request.design
     if request.what == "assembly":
         file = document.file
-        assert not isinstance(file.drawing, Drawing)
         path.write_text(designed_file(file.text, file.drawing, design), encoding="utf-8")
         return
-    if request.what in ("stills", "cut-svg", "cut-dxf") or request.of == "plan":
+    if request.what.startswith("cut-") or (request.what == "stills" and request.of != "plan"):
         message = f"{request.what}: is of drawings; {document.file.name} is an assembly in space"
         raise InputError(message)
     said = command(request.of, document.file, design, pulled=request.of == "flex")
+    if request.of == "plan":
+        _write_plan(document.last_plan(design, out), request.what, path, said, out)
+        return
     result: Struct
     if request.of == "check":
         found = document.checked(design, out)

@@ -20,6 +20,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from wiggleroom.app.http_limits import LimitedHttp
+from wiggleroom.app.made_drawing import joint_families
 from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.process import MAX_PAGES, Pool
 from wiggleroom.app.refusal import REFUSAL, REFUSAL_POLICY
@@ -29,6 +30,7 @@ from wiggleroom.app.session import Session
 from wiggleroom.app.websocket_limits import LimitedWebSocket
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Hello, UploadLimits
+from wiggleroom.studies.forms import study_forms
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
@@ -239,7 +241,10 @@ def hello() -> Hello:
     from importlib.metadata import version
 
     can = [extra for extra, needs in EXTRAS.items() if all(find_spec(n) is not None for n in needs)]
-    return Hello(version=version("wiggleroom"), can=can, limits=UploadLimits(UPLOAD_MB), samples=list(sample_entries()))
+    return Hello(
+        version=version("wiggleroom"), can=can, limits=UploadLimits(UPLOAD_MB), samples=list(sample_entries()),
+        studies=study_forms(), joints=joint_families(),
+    )  # fmt: skip
 
 
 def listen_anywhere(port: int) -> socket.socket:

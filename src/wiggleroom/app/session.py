@@ -106,6 +106,7 @@ class Session:
         self._running: Job | None = None
         self._process: Process | None = None
         self._drawing: bytes | None = None
+        self._first = first
         self._loaded = self._own = False
         self._last_move = self._last_drag = 0.0
         self._news = asyncio.Event()
@@ -115,6 +116,7 @@ class Session:
 
     def changed(self, first: bytes) -> None:
         """Open the file of the command as it now is, unless the page has opened another one."""
+        self._first = first
         if self._own or self._drawing is None:
             self._enqueue(Job("open", 0, first, next(self._births), own=True))
 
@@ -128,13 +130,14 @@ class Session:
         if isinstance(request, CancelRequest):
             self._forget(request.of)
             return
-        if isinstance(request, OpenRequest) and request.again:
-            if self._drawing is None:
+        if isinstance(request, OpenRequest) and (request.again or request.served):
+            before = self._first if request.served else self._drawing
+            if before is None:
                 await self._tell(failed(request.id, "open", ["nothing is open: open a drawing first"]))
                 return
-            text = read_again(self._drawing, request)
+            text = read_again(before, request)
         kind = "settle" if isinstance(request, FlexRequest) and request.thorough else kind_of(request)
-        own = self._own and isinstance(request, OpenRequest) and request.again
+        own = isinstance(request, OpenRequest) and (request.served or (self._own and request.again))
         self._enqueue(Job(kind, request.id, text, next(self._births), own=own))
 
     async def refuse(self, line: str) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from wiggleroom.app.command import reading_options
 from wiggleroom.app.open_requests import saved_name, temporary_file
 from wiggleroom.app.reporter import Reporter, on_the_page
+from wiggleroom.context import Context
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
@@ -34,7 +35,7 @@ def assemble(document: Document, request: AssembleRequest, out: Reporter) -> Non
 def lay(document: Document, request: LayRequest, out: Reporter) -> None:
     """Where a loose panel could lie that touches another one."""
     found, _ = _assembled(document.file, request, out)
-    poses = laid_plates(found, request.panel, request.at, request.onto, request.there, stop=out.stop)
+    poses = laid_plates(found, request.panel, request.at, request.onto, request.there, context=Context(stop=out.stop))
     out.check()
     out.reply(
         LayReply(
@@ -47,10 +48,8 @@ def lay(document: Document, request: LayRequest, out: Reporter) -> None:
 def _assembled(file: File, request: SheetRequest, out: Reporter) -> tuple[AssembledSheet, Hints]:
     sheet = _sheet(file)
     hints = _hints(request.hints, request.thickness, request.burn)
-    found = assemble_sheet(
-        sheet, request.thickness, burn=request.burn, hints=hints, stop=out.stop,
-        progress=lambda count: out.counted(count, len(sheet.panels)),
-    )  # fmt: skip
+    context = Context(stop=out.stop, progress=lambda count: out.counted(count, len(sheet.panels)))
+    found = assemble_sheet(sheet, request.thickness, burn=request.burn, hints=hints, context=context)
     out.check()
     return found, hints
 

@@ -8,11 +8,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wiggleroom.app.design_cache import LruCache, goals_of, joint_gaps, named_parts
+from wiggleroom.app.design_cache import DesignedDrawing, LruCache, joint_gaps
 from wiggleroom.app.open_requests import File
-from wiggleroom.assembly.statements import unknown
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.statements import statement_findings
+from wiggleroom.disassembly.ground import drawn_sizes
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
@@ -20,30 +21,24 @@ from wiggleroom.report.page.page_messages import design_message
 from wiggleroom.report.page.spatial_messages import spatial_opened
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import Design, GoalEntry
-from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, spatial_goal_findings
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialDrawing
+from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, assembly_of
 
 MAX_SHAPES, MAX_ROLES = 6, 6
 """Number of designs whose solids are kept, and of assemblies of them with roles."""
 
 
-class SpatialDesignCache:
+class SpatialDesignCache(DesignedDrawing):
     """Assemblies of one drawing in space.
 
     Parameters
     ----------
-    drawing : SpatialDrawing
+    drawing : Drawing
     """
 
-    def __init__(self, drawing: SpatialDrawing) -> None:
-        self._drawing = drawing
-        self._names = {p.name: None for p in drawing.parts}
-        self._made: LruCache[SpatialAssembly] = LruCache(MAX_SHAPES)
-        self._assemblies: LruCache[SpatialAssembly] = LruCache(MAX_ROLES)
-
-    def gap(self, design: Design) -> float:
-        """The gap of a design [mm]."""
-        return self._drawing.gap if design.gap is None else design.gap
+    def __init__(self, drawing: Drawing) -> None:
+        super().__init__(drawing)
+        self._made: LruCache[Assembly] = LruCache(MAX_SHAPES)
+        self._assemblies: LruCache[Assembly] = LruCache(MAX_ROLES)
 
     def shape(self, design: Design) -> Hashable:
         """What the solids as shown depend on: glue keeps them together in an exploded view."""
@@ -53,7 +48,7 @@ class SpatialDesignCache:
         """What all but the question depends on."""
         return self.shape(design), tuple(sorted(design.fixed))
 
-    def drawing(self, design: Design) -> SpatialDrawing:
+    def drawing(self, design: Design) -> Drawing:
         """The drawing with the roles of a design.
 
         Raises
@@ -61,20 +56,13 @@ class SpatialDesignCache:
         InputError
             If the design names parts that are not there, or asks what makes no sense.
         """
-        named = named_parts(design) + [("glue", n) for group in design.glue for n in group]
-        wrong = [f"{what}: {unknown(name, self._names)}" for what, name in named if name not in self._names]
-        if wrong:
-            raise InputError(wrong)
-        fixed = set(design.fixed)
-        parts = tuple(replace(p, fixed=p.name in fixed) for p in self._drawing.parts)
-        used = replace(self._drawing, parts=parts, gap=self.gap(design), glue=tuple(map(tuple, design.glue)))
-        used = replace(used, gaps=joint_gaps(design, self._drawing.gaps), goals=goals_of(design))
-        wrong = spatial_goal_findings(used, used.goals)
+        used = super().drawing(design)
+        wrong = statement_findings(used)
         if wrong:
             raise InputError(wrong)
         return used
 
-    def assembly(self, design: Design) -> SpatialAssembly:
+    def assembly(self, design: Design) -> Assembly:
         """Parts as made for a design, without its question: the same object for the same bodies.
 
         Raises
@@ -85,7 +73,7 @@ class SpatialDesignCache:
         used = replace(self.drawing(design), goals=())
         inward = {name: extra / 2 for name, extra in design.extra.items()}
         made = self._made.get(self._made_by(design), lambda: assemble_spatial(used, inward=inward))
-        return self._assemblies.get(self.body(design), lambda: SpatialAssembly(used, made.made))
+        return self._assemblies.get(self.body(design), lambda: assembly_of(used, made.solids))
 
     def _made_by(self, design: Design) -> Hashable:
         """What the solids as made depend on."""
@@ -94,7 +82,6 @@ class SpatialDesignCache:
 
 def spatial_opened_reply(file: File, designs: SpatialDesignCache, design: Design | None) -> Opened:
     """Reply to `open`: solids as they are made, or as drawn where that cannot be, and what is asked, as a design."""
-    assert not isinstance(file.drawing, Drawing)
     asked = design or design_message(file.drawing)
     drawing = designs.drawing(asked)
     try:
@@ -107,12 +94,12 @@ def spatial_opened_reply(file: File, designs: SpatialDesignCache, design: Design
     return reply
 
 
-def suggested_pull(assembly: SpatialAssembly) -> GoalEntry:
+def suggested_pull(assembly: Assembly) -> GoalEntry:
     """A pull for an assembly that asks for none: the part farthest from what is fixed, away along an axis that no lock takes."""
     at = assembly.reference
     fixed = np.array([p.fixed for p in assembly.parts])
     if not fixed.any():
-        fixed[int(volumes(assembly).argmax())] = True
+        fixed[int(drawn_sizes(assembly).argmax())] = True
     away = at - at[fixed].mean(axis=0)
     k = int(np.where(fixed, -1.0, np.linalg.norm(away, axis=1)).argmax())
     locked = [axis in assembly.parts[k].lock for axis in "xyz"]
@@ -122,12 +109,7 @@ def suggested_pull(assembly: SpatialAssembly) -> GoalEntry:
     return GoalEntry(assembly.parts[k].name, direction=tuple(direction))
 
 
-def volumes(assembly: SpatialAssembly) -> NDArray[np.float64]:
-    """Volume of every part (parts,) [mm3]."""
-    return np.array([made.volume for made in assembly.made], dtype=np.float64)
-
-
-def designed_file(text: str, drawing: SpatialDrawing, design: Design) -> str:
+def designed_file(text: str, drawing: Drawing, design: Design) -> str:
     """The text of a file of format wiggleroom/2 with the gap, the roles and the question of a design, and the drawing's ignored pairs.
 
     Raises

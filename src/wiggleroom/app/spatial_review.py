@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from wiggleroom.app.review import GAP_SHARE, nothing_stands, round_up
-from wiggleroom.app.spatial_designs import SpatialDesignCache, suggested_pull, volumes
+from wiggleroom.app.spatial_designs import SpatialDesignCache, suggested_pull
+from wiggleroom.disassembly.ground import drawn_sizes
 from wiggleroom.errors import TouchingError
 from wiggleroom.report.results.answer_words import number, short
 from wiggleroom.schema.replies import Finding, Mend
@@ -25,7 +26,7 @@ def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Finding]
     assembly = designs.assembly(design)
     found = []
     if not any(p.fixed for p in assembly.parts):
-        found.append(nothing_stands(assembly.names, volumes(assembly), design))
+        found.append(nothing_stands(assembly.names, drawn_sizes(assembly), design))
     elif all(p.fixed for p in assembly.parts):
         name = design.fixed[-1]
         mends = [Mend(f"Let {short(name)} go", fixed=design.fixed[:-1])] if len(design.fixed) > 1 else []

@@ -1,17 +1,20 @@
-"""Rank, check, sweep and prove, for the page: the same functions as the commands', in the same words."""
+"""Rank, check, sweep, prove and declared questions, for the page: the same functions as the commands', in the same words."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
 
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import frames_of, still_frame
 from wiggleroom.app.motion_requests import searched, tell_answer
 from wiggleroom.app.reporter import Reporter
+from wiggleroom.errors import InputError
 from wiggleroom.report.page.study_messages import check_message, ranking_message, step_message
 from wiggleroom.report.results.answer_words import bound_sentence, proven
 from wiggleroom.report.results.separability import border_sentence
@@ -19,12 +22,12 @@ from wiggleroom.schema.requests import (
     BoundRequest,
     CheckRequest,
     LimitRequest,
+    OptionValue,
     PlanRequest,
     ProveRequest,
     RankRequest,
-    SampleRequest,
+    StudyRequest,
     SweepRequest,
-    TightenRequest,
 )
 from wiggleroom.schema.study_replies import BoundReply, LimitReply, ProveReply, SweepReply
 
@@ -38,7 +41,7 @@ BOUND_WORK = 20_000.0
 
 def rank(document: Document, request: RankRequest, out: Reporter) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
-    from wiggleroom.gap_questions import rank as work_out
+    from wiggleroom.studies.rank import rank as work_out
 
     found = work_out(searched(document, request.design, out), stop=out.stop, progress=out.counted)
     out.check()
@@ -70,8 +73,8 @@ def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
 
 def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:
     """Motion against gap, told gap by gap; what it finds at the design's own gap is the answer, where that is more."""
-    from wiggleroom.gap_questions import sweep as work_out
     from wiggleroom.sensitivity.perturbation import exceeds
+    from wiggleroom.studies.sweep import sweep as work_out
 
     def tell(step: SweepStep, motion: np.ndarray | None) -> None:
         out.check()
@@ -92,36 +95,43 @@ def _gaps(request: SweepRequest) -> tuple[str, ...]:
     return () if not request.gaps else ("--gaps", ",".join(f"{gap:.12g}" for gap in request.gaps))
 
 
-def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
-    """Which parts to make tighter."""
-    from wiggleroom.gap_questions import tighten as work_out
-    from wiggleroom.report.page.study_tabs import tightening_message
+def study(document: Document, request: StudyRequest, out: Reporter) -> None:
+    """A declared question, put and told as its declaration says."""
+    from wiggleroom.context import Context
+    from wiggleroom.report.page.finding_page import study_message
+    from wiggleroom.studies.registry import BY_NAME
 
-    found = work_out(
-        searched(document, request.design, out),
-        parts=request.parts, limit=request.limit, draws=0, workers=1, stop=out.stop, progress=out.counted,
-    )  # fmt: skip
+    kind = BY_NAME.get(request.of)
+    if kind is None or not kind.heading:
+        wrong = f"{request.of}: there is no such question"
+        raise InputError(wrong)
+    if document.in_space and not kind.spatial:
+        wrong = f"{request.of}: is for drawings; {document.file.name} is an assembly in space"
+        raise InputError(wrong)
+    try:
+        question = msgspec.convert(request.options, kind)
+    except msgspec.ValidationError as problem:
+        wrong = f"{request.of}: {problem}"
+        raise InputError(wrong) from None
+    question.check(3 if document.in_space else 2)
+    asked = question.asks_motion
+    about = searched(document, request.design, out) if asked else document.assembly(request.design)
+    found = question.ask(about, Context(stop=out.stop, progress=out.progress, counted=out.counted, workers=1))
     out.check()
-    more = _option("--parts", request.parts) + _option("--limit", request.limit) + ("--draws", "0")
-    out.reply(tightening_message(found, command("tighten", document.file, request.design, more)))
+    said = command(request.of, document.file, request.design, _options(request.options), pulled=asked)
+    out.reply(study_message(question.finding(found, said), request.of, said))
 
 
-def sample(document: Document, request: SampleRequest, out: Reporter) -> None:
-    """How far it moves where gaps vary at random."""
-    from wiggleroom.gap_questions import sample as work_out
-    from wiggleroom.report.page.study_tabs import sample_message
-
-    found = work_out(
-        searched(document, request.design, out), request.spread,
-        draws=request.draws, limit=request.limit, workers=1, stop=out.stop, progress=out.counted,
-    )  # fmt: skip
-    out.check()
-    more = _option("--spread", request.spread) + _option("--draws", request.draws) + _option("--limit", request.limit)
-    out.reply(sample_message(found, command("sample", document.file, request.design, more)))
-
-
-def _option(name: str, value: float | None) -> tuple[str, ...]:
-    return () if value is None else (name, f"{value:g}")
+def _options(options: Mapping[str, OptionValue]) -> tuple[str, ...]:
+    """Options as a command has them."""
+    found: list[str] = []
+    for name, value in options.items():
+        option = f"--{name.replace('_', '-')}"
+        if value is True:
+            found.append(option)
+        elif value is not None and value is not False:
+            found += [option, value if isinstance(value, str) else f"{value:.12g}"]
+    return tuple(found)
 
 
 def prove(document: Document, request: ProveRequest, out: Reporter) -> None:

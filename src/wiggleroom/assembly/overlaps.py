@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -21,6 +22,8 @@ CONVEX = 1e-6
 """A piece of overlap that fills its hull but for this share is convex."""
 BISECTIONS = 20
 """The largest disc in a piece is found to this power of a half."""
+MIDDLE_SHARE = 50
+"""Where it lies is found to its diameter by this."""
 
 
 def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
@@ -75,6 +78,47 @@ def overlap_areas(drawing: Drawing, parts: Sequence[Part]) -> list[shapely.Geome
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class OverlapPiece:
+    """A piece of the area that two parts share.
+
+    Parameters
+    ----------
+    depth : float [mm]
+        How wide it is, as `overlap_width` says.
+    middle : (2,) float64 [mm]
+        A point in it: of a convex piece the centroid, else where the largest disc lies.
+    across : (2,) float64 or None
+        Unit vector along which a convex piece is so wide, of either sign.
+    """
+
+    depth: float
+    middle: NDArray[np.float64]
+    across: NDArray[np.float64] | None
+
+
+def deepest_piece(common: shapely.Geometry, least: float) -> OverlapPiece | None:
+    """The widest piece of what two parts share; None where none is wider than this [mm].
+
+    Examples
+    --------
+    >>> piece = deepest_piece(shapely.box(0, 0, 3, 0.5), 0.0)
+    >>> piece.depth, piece.middle.tolist(), np.abs(piece.across).tolist()
+    (0.5, [1.5, 0.25], [0.0, 1.0])
+    """
+    best, width = None, least
+    for piece in shapely.get_parts(common):
+        if piece.area > 0 and (found := overlap_width(piece)) > width:
+            best, width = piece, found
+    if best is None:
+        return None
+    hull = shapely.convex_hull(best)
+    if best.area >= (1 - CONVEX) * hull.area:
+        return OverlapPiece(width, shapely.get_coordinates(best.centroid)[0], _across(hull)[1])
+    middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(best, width / MIDDLE_SHARE))[0]
+    return OverlapPiece(width, middle, None)
+
+
 def overlap_width(shape: shapely.Geometry) -> float:
     """Width [mm] of a piece of overlap: the least of its hull where it is convex, else the diameter of the largest disc in it.
 
@@ -91,11 +135,17 @@ def overlap_width(shape: shapely.Geometry) -> float:
     hull = shapely.convex_hull(shape)
     if hull.area <= 0:
         return 0.0
+    least = _across(hull)[0] * float(shape.area / hull.area)
+    return least if shape.area >= (1 - CONVEX) * hull.area else min(least, _largest_disc(shape))
+
+
+def _across(hull: shapely.Polygon) -> tuple[float, NDArray[np.float64]]:
+    """Least width of a convex polygon [mm], and the unit normal (2,) of the edge across which it is measured."""
     corners: NDArray[np.float64] = shapely.get_coordinates(hull)
     edges = np.diff(corners, axis=0)
     normals = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.hypot(*edges.T)[:, None]
-    least = float(np.ptp(corners @ normals.T, axis=0).min() * (shape.area / hull.area))
-    return least if shape.area >= (1 - CONVEX) * hull.area else min(least, _largest_disc(shape))
+    widths = np.ptp(corners @ normals.T, axis=0)
+    return float(widths.min()), normals[widths.argmin()]
 
 
 def _largest_disc(shape: shapely.Geometry) -> float:

@@ -1,4 +1,4 @@
-"""Assemblies of equal blocks, a jigsaw of different ones and pictures made of blocks, for examples, tests and comparisons.
+"""Assemblies of equal blocks, a jigsaw of different ones, pictures made of blocks and burrs, for examples, tests and comparisons.
 
 Blocks are squares of side `pitch` [mm] with a joint on each side; a block's reference point is its centre. Names count
 columns and rows from 1: "b3-1" is the third block of the bottom row. The first block is fixed, the last one is pulled
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly import joints
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.burr import burr as burr
 from wiggleroom.assembly.joints import Jigsaw
 from wiggleroom.drawing.model import Drawing, Goal, Part, Points, Pull, Region
 from wiggleroom.errors import InputError

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import TypeVar
 
@@ -19,7 +20,7 @@ AskedGoal = TypeVar("AskedGoal")
 
 SMALLEST_FACTOR, LARGEST_FACTOR = 1e-100, 1e100
 """Goals are not counted by factors beyond these."""
-_KINDS = {2: (Pull, Turn, W, Towards, Translation, Closer), 3: (Pull, Turn, Weight)}
+_KINDS = {2: (Pull, Turn, W, Towards, Translation, Closer), 3: (Pull, Turn, Weight, Translation, Closer)}
 """Goals of the plane and of space."""
 _COUNTS = {2: "in the plane it must be two numbers", 3: "in space it must be three numbers"}
 USUAL = f"it must be a finite number, between {SMALLEST_FACTOR:g} and {LARGEST_FACTOR:g} in size unless it is 0"
@@ -28,7 +29,7 @@ USUAL = f"it must be a finite number, between {SMALLEST_FACTOR:g} and {LARGEST_F
 def statement_findings(drawing: Drawing) -> list[str]:
     """Everything wrong with names, references, numbers and roles, whatever the outlines are."""
     fixed = {p.name: p.fixed for p in drawing.parts}
-    goals = goal_findings(drawing.goals, fixed, drawing.glue, 2)
+    goals = goal_findings(drawing.goals, fixed, drawing.glue, drawing.dimension)
     return [*_names(drawing), *_references(drawing), *_gap_numbers(drawing), *goals]
 
 
@@ -65,6 +66,21 @@ def goal_findings(
             if name in still
         ),
     ]
+
+
+def with_roles(drawing: Drawing, gap: float, fix: Sequence[str], goals: Sequence[Goal]) -> tuple[Drawing, list[str]]:
+    """The drawing with another gap [mm], with parts that stand besides its own, and with these goals where there are any.
+
+    Returns
+    -------
+    Drawing
+    list of str
+        One line for each name in `fix` that no part has.
+    """
+    names, stand = {p.name: None for p in drawing.parts}, set(fix)
+    wrong = [f"fix: {unknown(name, names)}" for name in fix if name not in names]
+    parts = tuple(replace(p, fixed=True) if p.name in stand else p for p in drawing.parts)
+    return replace(drawing, parts=parts, gap=gap, goals=tuple(goals) or drawing.goals), wrong
 
 
 def given_goals(goals: AskedGoal | Sequence[AskedGoal] | None, own: tuple[AskedGoal, ...]) -> tuple[AskedGoal, ...]:

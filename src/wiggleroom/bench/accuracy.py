@@ -14,13 +14,15 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.bench.collide import overlapping
-from wiggleroom.bench.pairs import GAP, PAIR, PAIRS
 from wiggleroom.bench.published import ACCURACY
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.compare.monte_carlo import depths, reached
+from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.free_space import FreeSpace, free_space
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
@@ -56,6 +58,16 @@ COLUMNS = (
     Column("from_deg", "from deg", 2),
     Column("to_deg", "to deg", 2),
 )
+
+GAP = 0.01
+"""Of all pairs [mm]; blocks have side 1."""
+PAIR = ("b1", "b2")
+"""Names of the two blocks."""
+
+CENTRE, INNER, OUTER, ARC = (0.0, -0.55), 0.44, 0.62, 40.0
+"""Arc: its centre from the middle of the side, its radii, and how far it goes [deg]."""
+CHORDS = 10
+"""Of the arc."""
 
 
 def accuracy(
@@ -228,3 +240,31 @@ def _farthest(walls: FreeSpace, box: tuple[Floats, Floats]) -> float:
     """Largest motion of the pivot in x or y [mm] within a box of relative motions."""
     corners = np.array(np.meshgrid(*zip(*box, strict=True))).reshape(3, -1).T
     return float(np.abs(corners[:, :2]).max() + np.hypot(*walls.pivot) * np.abs(corners[:, 2]).max())
+
+
+def arc() -> Assembly:
+    """Two blocks joined by a tongue that is part of a ring: one comes out by turning about a point beside the joint."""
+    centre = np.array(CENTRE)
+    angle = np.radians(np.linspace(0.0, ARC, CHORDS + 1))
+    direction = np.column_stack([-np.sin(angle), np.cos(angle)])
+    outer, inner = centre + OUTER * direction, centre + INNER * direction[::-1]
+    line = np.vstack([(0.0, 0.5), outer, inner, (0.0, -0.5)])  # down the side, material on the right
+    block = Region(np.vstack([np.add(line, (-0.5, 0.0)), np.add(line[::-1], (0.5, 0.0))]))
+    parts = tuple(Part(name, (block,), (float(k), 0.0, 0.0), fixed=k == 0) for k, name in enumerate(PAIR))
+    return assemble(Drawing(parts), gap=GAP)
+
+
+def wedge() -> Assembly:
+    """Two blocks that nothing keeps from leaving each other."""
+    return patterns.chain(2, "swallowtail", GAP, neck=0.4, end=0.2)
+
+
+PAIRS: dict[str, Callable[[], Assembly]] = {
+    "tee": lambda: patterns.chain(2, "tee", GAP),
+    "swallowtail": lambda: patterns.chain(2, "swallowtail", GAP),
+    "dovetail": lambda: patterns.chain(2, "dovetail", GAP),
+    "arc": arc,
+    "round": lambda: patterns.chain(2, "revolute", GAP),
+    "open wedge": wedge,
+}
+"""Registry: what makes each pair; its blocks are "b1", fixed, and "b2"."""

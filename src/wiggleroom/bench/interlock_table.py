@@ -15,6 +15,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
+from wiggleroom.context import Context
 from wiggleroom.disassembly.interlock import check
 from wiggleroom.disassembly.translation import translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
@@ -53,7 +54,7 @@ def by_pulls(*models: PairModel) -> Method:
 def by_check(assembly: Assembly, stop: Stop | None) -> str:
     """Method that asks `check`; the first parts that leave are enough."""
     return {"interlocked": LOCKED, "comes apart": APART, "unknown": "unknown"}[
-        check(assembly, stop=stop, every=False).verdict
+        check(assembly, every=False, context=Context(stop=stop)).verdict
     ]
 
 
@@ -137,7 +138,7 @@ def _gets_out(ready: PreparedModel | ApproximateModel, answer: Answer) -> bool:
     them = ready.bodies
     motion = of_bodies(answer.assembly, them, answer.motion[None])[0]
     ground = int(np.flatnonzero(them.fixed)[0])
-    return translation_escape(them, motion, ground, ready.ignored, ready.size, np.arange(len(motion))) is not None
+    return translation_escape(ready, motion, ground, np.arange(len(motion))) is not None
 
 
 def _goals(assembly: Assembly) -> Iterator[Goal]:

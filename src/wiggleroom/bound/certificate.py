@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,15 @@ ABOVE = 1e-12
 """A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
 
 
+@dataclass(frozen=True, eq=False)
+class ProvenBound:
+    """A bound, by what it was proven: motions worth no more than `cut` are left out, windows and a tree of cases see to the others."""
+
+    cut: float
+    windows: list[WindowProof]
+    tree: ProofNode
+
+
 def certificate(
     surveyed: Survey,
     assembly: Assembly,
@@ -34,21 +44,19 @@ def certificate(
     regions: list[CagingSurface],
     goal: PointMotion,
     ranges: AngleRanges,
-    cut: float,
-    windows: list[WindowProof],
-    proof: ProofNode,
+    proven: ProvenBound,
 ) -> dict[str, Any]:
     """What `wiggleroom verify` reads; lengths in mm, angles in radians."""
     them = surveyed.bodies
     used = sorted({*them.body_of.tolist()})
     held = np.isfinite(ranges.far)
-    bound = max(cut, proof.bound())
+    bound = max(proven.cut, proven.tree.bound())
     out: dict[str, Any] = {
         "format": FORMAT,
         "gap": float(assembly.gap),
         "turns": bool((goal.direction == 0).all()),
         "at_most": float(bound + ABOVE * max(abs(bound), surveyed.clearance)),
-        "worth": float(cut),
+        "worth": float(proven.cut),
         "bodies": [
             {
                 "parts": [assembly.names[p] for p in them.members[b]],
@@ -70,8 +78,8 @@ def certificate(
             [int(a), int(b), int(k), *(them.rest[a, :2] + arm).tolist(), float(axes)]
             for a, b, k, arm, axes in zip(joints.a, joints.b, joints.kind, joints.arm_a, joints.axes, strict=True)
         ],
-        "windows": [_window(w) for w in windows],
-        "proof": proof.record(),
+        "windows": [_window(w) for w in proven.windows],
+        "proof": proven.tree.record(),
     }
     return out | {"sha256": fingerprint(out)}
 

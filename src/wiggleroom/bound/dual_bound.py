@@ -263,7 +263,7 @@ def _cross(p: Floats, q: Floats) -> Floats:
 
 def _work_of_search(rounds: int, iterations: int, rows: int, pairs: int) -> float:
     """Rather less than the search took: cells of pairs with many rows are grown slowly, in every round."""
-    return 14 + iterations * (0.8 + 3.5e-4 * rows) + 1.3e-4 * rounds * rows * rows / max(pairs, 1)
+    return 14 + iterations * (0.8 + 1.5e-4 * rows) + 5e-5 * rounds * rows * rows / max(pairs, 1)
 
 
 def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:

@@ -56,7 +56,8 @@ def tightened(
         min((region.material.clearance for region in regions), default=1.0),
     )
     cuts = RegionCuts([*regions])
-    many = bool(np.isinf(work)) and int(np.count_nonzero(held)) > MANY_BODIES
+    large = int(np.count_nonzero(held)) > MANY_BODIES
+    many = large and bool(np.isinf(work))
     if many:
         cuts.unlike = COARSE_NORMALS
         for known, _ in bounded_windows(linkage, cuts, budget):
@@ -73,10 +74,12 @@ def tightened(
             program = RelaxationInRanges(linkage, cuts, ranges)
         except InfeasibleRanges:
             return cutoff.worth
-        value, multipliers, *_ = program.largest(weights, budget, interior=many)
+        work -= first + 2 * len(asked) * again
+        last = large and work < first  # nothing goes on from its basis
+        value, multipliers, *_ = program.largest(weights, budget, interior=many or last)
         most = max(value, cutoff.worth if np.isfinite(best) else -np.inf)
         gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
-        best, work = min(best, most), work - first - 2 * len(asked) * again
+        best = min(best, most)
         if best <= (1 + near) * found or gain < MIN_GAIN or work < first:
             break
         new = (

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bound.branch_and_bound import MANY_BODIES, BranchAndBound
-from wiggleroom.bound.certificate import certificate
+from wiggleroom.bound.certificate import ProvenBound, certificate
 from wiggleroom.bound.confined_pairs import confined_pairs
 from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, narrowed
 from wiggleroom.bound.outer_regions import outer_regions
@@ -49,45 +49,7 @@ def prove(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """Work out a value that no motion can exceed.
-
-    Parameters
-    ----------
-    answer : Answer
-        From `flex`, of pulls, turns or Ws.
-    within : float
-        Share of the answer's objective that the bound may lie above it, more than 0. Less takes longer.
-    seconds : float, optional
-        The best bound that was found in this time is given, also where it is further away. It then depends on the speed of the machine.
-    work : float, optional
-        The best bound that this much counted work finds is given, about milliseconds; 60,000 where `seconds` is left out, else no limit.
-    certify : bool
-        Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer. Its own `at_most` is
-        larger than that of the answer where the answer had a nearer bound already.
-    stop : optional
-        Anything with `is_set()`; ends it at once.
-    progress : callable, optional
-        Told a `Progress`: what is being done and for how long, and the bound so far.
-
-    Returns
-    -------
-    Answer
-        The same, with `at_most` and `bound`. Where nothing is proven `bound.why` says why, and `at_most` is None, or what it was before.
-
-    Raises
-    ------
-    InputError
-        If the goals are not linear in points and turns, the answer is of a model that only approximates contacts, or a number makes no
-        sense.
-    MissingExtraError
-        If highspy, the extra `prove`, is not installed.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> answer = wr.prove(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01)), within=0.01)
-    >>> answer.objective <= answer.at_most <= 1.01 * answer.objective
-    True
+    """A value that no motion in the plane can exceed; see `wiggleroom.prove`.
 
     Source: outer regions after Varava et al., "Free Space of Rigid Objects" (2020); tightening of bounds as in global optimisation.
     """
@@ -96,14 +58,13 @@ def prove(
         finding = f"a bound is proven for the model walls only; this answer is of {answer.model}"
         raise InputError(finding)
     clock = Deadline(seconds, stop)
-    most_work = WORK if work is None and seconds is None else math.inf if work is None else work
-    budget = WorkBudget(most_work, clock)
+    budget = proof_budget(work, clock)
     surveyed = survey(answer.assembly)
     goal = objective(answer.assembly, surveyed.bodies, answer.goals)
     if not isinstance(goal, PointMotion):
         raise InputError("a bound is proven for pulls, turns and w only, not for sums of squares")
     if answer.objective is None:
-        return _not_proven(answer, clock, "nothing stops the motion")
+        return not_proven(answer, clock, "nothing stops the motion")
     witness = answer.objective
     aim = within * max(abs(witness), 1e-3 * surveyed.clearance)
 
@@ -118,7 +79,7 @@ def prove(
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     held = surveyed.bodies.fixed | np.isfinite(ranges.far)
     if not held[asked].all():
-        return _not_proven(
+        return not_proven(
             answer, clock, _why_open(answer.assembly, surveyed, joints, asked[~held[asked]], budget, certify)
         )
     proof = ProofNode() if certify else None
@@ -139,14 +100,12 @@ def prove(
     ranges = narrowed(bounding.first(), ranges.low, ranges.high)
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
-        return _not_proven(answer, clock, "no bound was found in the time or work given")
-    if most < witness and answer.path == PathState.CHECKED:
-        wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
-        raise WiggleroomError(wrong)
+        return not_proven(answer, clock, "no bound was found in the time or work given")
+    check_bound(most, answer)
     if answer.at_most is not None and answer.at_most < most and not certify:
         if answer.at_most <= witness + aim:
             return answer  # the quick bound is as near as was asked for
-        return _not_proven(answer, clock, "nothing nearer was found in the time or work given")
+        return not_proven(answer, clock, "nothing nearer was found in the time or work given")
     paper = None
     if proof is not None:
         paper = certificate(
@@ -156,9 +115,7 @@ def prove(
             [r for r in regions if isinstance(r, CagingSurface)],
             goal,
             ranges,
-            bounding.cut,
-            bounding.windows,
-            proof,
+            ProvenBound(bounding.cut, bounding.windows, proof),
         )
     if answer.at_most is not None:
         most = min(most, answer.at_most)  # what was known before may be nearer than what has a certificate
@@ -183,7 +140,20 @@ def _why_open(
     return f"{part} is joined to others, but no chain of joints that close leads from it to what is fixed{missing}"
 
 
-def _not_proven(answer: Answer, clock: Deadline, why: str) -> Answer:
+def proof_budget(work: float | None, clock: Deadline) -> WorkBudget:
+    """What a proof may spend: some work, by default a minute's, or where only time is limited as much as it takes."""
+    most = WORK if clock.seconds is None else math.inf
+    return WorkBudget(most if work is None else work, clock)
+
+
+def check_bound(most: float, answer: Answer) -> None:
+    """Refuse a bound below the motion found, which would be a mistake of ours."""
+    if answer.objective is not None and most < answer.objective and answer.path == PathState.CHECKED:
+        wrong = f"the bound {most} lies below the motion found, {answer.objective}: a mistake in wiggleroom; please report it"
+        raise WiggleroomError(wrong)
+
+
+def not_proven(answer: Answer, clock: Deadline, why: str) -> Answer:
     """The answer and why nothing is proven, or nothing nearer than what it had."""
     had = answer.bound or Bound(None, None, 0.0)
     return replace(answer, bound=replace(had, seconds=clock.spent, why=why, certificate=None))

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from typing import Literal
 
 from cyclopts import App
 
 from wiggleroom.cli.assemble_command import assemble
 from wiggleroom.cli.bench_command import bench
-from wiggleroom.cli.check_command import check
-from wiggleroom.cli.completion import completion_of
 from wiggleroom.cli.convert_command import convert
 from wiggleroom.cli.coupon_command import coupon
 from wiggleroom.cli.draw_command import draw, parts
-from wiggleroom.cli.flex_command import flex
-from wiggleroom.cli.gap_command import gap
+from wiggleroom.cli.make_burr_command import burr
 from wiggleroom.cli.make_command import make
 from wiggleroom.cli.make_image_command import image
-from wiggleroom.cli.plan_command import plan
-from wiggleroom.cli.rank_command import rank
-from wiggleroom.cli.sample_command import sample
 from wiggleroom.cli.serve_command import serve
 from wiggleroom.cli.space_command import space
-from wiggleroom.cli.sweep_command import sweep
-from wiggleroom.cli.tighten_command import tighten
-from wiggleroom.cli.tolerances_command import tolerances
+from wiggleroom.cli.study_command import study_command
 from wiggleroom.cli.verify_command import verify
+from wiggleroom.studies.registry import QUESTIONS
 
 _HELP = """How far loose interlocking parts can move, whether they come apart, and whose gap is to blame.
 
@@ -56,8 +51,9 @@ def build() -> App:
     maker = App(name="make", help_format="markdown")
     maker.default(make)
     maker.command(image)
+    maker.command(burr)
     commands: list[Callable[..., int] | App] = [
-        flex, check, plan, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, parts, convert, assemble, maker, coupon,
+        *map(study_command, QUESTIONS), space, serve, draw, parts, convert, assemble, maker, coupon,
         verify, bench, completion_of(app),
     ]  # fmt: skip
     for place, command in enumerate(commands):
@@ -73,3 +69,26 @@ def _version() -> str:
     from importlib.metadata import version
 
     return version("wiggleroom")
+
+
+def completion_of(app: App) -> Callable[..., int]:
+    """The command that makes the Tab key know the commands of a program."""
+
+    def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
+        """Print what makes the Tab key complete commands, options and files in your shell.
+
+        Example: wiggleroom completion bash > ~/.local/share/bash-completion/completions/wiggleroom
+
+        Example: wiggleroom completion zsh > "${fpath[1]}/_wiggleroom"
+
+        Example: wiggleroom completion fish > ~/.config/fish/completions/wiggleroom.fish
+
+        Parameters
+        ----------
+        shell
+            bash, zsh or fish.
+        """
+        sys.stdout.write(app.generate_completion(shell=shell))
+        return 0
+
+    return completion

@@ -6,13 +6,9 @@ import math
 import re
 from collections.abc import Callable, Iterable, Sequence
 
-from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn, Vector, Weight
-from wiggleroom.errors import InputError
+from wiggleroom.drawing.directions import HOW, coordinates, vector
+from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn, Weight
 
-_HOW = {
-    2: "+x, -x, +y or -y, or a direction of two numbers as {}0.6,0.8",
-    3: "+x, -x, +y, -y, +z or -z, or a direction of three numbers as {}0,0.6,0.8",
-}
 _WHERE = {2: "+y@12,1", 3: "+z@12,1,3"}
 
 
@@ -35,7 +31,7 @@ def goals(
         along, at, place = value.partition("@")  # the part may be a point itself: @12,30:+y
         direction, point = vector(along, dimension), coordinates(place, dimension)
         if not name or direction is None:
-            wrong.append(f"--pull {text}: write NAME:{_HOW[dimension].format('NAME:')}")
+            wrong.append(f"--pull {text}: write NAME:{HOW[dimension].format('NAME:')}")
         elif at and point is None:
             wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:{_WHERE[dimension]}")
         else:
@@ -44,31 +40,17 @@ def goals(
         name, _, value = text.rpartition(":")
         sense = vector(value, 3) if dimension == 3 else value if value in ("ccw", "cw") else None
         if not name or sense is None:
-            how = "ccw or NAME:cw" if dimension == 2 else _HOW[3].format("NAME:")
+            how = "ccw or NAME:cw" if dimension == 2 else HOW[3].format("NAME:")
             wrong.append(f"--turn {text}: write NAME:{how}")
         else:
             found.append(Turn(name, sense))
     if weight is not None:
         down = vector(weight, dimension)
         if down is None:
-            wrong.append(f"--weight {weight}: write {_HOW[dimension].format('')}")
+            wrong.append(f"--weight {weight}: write {HOW[dimension].format('')}")
         else:
             found.append(Weight(down))
     return found, wrong
-
-
-def parsed_direction(option: str, text: str) -> tuple[float, float]:
-    """A direction such as "-y" or "0.6,-0.8"; raises InputError.
-
-    >>> parsed_direction("--gravity", "-y")
-    (0.0, -1.0)
-    """
-    found = vector(text, 2)
-    if found is None:
-        finding = f"{option} {text}: write {_HOW[2].format('')}"
-        raise InputError(finding)
-    x, y = found
-    return x, y
 
 
 def split_words(texts: Iterable[str]) -> list[str]:
@@ -139,28 +121,3 @@ def names(texts: Iterable[str], known: set[str]) -> list[str]:
             found.append(",".join(pieces[:longest]))
             pieces = pieces[longest:]
     return [name for name in found if name]
-
-
-def vector(text: str, dimension: int) -> Vector | None:
-    """A direction such as "-y" or "0.6,-0.8"; None for what is no direction.
-
-    >>> vector("-y", 2), vector("0,0.6,0.8", 3), vector("0,0", 2), vector("+z", 2)
-    ((0.0, -1.0), (0.0, 0.6, 0.8), None, None)
-    """
-    axis = "xyz"[:dimension].find(text[1:]) if len(text) == 2 and text[0] in "+-" else -1
-    if axis >= 0:
-        return tuple(float(f"{text[0]}1") if k == axis else 0.0 for k in range(dimension))
-    found = coordinates(text, dimension)
-    return found if found and 0 < math.hypot(*found) < math.inf else None
-
-
-def coordinates(text: str, dimension: int) -> Vector | None:
-    """Finite numbers such as "12,-1.5"; None for anything else.
-
-    >>> coordinates("1, 2.5", 2), coordinates("1,2", 3), coordinates("1,1e999", 2)
-    ((1.0, 2.5), None, None)
-    """
-    number = r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*"
-    match = re.fullmatch(",".join([number] * dimension), text)
-    found = tuple(map(float, match.groups())) if match else None
-    return found if found and all(map(math.isfinite, found)) else None

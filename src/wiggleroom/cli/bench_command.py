@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import platform
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from wiggleroom.bench.result import Record
 from wiggleroom.cli.outputs import Force, check_outputs, command_line, write_picture, write_result
 from wiggleroom.report.pictures.file_endings import STILLS
 
@@ -97,8 +101,6 @@ def bench(
     from wiggleroom.bench.render import bench_record, bench_table
 
     if json is not None:
-        from wiggleroom.bench.machine import machine
-
         write_result(bench_record(found, command, machine()), json)
     if json != "-":
         from wiggleroom.cli.say import show as print_page
@@ -171,3 +173,14 @@ def _write_page(markdown: Path, page: str, found: list[Bench]) -> None:
         page = with_section(page, one.name, bench_markdown(one))
     write_whole(markdown, page)
     note(f"tables: {markdown}")
+
+
+def machine() -> Record:
+    """Processor kind, cores, system, Python and wiggleroom."""
+    return {
+        "processor": platform.machine(),
+        "cores": os.cpu_count(),
+        "system": platform.system(),
+        "python": platform.python_version(),
+        "wiggleroom": version("wiggleroom"),
+    }

@@ -41,11 +41,12 @@ def in_the_plane() -> None:
     from wiggleroom.disassembly.interlock import check
     from wiggleroom.freespace.free_space import free_space
     from wiggleroom.maximise import flex
+    from wiggleroom.sensitivity.planar_study import study_of
     from wiggleroom.sensitivity.rank import rank
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)
-    rank(flex(patterns.jigsaw(2, 2, gap=0.02)))
+    rank(study_of(flex(patterns.jigsaw(2, 2, gap=0.02)), None))
     flex(patterns.grid(19, 19), search=0)
     free_space(patterns.chain(2), "b1", "b2")
     check(patterns.chain(2, joint="swallowtail", gap=0.02))

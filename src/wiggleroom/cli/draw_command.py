@@ -28,7 +28,7 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of parts in the plane or in space.
+        A drawing (.svg, .dxf, .lbrn2), an assembly file (.json), also one in space, or a voxel puzzle (.puz, .xmpuzzle).
     out
         The picture: .svg or .png; in space also .glb.
     force
@@ -41,13 +41,13 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     from wiggleroom.report.pictures.read_picture import picture_of_reading
 
     if is_spatial_file(file):
-        from wiggleroom.report.solids.spatial_listing import draw_spatial_parts, spatial_parts_table
+        from wiggleroom.report.solids.spatial_listing import draw_spatial_parts, drawn_parts, spatial_parts_table
 
         check_outputs(file, {"OUT": (out, (*STILLS, ".glb"))}, force)
         assembly = read_in_space(file, asked)
         draw_spatial_parts(assembly, out)
         note(f"picture: {out}")
-        show(spatial_parts_table(assembly))
+        show(spatial_parts_table(drawn_parts(assembly.drawing)))
         return 0
     check_outputs(file, {"OUT": (out, STILLS)}, force)
     command = command_line()
@@ -60,34 +60,46 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
 
 
 def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = None, force: Force = False) -> int:
-    """List the parts of a file: name, size, place, holes and layer.
+    """List the parts of a file: name, size, place, holes and layer; of a mesh file the bodies, with volumes.
 
     Example: wiggleroom parts puzzle.svg
 
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
+        A drawing (.svg, .dxf, .lbrn2), an assembly file (.json) of the plane or of space, or a mesh (.stl, .obj, .ply, .glb,
+        .3mf, .step).
     json
         Write the list as JSON to this file; - is stdout, which then holds nothing else.
     force
         Write over a file that was not made by this program, or was changed since.
     """
     from wiggleroom.assembly.inventory import size_lines, size_of
-    from wiggleroom.cli.in_space import read_in_space
+    from wiggleroom.cli.in_space import draw_in_space
     from wiggleroom.cli.say import note, show
-    from wiggleroom.drawing.dimension import is_spatial_file
+    from wiggleroom.drawing.dimension import is_mesh_file, is_spatial_file
     from wiggleroom.report.results.listing import parts_result
 
     check_outputs(file, {"--json": (json, ())}, force)
-    if is_spatial_file(file):
-        from wiggleroom.report.solids.spatial_listing import spatial_parts_result, spatial_parts_table
+    if is_mesh_file(file) or is_spatial_file(file):
+        from wiggleroom.report.solids.spatial_listing import (
+            drawn_bodies,
+            drawn_parts,
+            spatial_parts_result,
+            spatial_parts_table,
+        )
 
-        assembly = read_in_space(file, asked)
+        if is_mesh_file(file):
+            entries, notes = drawn_bodies(Path(file), asked.unit)
+            for line in notes:
+                note(line)
+        else:
+            drawing = draw_in_space(file, asked)
+            entries, notes = drawn_parts(drawing), list(drawing.notes)
         if json is not None:
-            write_result(spatial_parts_result(assembly, command_line()), json)
+            write_result(spatial_parts_result(entries, notes, command_line()), json)
         if json != "-":
-            show(spatial_parts_table(assembly))
+            show(spatial_parts_table(entries))
         return 0
     seen = inspect_file(file, asked)
     for line in (*size_lines(seen.assembly.drawing), *seen.assembly.drawing.notes, *seen.findings):

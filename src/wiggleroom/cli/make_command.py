@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
 from wiggleroom.cli.outputs import Force, check_outputs
+
+if TYPE_CHECKING:
+    from wiggleroom.drawing.model import Drawing
 
 NO_SIZES = ("joint", "gap", "pitch", "n", "nx", "ny", "dark", "islands", "fix", "goals")
 """Arguments of patterns that `--size` must not reach."""
@@ -55,8 +58,6 @@ def make(
         Write over a file that was not made by this program, or was changed since.
     """
     from wiggleroom.assembly import patterns
-    from wiggleroom.cli.say import note
-    from wiggleroom.drawing import write_drawing
     from wiggleroom.errors import InputError
 
     sizes, wrong = sizes_of(size)
@@ -67,8 +68,17 @@ def make(
     family: dict[str, Any] = {} if pattern == "jigsaw" else {"joint": joint or "tee", **sizes}
     counts = (nx,) if ny is None else (nx, ny)
     assembly = getattr(patterns, pattern)(*counts, gap=gap, pitch=pitch, **family)
-    write_drawing(assembly.drawing, output)
-    note(f"{len(assembly.parts)} parts: {output}")
+    return write_made(assembly.drawing, output)
+
+
+def write_made(drawing: Drawing, output: Path) -> int:
+    """Write the assembly file that was made, and say what it holds."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.drawing import write_drawing
+
+    write_drawing(drawing, output)
+    for line in (*drawing.notes, f"{len(drawing.parts)} parts: {output}"):
+        note(line)
     return 0
 
 

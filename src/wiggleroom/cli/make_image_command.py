@@ -66,9 +66,8 @@ def image(
     """
     from wiggleroom.assembly import patterns
     from wiggleroom.cli.asking import goals
-    from wiggleroom.cli.make_command import pitch_misfits, sizes_of
-    from wiggleroom.cli.say import note
-    from wiggleroom.drawing import read_bitmap, write_drawing
+    from wiggleroom.cli.make_command import pitch_misfits, sizes_of, write_made
+    from wiggleroom.drawing import read_bitmap
     from wiggleroom.errors import InputError
 
     sizes, wrong = sizes_of(size)
@@ -80,8 +79,4 @@ def image(
     dark = read_bitmap(file, blocks, threshold)
     fixed = [name for text in fix for name in text.split(",") if name]
     assembly = patterns.image(dark, joint, gap, pitch, islands, fixed, asked, **sizes)
-    write_drawing(assembly.drawing, output)
-    for line in assembly.drawing.notes:
-        note(line)
-    note(f"{len(assembly.parts)} parts: {output}")
-    return 0
+    return write_made(assembly.drawing, output)

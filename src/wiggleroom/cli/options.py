@@ -228,7 +228,7 @@ def _read_with_roles(file: str, asked: QuestionOptions) -> tuple[Drawing, list[s
     from wiggleroom.errors import InputError
 
     if is_spatial_file(file):
-        answering = "flex, check, rank, tighten, sweep, sample, gap, draw and parts"
+        answering = "flex, check, plan, gap, clearances, rank, tighten, sweep, sample, tolerances, draw and parts"
         message = f"{file}: is an assembly in space, which {answering} take; this command is for drawings"
         raise InputError(message)
     wanted = goals_of_options(asked)

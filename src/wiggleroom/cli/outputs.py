@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -16,26 +16,22 @@ from wiggleroom.cli.options import RESULTS
 from wiggleroom.files import leads_back
 from wiggleroom.provenance import is_own
 from wiggleroom.report.pictures.file_endings import ANSWERS, PAGE, STUDIES, ending, wrong_ending
-from wiggleroom.verdict import Separability
 
 if TYPE_CHECKING:
     import numpy as np
     from msgspec import Struct
     from numpy.typing import NDArray
-    from rich.console import RenderableType
 
     from wiggleroom.assembly.assembly import Assembly
-    from wiggleroom.report.write_study import Study
-    from wiggleroom.search.answer import Answer
 
 Places = dict[str, tuple[str | Path | None, tuple[str, ...]]]
 Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 Force = Annotated[bool, Parameter(negative="", group=RESULTS)]
 MOVED = (".dxf", ".svg", ".json")
 TABLE = (".csv",)
+MODEL = ".glb"
+MESHES = (MODEL, ".stl", ".obj")
 PIXELS = (".png", ".gif", ".mp4")
-EXIT_CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
-"""Of `check`."""
 
 
 def command_line() -> str:
@@ -63,9 +59,14 @@ class PictureOutputs:
     picture: Path | None = None
     force: Force = False
 
-    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
-        """Check that everything asked for can be written; see the function `check`."""
-        check_outputs(source, self.places() | more, self.force)
+    def check(self, source: str, *, in_space: bool = False, **more: tuple[Path | None, tuple[str, ...]]) -> None:
+        """Check that everything asked for can be written; see the function `check_outputs`. In space pictures may be models, too."""
+        places = self.places()
+        if in_space:
+            places["--picture"] = (self.picture, (*self.ENDINGS, MODEL))
+        if in_space and "--moved" in places:
+            places["--moved"] = (places["--moved"][0], MESHES)
+        check_outputs(source, places | more, self.force)
 
     def places(self) -> Places:
         """Where everything goes, by the name of its option, and which endings are right."""
@@ -74,7 +75,7 @@ class PictureOutputs:
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class StudyOutputs(PictureOutputs):
+class TableOutputs(PictureOutputs):
     """The same with a table.
 
     Parameters
@@ -92,7 +93,25 @@ class StudyOutputs(PictureOutputs):
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class FilmOutputs(StudyOutputs):
+class StudyOutputs(TableOutputs):
+    """The same of a study, whose picture may be wanted beside its page.
+
+    Parameters
+    ----------
+    html
+        Make the page too, where the picture is to be something else: .html.
+    """
+
+    html: Path | None = None
+
+    def places(self) -> Places:
+        """Where everything goes, the page too."""
+        return super().places() | {"--html": (self.html, (PAGE,))}
+
+
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
+class FilmOutputs(TableOutputs):
     """The same of what has paths, and so films.
 
     Parameters
@@ -113,7 +132,7 @@ class Outputs(FilmOutputs):
     Parameters
     ----------
     moved
-        Write the outlines of the parts where they ended: .dxf or .svg to draw on, .json an assembly file.
+        Write the parts where they ended: .dxf or .svg to draw on, .json an assembly file; in space .stl, .obj or .glb.
     """
 
     moved: Path | None = None
@@ -180,48 +199,17 @@ def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> 
     return ""
 
 
-def tell(
-    outputs: StudyOutputs,
-    result: Callable[[], Struct],
-    page: Callable[[], RenderableType],
-    found: Answer[Any] | Study,
-    command: str,
-) -> None:
-    """What was found as JSON, as a page on stdout (unless the JSON goes there), as a table, and as a picture."""
-    if outputs.json is not None:
-        write_result(result(), outputs.json)
-    if outputs.json != "-":
-        from wiggleroom.cli.say import show
+def write_moved(assembly: Assembly, motion: NDArray[np.float64], path: Path) -> None:
+    """Parts as made where a motion has taken them: a drawing or an assembly file, in space meshes."""
+    if assembly.dimension == 3:
+        from wiggleroom.report.solids.moved_meshes import write_moved_meshes
 
-        show(page())
-    if outputs.csv is not None:
-        from wiggleroom.report.results.tables import csv_of
-
-        write_table(csv_of(found), outputs.csv)
-    if outputs.picture is not None:
-        from wiggleroom.cli.say import note
-        from wiggleroom.cli.watch import bar
-        from wiggleroom.report.write_picture import write_picture
-
-        with bar("frames", "drawing") as count:
-            write_picture(found, outputs.picture, command=command, progress=count)
-        note(f"picture: {outputs.picture}")
-        if ending(outputs.picture) in PIXELS:
-            from wiggleroom.report.write_study import assembly_of
-
-            _note_missing_letters(outputs.picture, assembly_of(found).names)
-
-
-def write_moved(assembly: Assembly, motion: NDArray[np.float64], path: Path | None) -> None:
-    """Outlines of the parts as made, moved by (n, 3) [mm, mm, rad], as a drawing or an assembly file."""
-    if path is None:
+        write_moved_meshes(assembly, motion, path)
         return
     from wiggleroom.assembly.assembly import moved_drawing
-    from wiggleroom.cli.say import note
     from wiggleroom.drawing import write_drawing
 
     write_drawing(moved_drawing(assembly, motion), path)
-    note(f"moved parts: {path}")
 
 
 def write_table(table: str, path: Path) -> None:
@@ -259,10 +247,10 @@ def write_picture(made: str, path: Path) -> None:
         write_still(made, path)
     note(f"picture: {path}")
     if ending(path) in PIXELS:
-        _note_missing_letters(path, [made])
+        note_missing_letters(path, [made])
 
 
-def _note_missing_letters(path: Path, texts: Iterable[str]) -> None:
+def note_missing_letters(path: Path, texts: Iterable[str]) -> None:
     """Say which letters no font on this machine has."""
     from wiggleroom.cli.say import note
     from wiggleroom.report.pictures.missing_glyphs import missing_glyphs

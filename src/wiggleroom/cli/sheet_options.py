@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from cyclopts import Group, Parameter
 
 from wiggleroom.cli.options import Many
+from wiggleroom.context import Context
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from wiggleroom.mating.hints import Hints
 
 SHEET = Group("Cutting sheet", sort_key=1)
+PRESSES = 0.1
+"""Plates that may overlap are put together where they fit with outlines further in by up to this share of their thickness."""
 
 
 @Parameter(name="*", group=SHEET)
@@ -109,8 +112,9 @@ def assembled_sheet(
     unit: str | None,
     options: ReadOptions,
     stop: Stop | None = None,
+    overlapping: bool = False,
 ) -> AssembledSheet:
-    """Panels of a drawing put together in space.
+    """Panels of a drawing put together in space; where they may overlap, as they are cut.
 
     Raises
     ------
@@ -122,7 +126,10 @@ def assembled_sheet(
 
     thickness, hints = sheet.known(file)
     read = read_sheet(Path(file), unit=unit, options=options)
-    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, relieve=sheet.relieve or 0.0, hints=hints, stop=stop)
+    thick = thickness or 0.0
+    relieve = sheet.relieve or (PRESSES * thick if overlapping else 0.0)
+    found = assemble_sheet(read, thick, burn=sheet.burn, relieve=relieve, hints=hints, context=Context(stop=stop))
+    return found.as_cut if overlapping and sheet.relieve is None else found
 
 
 def sure_text(file: str, found: AssembledSheet) -> str:

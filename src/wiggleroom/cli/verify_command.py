@@ -8,9 +8,15 @@ from typing import TYPE_CHECKING
 from wiggleroom.cli.options import QuestionOptions
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.drawing.model import Goal, Part
     from wiggleroom.verify.checker import Verified
-    from wiggleroom.verify.claim import Claim
-    from wiggleroom.verify.claim_comparison import Specification
+    from wiggleroom.verify.claim import Claim, Term
+    from wiggleroom.verify.claim_comparison import Rings, Specification
+    from wiggleroom.verify.space_checker import SpatialClaim
+    from wiggleroom.verify.space_claim import SpatialGoal, SpatialSpecification
 
 PROVEN, REFUSED = 0, 1
 """Exit codes."""
@@ -38,11 +44,11 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: QuestionOpti
     from wiggleroom.errors import InputError, require_extra
 
     require_extra("verify", "verify needs python-flint", "flint")
-    from wiggleroom.cli.verify_drawing import drawn_by
     from wiggleroom.verify.certificate_structure import FORMAT
     from wiggleroom.verify.checker import Refused
     from wiggleroom.verify.checker import read_certificate as content_of
     from wiggleroom.verify.checker import verify as check
+    from wiggleroom.verify.space_checker import SpatialClaim
 
     try:
         content = content_of(certificate.read_text(encoding="utf-8"))
@@ -60,7 +66,29 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: QuestionOpti
     if claim is None:
         print(f"not verified: {found.why}")  # noqa: T201
         return REFUSED
+    if isinstance(claim, SpatialClaim):
+        return _compared_in_space(found, claim, None if file is None else assembled_by(file, asked))
     return _compared(found, claim, drawn_by(file, asked, claim))
+
+
+def _compared_in_space(found: Verified, claim: SpatialClaim, asked: SpatialSpecification | None) -> int:
+    """Say what is verified in space, or in what the certificate differs from the file and the options."""
+    from wiggleroom.verify.space_claim import spatial_difference, spatial_sentence
+
+    why = "" if asked is None else spatial_difference(claim, asked)
+    if why:
+        print(f"not verified: {why}")  # noqa: T201
+        return REFUSED
+    print(f"verified: {spatial_sentence(claim, asked.source if asked else '')}")  # noqa: T201
+    if asked is None:
+        print("about the solids in this file, not compared with an assembly file")  # noqa: T201
+    elif asked.goals is None:
+        print("stated by the certificate only: what is asked")  # noqa: T201
+    print(  # noqa: T201
+        f"checked: {_counted(found.pairs, 'convex piece')}, {_counted(found.chords, 'point')}, "
+        f"{_counted(found.programs, 'linear program')}"
+    )
+    return PROVEN
 
 
 def _compared(found: Verified, claim: Claim, drawn: Specification) -> int:
@@ -86,3 +114,170 @@ def _compared(found: Verified, claim: Claim, drawn: Specification) -> int:
 
 def _counted(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def drawn_by(file: str | None, asked: QuestionOptions, claim: Claim) -> Specification:
+    """What a drawing and options say; without a drawing, the options alone.
+
+    A drawing other than an assembly file states no gap: where no option does, it is read at the gap of the claim.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the options and the file, one line each.
+    """
+    from dataclasses import replace
+
+    from wiggleroom.cli.options import read
+    from wiggleroom.errors import InputError
+    from wiggleroom.verify.claim_comparison import Specification
+
+    if asked.objective is not None:
+        wrong = "--objective: certificates are about pulls and turns; name them with --pull and --turn"
+        raise InputError(wrong)
+    if file is None:
+        return _options(asked, claim)
+    stated = asked.gap is not None or Path(file).suffix.lower() == ".json"
+    assembly = read(file, asked if stated else replace(asked, gap=claim.gap))
+    fixed = frozenset(part.name for part in assembly.parts if part.fixed)
+    place = {part.name: (part.at[0], part.at[1]) for part in assembly.parts}
+    return Specification(
+        Path(file).name,
+        assembly.gap if stated else None,
+        fixed or None,
+        _terms(assembly.goals, file, place) if assembly.goals else None,
+        _bodies(assembly),
+        frozenset(frozenset(pair) for pair in assembly.drawing.ignore),
+    )
+
+
+def _options(asked: QuestionOptions, claim: Claim) -> Specification:
+    from wiggleroom.cli.asking import names
+    from wiggleroom.cli.options import goals_of_options
+    from wiggleroom.errors import InputError
+    from wiggleroom.verify.claim_comparison import Specification
+
+    odd = [
+        f"--{name} is for a drawing; name it too" for name in ("unit", "flatten") if getattr(asked, name) is not None
+    ]
+    if odd:
+        raise InputError(odd)
+    goals = goals_of_options(asked)
+    fixed = frozenset(names(asked.fix, {name for parts in claim.bodies for name in parts}))
+    return Specification(gap=asked.gap, fixed=fixed or None, terms=_terms(goals, "the command", {}) if goals else None)
+
+
+def _terms(goals: Sequence[Goal], source: str, place: dict[str, tuple[float, float]]) -> tuple[Term, ...]:
+    """Pulls, turns and Ws as terms of a claim; where no point is named it is the part's reference point, at `place`."""
+    import math
+
+    from wiggleroom.drawing.model import Pull, Turn, W
+    from wiggleroom.errors import InputError
+    from wiggleroom.verify.claim import Term
+
+    found = []
+    for goal in goals:
+        match goal:
+            case Pull(part, (dx, dy), point, weight):
+                share = weight / math.hypot(dx, dy)
+                found.append(
+                    Term((part,), (share * dx, share * dy), (point[0], point[1]) if point else place.get(part), 0.0)
+                )
+            case Turn(part, sense, weight):
+                found.append(Term((part,), (0.0, 0.0), place.get(part), weight if sense == "ccw" else -weight))
+            case W(part, (wx, wy, turn), weight):
+                found.append(Term((part,), (weight * wx, weight * wy), place.get(part), weight * turn))
+            case _:
+                wrong = f"{source} asks for sums of squares, which no certificate is about; name the pull with --pull"
+                raise InputError(wrong)
+    return tuple(found)
+
+
+def _bodies(assembly: Assembly) -> tuple[tuple[frozenset[str], list[Rings]], ...]:
+    """Parts that move as one, and what they cover."""
+    together = {name: frozenset((name,)) for name in assembly.names}  # apart from what the proof was made with
+    for names in assembly.drawing.glue:
+        joined = frozenset().union(*(together[name] for name in names))
+        together |= dict.fromkeys(joined, joined)
+    members: dict[frozenset[str], list[Part]] = {}
+    for part in assembly.parts:
+        members.setdefault(together[part.name], []).append(part)
+    return tuple((names, _covered(parts)) for names, parts in members.items())
+
+
+def _covered(parts: list[Part]) -> list[Rings]:
+    """Outer ring and holes of every polygon that parts make up together, material left of every edge."""
+    import shapely
+
+    from wiggleroom.assembly.assembly import place
+
+    regions = [
+        [place(ring, part.at) for ring in (region.outer, *region.holes)] for part in parts for region in part.regions
+    ]
+    if len(regions) == 1:
+        return regions
+    whole = shapely.union_all([shapely.Polygon(outer, holes) for outer, *holes in regions])
+    return [
+        [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+        for polygon in shapely.get_parts(shapely.orient_polygons(whole))
+    ]
+
+
+def assembled_by(file: str, asked: QuestionOptions) -> SpatialSpecification:
+    """What a file of an assembly in space and options say.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the options and the file, one line each.
+    """
+    from wiggleroom.assembly.assembly import placed_surface
+    from wiggleroom.cli.in_space import read_in_space
+    from wiggleroom.drawing.dimension import is_spatial_file
+    from wiggleroom.errors import InputError
+    from wiggleroom.spatial.spatial_bodies import grouped
+    from wiggleroom.verify.space_claim import SpatialSpecification
+
+    if not is_spatial_file(file):
+        wrong = f"{file}: the certificate is about an assembly in space; name its file"
+        raise InputError(wrong)
+    assembly = read_in_space(file, asked)
+    group = grouped(assembly)
+    names = [
+        frozenset(name for name, b in zip(assembly.names, group.body_of.tolist(), strict=True) if b == k)
+        for k in range(len(group.bodies.at))
+    ]
+    surfaces = {}
+    for part, made in zip(assembly.parts, assembly.solids, strict=True):
+        placed = placed_surface(part, made.surface)
+        surfaces[part.name] = placed.vertices, placed.faces
+    return SpatialSpecification(
+        Path(file).name,
+        assembly.gap,
+        {body: tuple(map(bool, free)) for body, free in zip(names, group.bodies.free, strict=True)},
+        surfaces,
+        dict(zip(names, group.bodies.at, strict=True)),
+        _spatial_goals(assembly) if assembly.goals else None,
+        bool(assembly.drawing.ignore),
+    )
+
+
+def _spatial_goals(assembly: Assembly) -> tuple[SpatialGoal, ...]:
+    """Pulls and turns in space; where no point is named it is the part's reference point."""
+    import numpy as np
+
+    from wiggleroom.drawing.model import Pull, Turn
+    from wiggleroom.errors import InputError
+    from wiggleroom.verify.space_claim import SpatialGoal
+
+    found = []
+    for goal in assembly.goals:
+        match goal:
+            case Pull(part, direction, point, weight):
+                at = assembly.reference[assembly.names.index(part)] if point is None else np.array(point)
+                found.append(SpatialGoal(part, False, np.array(direction), at, weight))
+            case Turn(part, sense, weight):
+                found.append(SpatialGoal(part, True, np.array(sense), None, weight))
+            case _:
+                raise InputError("certificates are about pulls and turns; name one with --pull or --turn")
+    return tuple(found)

@@ -60,6 +60,10 @@ def at_once(stop: Deadline | None) -> Iterator[None]:
     insisting.start()
     try:
         yield
+    except Exception:
+        if pressed.is_set():  # libraries go on without what they could not import, and fail later
+            raise KeyboardInterrupt from None
+        raise
     finally:
         while not done.is_set():
             with suppress(KeyboardInterrupt):  # one that came in between

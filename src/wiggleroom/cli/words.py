@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from itertools import zip_longest
 
 DRAWINGS = (".svg", ".dxf", ".lbrn2", ".lbrn")
+PUZZLES = (".puz", ".xmpuzzle")
 
 
 def with_json_alone(argv: Sequence[str]) -> list[str]:
@@ -31,7 +32,7 @@ def with_json_alone(argv: Sequence[str]) -> list[str]:
 
 
 def _is_no_output(word: str) -> bool:
-    return (word.startswith("-") and word != "-") or os.path.splitext(word)[1].lower() in DRAWINGS
+    return (word.startswith("-") and word != "-") or os.path.splitext(word)[1].lower() in (*DRAWINGS, *PUZZLES)
 
 
 def meant(word: str, known: Iterable[str]) -> str:

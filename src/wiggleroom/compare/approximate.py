@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import hulls_meet
@@ -109,17 +110,17 @@ class End:
         return replace(self, rounds=rounds, iterations=iterations)
 
 
-def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None = None) -> Approximation:
+def approximate(assembly: Assembly, model: Hull | HalfPlane, context: Context = UNLIMITED) -> Approximation:
     """Make an assembly ready; raises as `wiggleroom.prepare` does."""
     began = time.perf_counter()
-    surveyed = survey(assembly, stop)
+    surveyed = survey(assembly, context.stop)
     them = surveyed.bodies
     found = None
     if isinstance(model, Hull):
         from wiggleroom.freespace.models.pair_hulls import hulls  # nor this
 
-        pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored, stop=stop)
-        found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
+        pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored, stop=context.stop)
+        found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=context.stop)
         if found is None:
             finding = f"{assembly.drawing.source or 'the assembly'}: no free space was found round rest; parts touch"
             raise InputError(finding)

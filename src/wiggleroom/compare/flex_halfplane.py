@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.compare.approximate import Approximation, End, thinned
+from wiggleroom.context import Context
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.halfspaces import Halfspaces
@@ -47,22 +48,20 @@ MAX_STEPS = 300
 """Linear programs at most."""
 
 
-def flex_half_planes(
-    ready: Approximation, objective: Objective, iterated: bool, stop: Stop | None, tell: Callable[[Progress], None]
-) -> End:
+def flex_half_planes(ready: Approximation, objective: Objective, iterated: bool, context: Context) -> End:
     """Largest motion by one linear program at rest, or by many.
 
     Source: Lensgraf and others, "PuzzleFlex: kinematic motion of chains with loose joints" (ICRA 2020): local distance constraints,
     linearised, and steps in time. Bounds, pairing and stopping are ours: its text (arXiv 1906.08708) was not read in full.
     """
-    steps = _Steps(ready, objective, stop, tell)
+    steps = _Steps(ready, objective, context.stop, context.tell)
     first = [steps.first_step(pull) for pull in pulls(ready.bodies, objective, ready.clearance)] or [steps.begin()]
     if not iterated:
         return max((steps.at_once(path) for path in first), key=lambda end: end.value).after(1, steps.iterations)
     ends = []
     for path in first:
         ends.append(steps.climb(path))
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
     return max(ends, key=lambda end: end.value).after(steps.rounds, steps.iterations)
 

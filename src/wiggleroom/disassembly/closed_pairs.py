@@ -8,25 +8,24 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.enclosure import Enclosed
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.rigid_subassembly import passage_or_enclosure
 from wiggleroom.disassembly.slide_search import slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace
 from wiggleroom.drawing.outlines.connected_components import components
-from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.neighbours import neighbours
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
-from wiggleroom.search.progress import silent
 
 Ints = NDArray[np.int64]
 
 PAIR_BATCH = 50
-"""Pairs that are measured between two looks at `stop`."""
+"""Pairs that are measured between two looks whether to stop."""
 BOXES_PER_PAIR = 20_000
 """Boxes judged at most for a pair among many."""
 PAIR_WORK = 2e6
@@ -76,7 +75,9 @@ def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> ClosedPairs:
     return ClosedPairs(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
 
 
-def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None) -> ClosedPairs:
+def closed_pairs(
+    ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, context: Context = UNLIMITED
+) -> ClosedPairs:
     """Tie bodies together wherever the free space of a pair alone is certainly closed.
 
     What two bodies cannot do while all others are taken away they cannot do among them either. Pairs that lie along each other longest come
@@ -89,11 +90,10 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
         What is tied to begin with; of that nothing more is asked.
     passages : PassagesByGap
         Those known from other gaps; what is found is added.
-    stop : optional
-        Asked before every pair.
+    context : Context, optional
     """
     bodies, n = ready.bodies, len(ready.bodies.fixed)
-    if stop is not None and stop.is_set():
+    if context.stopped:
         return begin
     geometry = placed(bodies)
     near = neighbours(bodies, geometry, NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
@@ -101,17 +101,17 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
     undecided: list[tuple[int, int]] = []
     if len(near.a):
         first, label = congruence_classes(bodies, near.a, near.b, relative_pose(bodies, near.a, near.b))
-        along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, stop)[label]
+        along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, context)[label]
         known: dict[int, Passage | None] = {}  # none where slides lead apart
         for k in np.argsort(-along, kind="stable"):
             a, b, c = int(near.a[k]), int(near.b[k]), int(label[k])
-            if stop is not None and stop.is_set():
+            if context.stopped:
                 break
             labels = _labels(n, held)
             if labels[a] == labels[b] or begin.group[a] == begin.group[b]:
                 continue
             if c not in known:
-                known[c] = alone(ready, a, b, passages, stop)
+                known[c] = alone(ready, a, b, passages, context)
             found = known[c]
             if found is None:
                 continue
@@ -124,29 +124,29 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
     return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
 
 
-def alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
+def alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, context: Context) -> Passage | None:
     """What is known about b leaving a while all others are taken away; None where slides lead out."""
 
     def look() -> Passage | None:
-        if _slides_apart(ready, a, b, stop):
+        if _slides_apart(ready, a, b, context):
             return None
         one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
-        return passage_or_enclosure(one, other, BOXES_PER_PAIR, stop)
+        return passage_or_enclosure(one, other, BOXES_PER_PAIR, context)
 
-    return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_PAIR, look, stop)
+    return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_PAIR, look, context)
 
 
-def decisive_passage(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
+def decisive_passage(ready: Prepared, a: int, b: int, passages: PassagesByGap, context: Context) -> Passage | None:
     """The passage of b out of a, by as many boxes as a pair on which much depends is given; None where slides are known to lead out."""
 
     def look() -> Passage:
         one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
-        return passage(one, other, most=BOXES_PER_DECISIVE_PAIR, stop=stop)
+        return passage(one, other, most=BOXES_PER_DECISIVE_PAIR, stop=context.stop)
 
-    return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_DECISIVE_PAIR, look, stop)
+    return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_DECISIVE_PAIR, look, context)
 
 
-def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
+def _slides_apart(ready: Prepared, a: int, b: int, context: Context) -> bool:
     """True where slides of b lead out of a: a cheap look before boxes of motions are judged."""
     them = ready.bodies
     pair = np.array([a, b])
@@ -156,12 +156,12 @@ def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
     )  # fmt: skip
     rest, none = np.zeros((2, 3)), np.zeros(0, dtype=np.int64)
     space = SlideSpace(bodies, none, ready.clearance, ready.size, rest, np.ones(2, dtype=np.bool_))
-    found = slide_search(space, rest, none, stop=stop, tell=silent, budget=PAIR_WORK, turn_budget=0.0)
+    found = slide_search(space, rest, none, budget=PAIR_WORK, turn_budget=0.0, context=context.silent)
     return found.path is not None
 
 
 def decide_more_pairs(
-    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None
+    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, context: Context = UNLIMITED
 ) -> ClosedPairs:
     """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
 
@@ -176,11 +176,11 @@ def decide_more_pairs(
         count = np.bincount(group[np.concatenate([a[open_], b[open_]])], minlength=group.max() + 1)[np.unique(group)]
         weakest = np.unique(group)[count.argmin()]
         for k in np.flatnonzero(open_ & ((group[a] == weakest) | (group[b] == weakest))):
-            if stop is not None and stop.is_set():
+            if context.stopped:
                 return replace(known, group=group, held=held)
             c = int(label[k])
             if c not in seen:
-                seen[c] = decisive_passage(ready, int(a[k]), int(b[k]), passages, stop)
+                seen[c] = decisive_passage(ready, int(a[k]), int(b[k]), passages, context)
             found = seen[c]
             if found is not None and found.closed:
                 held = np.where(held == held[b[k]], held[a[k]], held) if found.held else held
@@ -196,11 +196,11 @@ def _ties(group: Ints) -> list[tuple[int, int]]:
     return [(int(first[g]), k) for k, g in enumerate(label.tolist())]
 
 
-def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float, stop: Stop | None) -> NDArray[np.float64]:
-    """How long two bodies lie along each other [mm], zero for those that come after `stop`."""
+def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float, context: Context) -> NDArray[np.float64]:
+    """How long two bodies lie along each other [mm], zero for those that come after a request to stop."""
     found = np.zeros(len(a))
     for k in range(0, len(a), PAIR_BATCH):
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
         some = slice(k, k + PAIR_BATCH)
         near = shapely.buffer(b[some], 1.5 * NEIGHBOUR_REACH * clearance, quad_segs=2)

@@ -9,16 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import Context
 from wiggleroom.disassembly.closed_pairs import enclosed_links
 from wiggleroom.disassembly.disassembly_stage import NO_BODIES, Stage
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
-from wiggleroom.disassembly.escape import EscapeEffort, next_stage
+from wiggleroom.disassembly.escape import next_stage
+from wiggleroom.disassembly.escape_effort import EscapeEffort
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without_parts
-from wiggleroom.errors import FreeSpaceError, Stop, StoppedError, TouchingError
+from wiggleroom.errors import FreeSpaceError, StoppedError, TouchingError
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.prepare import Survey, survey
-from wiggleroom.search.progress import Progress
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -66,6 +67,8 @@ class Disassembly:
         Largest motions that were searched in all stages, and how many of them found no end whose path is certain.
     states, turned : int
         States to which slides and turns of single bodies led, and those in which every body was turned both ways.
+    together : tuple of names
+        Parts that left with others from which they do not part.
     """
 
     departures: tuple[Departure, ...]
@@ -76,6 +79,7 @@ class Disassembly:
     unanswered: int = 0
     states: int = 0
     turned: int = 0
+    together: tuple[str, ...] = ()
 
 
 @dataclass(eq=False)
@@ -99,8 +103,7 @@ def disassemble(
     effort: EscapeEffort | None = None,
     every: bool = True,
     holding_cost: HoldingCost | None = None,
-    stop: Stop | None,
-    tell: Callable[[Progress], None],
+    context: Context,
 ) -> Disassembly:
     """Take parts away one after the other, as long as some leave.
 
@@ -115,8 +118,7 @@ def disassemble(
         False: it ends once anything has left.
     holding_cost : callable, optional
         How much trouble it makes that some parts leave from a state; of those that could leave straight, those with the least leave first.
-    stop, tell
-        As for `flex`.
+    context : Context
 
     Raises
     ------
@@ -134,8 +136,8 @@ def disassemble(
         left, alive = so_far.left, so_far.alive
         around = None
         try:
-            surveyed = survey(left, stop)
-            around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, stop)
+            surveyed = survey(left, context.stop)
+            around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, context)
             begin = enclosed_links(surveyed.bodies.fixed, around)
             if begin.all_tied:
                 stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
@@ -147,9 +149,8 @@ def disassemble(
                 begin,
                 effort,
                 aims.astype(np.int64),
-                stop,
-                tell,
                 _of_bodies(holding_cost, so_far, surveyed),
+                context,
             )
         except (FreeSpaceError, StoppedError, TouchingError) as why:
             if not isinstance(why, StoppedError) and not so_far.departures:

@@ -66,14 +66,10 @@ class Stage:
 
 
 def leave_after_motion(
-    assembly: Assembly,
-    surveyed: Survey,
-    simpler: Prepared,
-    still: MoveSequence,
-    path: Floats,
-    found: TranslationEscape,
+    surveyed: Survey, simpler: Prepared, still: MoveSequence, path: Floats, found: TranslationEscape
 ) -> Stage | None:
     """A largest motion of the simpler bodies that was searched, continued straight; None where that is not free."""
+    assembly = simpler.assembly
     motions = of_bodies(assembly, surveyed.bodies, of_parts(assembly, simpler.bodies, path))
     return leave_moving(assembly, surveyed, still, motions, found)
 

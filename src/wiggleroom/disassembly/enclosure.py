@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.offset_walls import hole_round, inner_offset
 
@@ -79,7 +79,7 @@ class Wall:
         return hole_round(self._made[key], disc.middle)
 
 
-def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, stop: Stop | None = None) -> Enclosed:
+def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, context: Context = UNLIMITED) -> Enclosed:
     """Find the bodies that lie in closed holes of what stands, or of any other body; so what moves about something that stands, too.
 
     Parameters
@@ -89,14 +89,13 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, stop:
         Material at rest; no two overlap.
     ignored : (k,) int64
         Keys a * n + b of pairs that pass through each other.
-    stop : optional
-        Asked before every body.
+    context : Context, optional
     """
     stands, movers = np.flatnonzero(bodies.fixed), np.flatnonzero(~bodies.fixed)
     far, held = np.where(bodies.fixed, 0.0, np.inf), bodies.fixed.copy()
     wall, pairs, discs = Wall(geometry, stands, ignored), [], {}
     for b in movers.tolist():
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
         body, disc = geometry[b], largest_disc(geometry[b])
         discs[b] = disc
@@ -113,7 +112,7 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, stop:
     points = shapely.points([discs[b].middle for b in loose]) if loose else np.zeros(0, dtype=object)
     inner, outer = shapely.STRtree(shapely.convex_hull(geometry[movers])).query(points, predicate="within")
     for k, a in zip(inner.tolist(), movers[outer].tolist(), strict=True):
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
         disc = discs[loose[k]]
         around = Wall(geometry, np.array([a]), ignored)
@@ -123,7 +122,7 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, stop:
 
 
 def enclosed_by_held(
-    geometry: NDArray[np.object_], group: Ints, ignored: Ints, far: float, stop: Stop | None = None
+    geometry: NDArray[np.object_], group: Ints, ignored: Ints, far: float, context: Context = UNLIMITED
 ) -> Ints:
     """Bodies that bodies held together enclose, though these can move a little.
 
@@ -136,12 +135,13 @@ def enclosed_by_held(
         Material at rest; no two overlap.
     group : (k,) int64
         The wall: bodies of which no point gets further than `far` [mm] from where it is at rest.
-    ignored, stop
+    ignored
         As for `enclosed`.
+    context : Context, optional
     """
     wall, found = Wall(geometry, group, ignored), []
     for b in np.setdiff1d(np.arange(len(geometry)), group).tolist():
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
         disc = largest_disc(geometry[b])
         radius = DISC_MARGIN * disc.radius - far

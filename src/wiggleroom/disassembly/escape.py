@@ -4,43 +4,44 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
 from wiggleroom.disassembly.disassembly_stage import NO_BODIES, Stage, leave, leave_after_motion, leave_moving
 from wiggleroom.disassembly.enclosure import enclosed_by_held
-from wiggleroom.disassembly.escape_by_motions import escape_by_motions
-from wiggleroom.disassembly.escape_by_pairs import NamedPairs, escape_by_known_pairs, escape_by_pairs
+from wiggleroom.disassembly.escape_by_pairs import escape_by_known_pairs, escape_by_pairs
+from wiggleroom.disassembly.escape_effort import EscapeEffort
 from wiggleroom.disassembly.escape_search import (
-    MAX_QUESTIONS,
-    GoalSequence,
+    EXIT_TESTS,
+    answer_or_none,
     escape_by_goals,
     escape_path,
+    search_for_escape,
 )
-from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.remaining import without_parts
+from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
-from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, SlideSearch, slide_search
+from wiggleroom.disassembly.slide_search import MoveSequence, SlideSearch, Tilt, slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
-from wiggleroom.errors import FreeSpaceError, Stop
+from wiggleroom.drawing.model import Turn
+from wiggleroom.errors import FreeSpaceError, WiggleroomError
 from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.prepare import Prepared, Survey, prepare_without_cells
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.search.progress import Progress
-from wiggleroom.verdict import Certainty, Separability
+from wiggleroom.verdict import Certainty, PathState, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BOXES_FOR_ONE_BODY = 150_000
-"""Boxes judged at most where one body alone can leave; a few seconds."""
 BOXES_FOR_NEAR_EXIT = 40_000
 """Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
@@ -51,43 +52,14 @@ FRAME_WORK = 2000.0
 """Work, about milliseconds, for the bound on how far the parts of a frame can move."""
 
 
-@dataclass(frozen=True, eq=False)
-class EscapeEffort:
-    """How long is looked for the next parts that leave.
-
-    Parameters
-    ----------
-    boxes : int
-        Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
-    questions : int
-        Largest motions searched at most.
-    work : float
-        Work of the search over slides, in pairs of edges compared.
-    passages : PassagesByGap
-        Those known from other gaps of the assembly at rest; what is found is added.
-    exits : list of goals
-        What led apart at other gaps, the newest last, which is asked first; what is found is added.
-    passed : list of pairs of names
-        The same of bodies that were led out.
-    """
-
-    boxes: int = BOXES_FOR_ONE_BODY
-    questions: int = MAX_QUESTIONS
-    work: float = WORK_BUDGET
-    passages: PassagesByGap = field(default_factory=PassagesByGap)
-    exits: list[GoalSequence] = field(default_factory=list)
-    passed: list[NamedPairs] = field(default_factory=list)
-
-
 def next_stage(
     assembly: Assembly,
     surveyed: Survey,
     begin: ClosedPairs,
     effort: EscapeEffort,
     targets: Ints,
-    stop: Stop | None,
-    tell: Callable[[Progress], None],
     holding_cost: Callable[[Ints], int] | None = None,
+    context: Context = UNLIMITED,
 ) -> Stage:
     """The next parts that leave, those first that are cheapest to find.
 
@@ -102,23 +74,22 @@ def next_stage(
     effort : EscapeEffort
     targets : (k,) int64
         Bodies that are to leave, rather than others; none where all are to.
-    stop, tell
-        As for `flex`.
     holding_cost : callable, optional
         How much trouble it makes that some bodies leave; the least comes first.
+    context : Context, optional
     """
     bodies, n = surveyed.bodies, len(surveyed.bodies.fixed)
     ground = int(np.flatnonzero(bodies.fixed)[0])
     rest = np.zeros((1, n, 3))
     still = MoveSequence(rest, NO_BODIES)
-    tell(Progress("straight paths"))
-    found = translation_escapes(bodies, rest[0], ground, surveyed.ignored, surveyed.size, begin.group, stop=stop)
+    context.tell(Progress("straight paths"))
+    found = translation_escapes(surveyed, rest[0], ground, begin.group, context=context)
     first = _with_largest_clearance(surveyed, found, targets, holding_cost)
     straight = None if first is None else leave(assembly, surveyed, still, first)
     if straight is not None and _wanted(straight.who, targets):
         return straight
-    tell(Progress("slides"))
-    slid = _slide(surveyed, targets, effort.work, stop, tell)
+    context.tell(Progress("slides"))
+    slid = _slide(surveyed, targets, effort.work, context)
     if slid.path is not None:
         out = TranslationEscape(slid.path.last.who, slid.path.last.direction)
         if straight is None or _wanted(out.who, targets):
@@ -127,7 +98,7 @@ def next_stage(
                 return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
     if straight is not None:
         return straight
-    stage = _beyond_slides(assembly, surveyed, begin, effort, slid, stop, tell)
+    stage = _beyond_slides(assembly, surveyed, begin, effort, slid, context)
     if first is not None and stage.certainty is Certainty.SEARCHED and stage.ended is Separability.INTERLOCKED:
         stage = replace(stage, ended=Separability.UNKNOWN)  # rounding decides whether the straight path is free
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
@@ -166,33 +137,25 @@ def _wanted(who: Ints, targets: Ints) -> bool:
     return not len(targets) or bool(np.isin(targets, who).any())
 
 
-def _slide(
-    surveyed: Survey, targets: Ints, work: float, stop: Stop | None, tell: Callable[[Progress], None]
-) -> SlideSearch:
+def _slide(surveyed: Survey, targets: Ints, work: float, context: Context) -> SlideSearch:
     """What leaves by slides from where all are."""
     bodies, n = surveyed.bodies, len(surveyed.bodies.fixed)
     rest = np.zeros((n, 3))
     space = SlideSpace(bodies, surveyed.ignored, surveyed.clearance, surveyed.size, rest, np.ones(n, dtype=np.bool_))
-    return slide_search(space, rest, targets, stop=stop, tell=tell, budget=work)
+    return slide_search(space, rest, targets, budget=work, context=context)
 
 
 def _beyond_slides(
-    assembly: Assembly,
-    surveyed: Survey,
-    begin: ClosedPairs,
-    effort: EscapeEffort,
-    slid: SlideSearch,
-    stop: Stop | None,
-    tell: Callable[[Progress], None],
+    assembly: Assembly, surveyed: Survey, begin: ClosedPairs, effort: EscapeEffort, slid: SlideSearch, context: Context
 ) -> Stage:
     """Bodies that leave otherwise than by slides, or what shows that none do."""
     bodies = surveyed.bodies
     ground = int(np.flatnonzero(bodies.fixed)[0])
     still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
-    tell(Progress("free spaces"))
+    context.tell(Progress("free spaces"))
     refused: FreeSpaceError | None = None
     try:
-        ready = simpler = prepare_walls(assembly, surveyed, stop)
+        ready = simpler = prepare_walls(assembly, surveyed, context.stop)
     except FreeSpaceError as why:  # boxes of motions may decide it all the same
         ready, refused = prepare_without_cells(assembly, surveyed), why
         simpler = ready
@@ -200,82 +163,77 @@ def _beyond_slides(
         ready = replace(simpler, bodies=bodies, simplified=0.0)
     # near the gap at which it comes apart, proofs of pairs take far longer than these
     for goals in () if refused else effort.exits[::-1]:
-        known_exit = escape_by_goals(simpler, ground, begin.group, goals, stop)
-        if (
-            known_exit is not None
-            and (stage := leave_after_motion(assembly, surveyed, simpler, still, *known_exit)) is not None
-        ):
+        known_exit = escape_by_goals(simpler, ground, begin.group, goals, context)
+        if known_exit is not None and (stage := leave_after_motion(surveyed, simpler, still, *known_exit)) is not None:
             return replace(stage, questions=len(goals))
     for pairs in effort.passed[::-1] if effort.questions else ():
-        again = escape_by_known_pairs(ready, begin.group, pairs, effort.passages, stop)
+        again = escape_by_known_pairs(ready, begin.group, pairs, effort.passages, context)
         if again is not None and (stage := leave_moving(assembly, surveyed, still, again.path, again.exit)) is not None:
             return stage
-    known, tries = _rigid(ready, begin, effort, stop)
+    known, tries = _rigid(ready, begin, effort, context)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
-    known = _walled_in(ready, known, stop)
+    known = _walled_in(ready, known, context)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
-    nearly = _nearly(ready, ground, known.group, stop)
+    nearly = _nearly(ready, ground, known.group, context)
     for rigid in itertools.chain(
-        tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, stop) for e in nearly)
+        tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, context) for e in nearly)
     ):
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
-        out = None if rigid.path is None else escape_path(ready, ground, known.group, rigid.path, stop=stop)
+        out = None if rigid.path is None else escape_path(ready, ground, known.group, rigid.path, context=context)
         if out is not None and (stage := leave_moving(assembly, surveyed, still, *out)) is not None:
             return stage
-    known = decide_more_pairs(ready, known, effort.passages, stop)
+    known = decide_more_pairs(ready, known, effort.passages, context)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
-    found = escape_by_pairs(ready, known, effort.passages, stop) if effort.questions else None
+    found = escape_by_pairs(ready, known, effort.passages, context) if effort.questions else None
     if found is not None and (stage := leave_moving(assembly, surveyed, still, found.path, found.exit)) is not None:
         effort.passed.append(found.pairs)
         return stage
     if refused:
         raise refused
-    return escape_by_motions(
-        assembly, surveyed, simpler, known, nearly, effort.questions, effort.exits, slid, stop, tell
-    )
+    return escape_by_motions(surveyed, simpler, known, nearly, effort, slid, context)
 
 
 def _rigid(
-    ready: Prepared, begin: ClosedPairs, effort: EscapeEffort, stop: Stop | None
+    ready: Prepared, begin: ClosedPairs, effort: EscapeEffort, context: Context
 ) -> tuple[ClosedPairs, Iterator[RigidEscape]]:
     """What is tied to what, and for each group that may leave what is known about its leaving as one."""
     free = np.flatnonzero(~ready.bodies.fixed)
     if len(free) == 1:
-        rigid = leaves_as_one(ready, free, effort.boxes, effort.passages, stop)
+        rigid = leaves_as_one(ready, free, effort.boxes, effort.passages, context)
         alone = (~ready.bodies.fixed).astype(np.int64)
         return ClosedPairs(
             alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)
         ), iter([rigid])
-    known = closed_pairs(ready, begin, effort.passages, stop)
+    known = closed_pairs(ready, begin, effort.passages, context)
     fixed_group = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
     groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != fixed_group)
     return known, (
-        leaves_as_one(ready, who, BOXES_PER_PAIR, effort.passages, stop)
-        for who in groups
-        if stop is None or not stop.is_set()
+        leaves_as_one(ready, who, BOXES_PER_PAIR, effort.passages, context) for who in groups if not context.stopped
     )
 
 
-def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> ClosedPairs:
+def _walled_in(ready: Prepared, known: ClosedPairs, context: Context) -> ClosedPairs:
     """Tie what lies inside a frame of several bodies that are tied together and can move but little."""
     bodies, geometry = ready.bodies, placed(ready.bodies)
     fixed_group = known.group[np.flatnonzero(bodies.fixed)[0]]
     frame = np.flatnonzero(known.group == fixed_group)
-    if stop is not None and stop.is_set():
+    if context.stopped:
         return known
-    if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.ignored, 0.0, stop)):
+    if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.ignored, 0.0, context)):
         return known
     others = np.flatnonzero(known.group[bodies.body_of] != fixed_group)
-    far = furthest(without_parts(ready.assembly, others), FRAME_WORK, stop)
-    inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.ignored, far, stop)
+    far = furthest(without_parts(ready.assembly, others), FRAME_WORK, context.stop)
+    inside = (
+        np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.ignored, far, context)
+    )
     return replace(known, group=np.where(np.isin(known.group, known.group[inside]), fixed_group, known.group))
 
 
-def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> list[TranslationEscape]:
+def _nearly(ready: Prepared, ground: int, group: Ints, context: Context) -> list[TranslationEscape]:
     """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
     if len(np.unique(group)) < 3:
         return []
@@ -283,8 +241,96 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
     found: dict[tuple[int, ...], TranslationEscape] = {}
     for share in EXTRA_CLEARANCES:
         thinner = share * ready.clearance
-        for e in translation_escapes(ready.bodies, rest, ground, ready.ignored, ready.size, group, thinner, stop):
+        for e in translation_escapes(ready, rest, ground, group, thinner, context):
             found.setdefault(tuple(e.who.tolist()), e)
-        if len(found) >= MAX_NEAR_EXITS or (stop is not None and stop.is_set()):
+        if len(found) >= MAX_NEAR_EXITS or context.stopped:
             break
     return list(found.values())[:MAX_NEAR_EXITS]
+
+
+MAX_TILTS = 4
+"""Largest turns are searched from at most this many states besides the first, in which a body can be turned."""
+
+
+def escape_by_motions(
+    surveyed: Survey,
+    simpler: Prepared,
+    known: ClosedPairs,
+    nearly: list[TranslationEscape],
+    effort: EscapeEffort,
+    slid: SlideSearch,
+    context: Context,
+) -> Stage:
+    """Bodies that leave along largest motions and turns, or how far these showed that none do.
+
+    Parameters
+    ----------
+    surveyed : Survey
+        Of the assembly, at rest where all parts are now.
+    simpler : Prepared
+        Its bodies, or larger ones with fewer corners, with walls.
+    known : ClosedPairs
+        What is tied.
+    nearly : list of TranslationEscape
+        Sets that would leave straight if there were a little more room.
+    effort : EscapeEffort
+        What leads apart is added.
+    slid : SlideSearch
+        What slides led to.
+    context : Context
+    """
+    bodies = surveyed.bodies
+    ground = int(np.flatnonzero(bodies.fixed)[0])
+    still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
+    loose = slid.states > 1 and slid.whole and slid.on_lattice
+    searched = search_for_escape(
+        simpler, ground, known.group, nearly, effort.questions, only_turns=loose, context=context
+    )
+    if searched.path is not None and searched.exit is not None:
+        stage = leave_after_motion(surveyed, simpler, still, searched.path, searched.exit)
+        if stage is not None:
+            effort.exits.append(searched.asked)
+            return replace(stage, questions=searched.questions)
+    count = searched.questions
+    for tilt in slid.tilts[:MAX_TILTS]:
+        asked, tilted = _from_tilt(simpler.assembly, surveyed, tilt, known.group, context)
+        count += asked
+        if tilted is not None:
+            return replace(tilted, questions=count)
+    stopped = context.stopped
+    # where all states of a lattice were visited and every body was turned in each, more places and open questions are no gap in that
+    sure = slid.on_lattice and slid.turned == slid.states
+    answered = sure or (searched.unanswered == 0 and not searched.more_places)
+    whole = slid.whole and searched.whole and searched.path is None and answered and not stopped
+    ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN
+    return Stage(ended, Certainty.SEARCHED, NO_BODIES, None, known.held, count, unanswered=searched.unanswered)
+
+
+def _from_tilt(
+    assembly: Assembly, surveyed: Survey, tilt: Tilt, group: Ints, context: Context
+) -> tuple[int, Stage | None]:
+    """How many largest turns were searched from a state in which a body can be turned, and what leaves along them."""
+    bodies, before = surveyed.bodies, tilt.before
+    ground = int(np.flatnonzero(bodies.fixed)[0])
+    moved = displaced(assembly, of_parts(assembly, bodies, before.states)[-1])
+    try:
+        ready = prepare_walls(moved, stop=context.stop)
+    except WiggleroomError:
+        return 0, None
+    name = assembly.names[bodies.members[tilt.who][0]]
+    asked = 0
+    for sense in ("ccw", "cw"):
+        if context.stopped:
+            break
+        answer = answer_or_none(ready, (Turn(name, sense),), None, context)
+        asked += 1
+        if answer is None or answer.path != PathState.CHECKED:
+            continue
+        path = of_bodies(moved, ready.bodies, answer.waypoints)
+        out = escape_path(ready, ground, group, path, EXIT_TESTS, context)
+        if out is None:
+            continue
+        stage = leave_moving(assembly, surveyed, before, *out)
+        if stage is not None:
+            return asked, stage
+    return asked, None

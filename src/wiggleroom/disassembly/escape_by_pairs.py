@@ -13,12 +13,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.closed_pairs import ClosedPairs, alone, decisive_passage
 from wiggleroom.disassembly.escape_search import EXIT_TESTS, escape_path
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.path_following import RelativeSegment, follow
 from wiggleroom.disassembly.translation import TranslationEscape
-from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import neighbours
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
@@ -80,7 +80,7 @@ class EscapeByPairs:
 
 
 def escape_by_pairs(
-    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None
+    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, context: Context = UNLIMITED
 ) -> EscapeByPairs | None:
     """The first set of bodies tied together that can be led out past all of its neighbours; None where none is.
 
@@ -91,21 +91,20 @@ def escape_by_pairs(
         Of its pairs that are not decided those that matter are looked at with more boxes.
     passages : PassagesByGap
         Those known of pairs; what is found is added.
-    stop : optional
-        Asked now and then.
+    context : Context, optional
     """
     if not 2 <= (~ready.bodies.fixed).sum() <= MAX_BODIES:  # nobody else makes room, or every step takes long
         return None
-    for pairs in _sets(ready, known, passages, stop):
+    for pairs in _sets(ready, known, passages, context):
         for first in range(len(pairs)):
-            found = _out_by_pairs(ready, known.group, [pairs[first], *pairs[:first], *pairs[first + 1 :]], stop)
+            found = _out_by_pairs(ready, known.group, [pairs[first], *pairs[:first], *pairs[first + 1 :]], context)
             if found is not None:
                 return found
     return None
 
 
 def escape_by_known_pairs(
-    ready: Prepared, group: Ints, pairs: NamedPairs, passages: PassagesByGap, stop: Stop | None = None
+    ready: Prepared, group: Ints, pairs: NamedPairs, passages: PassagesByGap, context: Context = UNLIMITED
 ) -> EscapeByPairs | None:
     """The same by what led out at another gap; None where it does not at this one."""
     names, found = [ready.assembly.names[members[0]] for members in ready.bodies.members], []
@@ -113,15 +112,15 @@ def escape_by_known_pairs(
         if not set(pair) <= set(names):
             return None
         a, b = (names.index(name) for name in pair)
-        way = decisive_passage(ready, a, b, passages, stop)
+        way = decisive_passage(ready, a, b, passages, context)
         if way is None or way.path is None:
             return None
         found.append(RelativePath(a, b, way.pivot, way.path))
-    return _out_by_pairs(ready, group, found, stop)
+    return _out_by_pairs(ready, group, found, context)
 
 
 def _sets(
-    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None
+    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, context: Context
 ) -> Iterator[list[RelativePath]]:
     """The neighbours that each set of bodies tied together has to pass, sets with the fewest first."""
     bodies = ready.bodies
@@ -133,10 +132,10 @@ def _sets(
     for g in sorted(beside, key=lambda g: len(beside[g]))[:MAX_SETS]:
         found: list[RelativePath] = []
         for a, b in zip(near.a[beside[g]].tolist(), near.b[beside[g]].tolist(), strict=True):
-            if stop is not None and stop.is_set():
+            if context.stopped:
                 return
             look = decisive_passage if (a, b) in undecided else alone
-            way = look(ready, a, b, passages, stop)
+            way = look(ready, a, b, passages, context)
             if way is None:  # slides lead apart: it needs not be led
                 continue
             if way.path is None or len(found) == MAX_PASSAGES:
@@ -147,28 +146,28 @@ def _sets(
                 yield found
 
 
-def _out_by_pairs(ready: Prepared, group: Ints, pairs: list[RelativePath], stop: Stop | None) -> EscapeByPairs | None:
+def _out_by_pairs(ready: Prepared, group: Ints, pairs: list[RelativePath], context: Context) -> EscapeByPairs | None:
     """Bodies led past one neighbour after the other, each time the first of those left that they can be led past."""
     ground = int(np.flatnonzero(ready.bodies.fixed)[0])
     path, left, done = np.zeros((1, *ready.bodies.rest.shape)), list(pairs), []
     names = [ready.assembly.names[members[0]] for members in ready.bodies.members]
     while left:
         for one in left:
-            past = _past_neighbour(ready, path[-1], one, stop)
+            past = _past_neighbour(ready, path[-1], one, context)
             if past is not None:
                 break
         else:
             return None
         left.remove(one)
         done.append((names[one.a], names[one.b]))
-        out = escape_path(ready, ground, group, past, EXIT_TESTS, stop)
+        out = escape_path(ready, ground, group, past, EXIT_TESTS, context)
         if out is not None:
             return EscapeByPairs(np.concatenate([path, out[0][1:]]), out[1], tuple(done))
         path = np.concatenate([path, past[1:]])
     return None
 
 
-def _past_neighbour(ready: Prepared, motion: Floats, one: RelativePath, stop: Stop | None) -> Floats | None:
+def _past_neighbour(ready: Prepared, motion: Floats, one: RelativePath, context: Context) -> Floats | None:
     """Motions (k, n, 3) of all bodies on which one body passes another, from where all are on; None where others are in the way."""
     path = motion[None]
     back = RelativeSegment(one.a, one.b, one.pivot, _motion_past(ready, motion, one), one.path[0], free=False)
@@ -178,7 +177,7 @@ def _past_neighbour(ready: Prepared, motion: Floats, one: RelativePath, stop: St
     for segment in [back, *pieces]:
         last = segment is pieces[-1]
         most = BEYOND * ready.clearance if last else np.inf
-        found = follow(ready, ready.outlines, path[-1], segment, most, stop)
+        found = follow(ready, ready.outlines, path[-1], segment, most, context)
         path = np.concatenate([path, found.path[1:]])
         if found.share < 1 and not last:
             return None

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
-from wiggleroom.errors import Stop, WiggleroomError
+from wiggleroom.errors import WiggleroomError
 from wiggleroom.geometry.neighbours import neighbours
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
@@ -73,10 +74,9 @@ def search_for_escape(
     ground: int,
     group: Ints,
     nearly: list[TranslationEscape],
-    stop: Stop | None,
-    tell: Callable[[Progress], None],
     most: int = MAX_QUESTIONS,
     only_turns: bool = False,
+    context: Context = UNLIMITED,
 ) -> EscapeSearch:
     """Pull and turn every group in every direction, look for a straight escape path along each answer, and go on from new places.
 
@@ -89,15 +89,14 @@ def search_for_escape(
         Bodies of the same number are known not to leave each other.
     nearly : list of TranslationEscape
         Sets of bodies that are pulled as one first.
-    stop, tell
-        As for `flex`.
     most : int
         Questions asked at most.
     only_turns : bool
         True where it is known where slides lead: nobody is pulled alone, and from new places it does not go on.
+    context : Context, optional
     """
     bodies = ready.bodies
-    if stop is not None and stop.is_set():
+    if context.stopped:
         return EscapeSearch(None, None, False, False, 0, 0)
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
     places = [relative_pose(bodies, near.a, near.b)]
@@ -106,17 +105,17 @@ def search_for_escape(
     while waiting:
         start, before = waiting.popleft()
         for goals in _questions(ready, ground, group, nearly, only_turns):
-            if questions >= most or (stop is not None and stop.is_set()):
+            if questions >= most or context.stopped:
                 return EscapeSearch(None, None, False, False, questions, unanswered)
             questions += 1
-            tell(Progress("search", questions))
-            answer = answer_or_none(ready, goals, start, stop)
+            context.tell(Progress("search", questions))
+            answer = answer_or_none(ready, goals, start, context)
             if answer is None or answer.path != PathState.CHECKED:
                 unanswered += 1
                 continue
             unanswered += answer.verdict is Verdict.STOPPED
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
-            found = escape_path(ready, ground, group, motions, EXIT_TESTS, stop)
+            found = escape_path(ready, ground, group, motions, EXIT_TESTS, context)
             if found is not None:
                 return EscapeSearch(*found, True, False, questions, unanswered, (*before, goals))
             if only_turns:
@@ -129,40 +128,35 @@ def search_for_escape(
 
 
 def escape_by_goals(
-    ready: Prepared, ground: int, group: Ints, asked: GoalSequence, stop: Stop | None
+    ready: Prepared, ground: int, group: Ints, asked: GoalSequence, context: Context
 ) -> tuple[Floats, TranslationEscape] | None:
     """The path (k, n, 3) on which bodies leave when goals are asked one after the other, as at another gap; None where they do not."""
     answer: Answer | None = None
     for goals in asked:
-        answer = answer_or_none(ready, goals, answer, stop)
+        answer = answer_or_none(ready, goals, answer, context)
         if answer is None or answer.path != PathState.CHECKED:
             return None
     if answer is None:
         return None
     motions = of_bodies(ready.assembly, ready.bodies, answer.waypoints)
-    return escape_path(ready, ground, group, motions, EXIT_TESTS, stop)
+    return escape_path(ready, ground, group, motions, EXIT_TESTS, context)
 
 
-def answer_or_none(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
+def answer_or_none(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, context: Context) -> Answer | None:
     """The answer to one question, or None where the engine gave up."""
     try:
-        return witness(ready, goals, start=start, periods=False, stop=stop)
+        return witness(ready, goals, start=start, periods=False, stop=context.stop)
     except WiggleroomError:
         return None
 
 
 def escape_path(
-    ready: Prepared,
-    ground: int,
-    group: Ints,
-    motions: Floats,
-    looks: int | None = None,
-    stop: Stop | None = None,
+    ready: Prepared, ground: int, group: Ints, motions: Floats, looks: int | None = None, context: Context = UNLIMITED
 ) -> tuple[Floats, TranslationEscape] | None:
     """Return the path (k, n, 3) up to where bodies leave straight; `looks` of its waypoints are looked at, or all."""
     last = len(motions) - 1
     for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
-        found = translation_escape(ready.bodies, motions[k], ground, ready.ignored, ready.size, group, stop)
+        found = translation_escape(ready, motions[k], ground, group, context)
         if found is not None:
             return motions[: k + 1], found
     return None

@@ -3,40 +3,36 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.disassembly_sequence import Departure, Disassembly, disassemble
-from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
+from wiggleroom.disassembly.escape_effort import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
+from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
+from wiggleroom.errors import InputError, TouchingError, WiggleroomError
 from wiggleroom.form_closure.closure_bound import ClosureBound, closure_bound
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.maximise import witness
 from wiggleroom.search.prepare_walls import prepare_walls
-from wiggleroom.search.progress import Progress, silent
 from wiggleroom.verdict import Certainty, PathState, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-
-SAME_AREA = 1e-6
-"""Parts as drawn whose areas differ by less than this share are equally large."""
 TRIAL_GAPS = 1e-4, 4e-6
 """Gaps, as shares of the drawing's size, with which parts that touch at rest are looked at: the next where they come apart with one."""
 BOUND_WORK, BOUND_WORK_PER_PART = 1000.0, 50.0
@@ -48,12 +44,11 @@ REFINED_SHARE = 0.1
 def check(
     assembly: Assembly,
     *,
-    stop: Stop | None = None,
-    progress: Callable[[Progress], None] | None = None,
     boxes: int = BOXES_FOR_ONE_BODY,
     questions: int = MAX_QUESTIONS,
     every: bool = True,
     seconds: float | None = None,
+    context: Context = UNLIMITED,
 ) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
 
@@ -62,10 +57,6 @@ def check(
     Parameters
     ----------
     assembly : Assembly
-    stop : optional
-        Anything with `is_set()`, for example a `threading.Event`; the verdict is then "unknown" unless a path apart is known already.
-    progress : callable, optional
-        Told a `Progress` now and then.
     boxes : int
         Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
     questions : int
@@ -73,7 +64,8 @@ def check(
     every : bool
         False: the first parts that leave are enough; what of the others is not asked, nor what turns in place.
     seconds : float, optional
-        Time that it may take; then the verdict is what is known so far, as after `stop`.
+        Time that it may take; then the verdict is what is known so far, as after a request to stop.
+    context : Context, optional
 
     Raises
     ------
@@ -98,24 +90,22 @@ def check(
         if not 0 < seconds < np.inf:
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
-        stop = Deadline(seconds, stop)
-    return interlock(assembly, EscapeEffort(boxes, questions), every=every, stop=stop, tell=progress or silent)
+        context = context.with_stop(Deadline(seconds, context.stop))
+    return interlock(assembly, EscapeEffort(boxes, questions), every=every, context=context)
 
 
-def interlock(
-    assembly: Assembly, effort: EscapeEffort, *, every: bool, stop: Stop | None, tell: Callable[[Progress], None]
-) -> Interlock:
+def interlock(assembly: Assembly, effort: EscapeEffort, *, every: bool, context: Context) -> Interlock:
     """The verdict of `check`, with all that its search may use."""
     began = time.perf_counter()
     standing = with_ground(assembly)
     try:
-        done = disassemble(standing, effort=effort, every=every, stop=stop, tell=tell)
+        done = disassemble(standing, effort=effort, every=every, context=context)
     except TouchingError as why:
         if why.clearance < 0:
             raise
-        return _tight(assembly, standing, effort, every, stop, tell)
+        return _tight(assembly, standing, effort, every, context)
     escapes, stage = _escapes(standing, done), done.last
-    spins = _spins(done.left, stage.held, stop) if every else ()
+    spins = _spins(done.left, stage.held, context) if every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
     at_most = None
     if verdict is Separability.INTERLOCKED and every and done.around is not None:
@@ -123,7 +113,7 @@ def interlock(
             done.around.far.max()
         )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
         work = BOUND_WORK + BOUND_WORK_PER_PART * len(done.left.names)
-        found = furthest(done.left, work if np.isinf(whole) else REFINED_SHARE * work, stop)
+        found = furthest(done.left, work if np.isinf(whole) else REFINED_SHARE * work, context.stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
     held = stage.ended is Separability.INTERLOCKED and not bodies(done.left).fixed.all()
     return Interlock(
@@ -187,17 +177,10 @@ def _without_standstill(path: Floats) -> Floats:
     return path[keep]
 
 
-def _tight(
-    assembly: Assembly,
-    left: Assembly,
-    effort: EscapeEffort,
-    every: bool,
-    stop: Stop | None,
-    tell: Callable[[Progress], None],
-) -> Interlock:
+def _tight(assembly: Assembly, left: Assembly, effort: EscapeEffort, every: bool, context: Context) -> Interlock:
     """The same for parts that touch at rest."""
     began = time.perf_counter()
-    known = closure_bound(left, stop)
+    known = closure_bound(left, context)
     if known.all_locked:
         # a curve drawn tight may turn where the polygon that stands for it does not
         exact = Path(assembly.drawing.source).suffix.lower() in ("", ".json")
@@ -210,7 +193,7 @@ def _tight(
     for share in TRIAL_GAPS:
         try:
             loose = _loosened(left, known, share * left.size)
-            looked = interlock(loose, replace(effort, passages=PassagesByGap()), every=every, stop=stop, tell=tell)
+            looked = interlock(loose, replace(effort, passages=PassagesByGap()), every=every, context=context)
         except InputError:  # what is thinner than the little gap is not there with it, so nothing is known
             continue
         # what a smaller gap leaves open is no reason to doubt the path of a larger one; that it holds is
@@ -241,35 +224,21 @@ def _loosened(assembly: Assembly, known: ClosureBound, gap: float) -> Assembly:
     return assemble(replace(drawing, glue=(*drawing.glue, *(g for g in glue if len(g) > 1)), flattening=None), gap=gap)
 
 
-def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]:
+def _spins(assembly: Assembly, held: Ints, context: Context) -> tuple[str, ...]:
     """Names of the parts that turn in place without limit."""
     if not len(held) or (held == held[0]).all():
         return ()
     try:
-        ready = prepare_walls(assembly, stop=stop)
+        ready = prepare_walls(assembly, stop=context.stop)
     except WiggleroomError:
         return ()
     them, names = ready.bodies, assembly.names
     found: set[str] = set()
     for b in np.flatnonzero(held != held[int(np.flatnonzero(them.fixed)[0])]):
         name = names[them.members[b][0]]
-        if name in found or (stop is not None and stop.is_set()):
+        if name in found or context.stopped:
             continue
-        answer = witness(ready, Turn(name), stop=stop)
+        answer = witness(ready, Turn(name), stop=context.stop)
         if answer.path == PathState.CHECKED:
             found |= set(answer.turns)
     return tuple(n for n in names if n in found)
-
-
-def with_ground(assembly: Assembly) -> Assembly:
-    """The assembly with something that stands: where nothing is fixed the largest part, of equal ones the first, at every gap the same."""
-    if any(p.fixed for p in assembly.parts):
-        return assembly
-    area = [sum(shapely.Polygon(r.outer, r.holes).area for r in p.regions) for p in assembly.drawing.parts]
-    largest = int(np.argmax(np.array(area) >= (1 - SAME_AREA) * max(area, default=0.0)))
-    parts = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.parts))
-    if len(parts) < 2:
-        finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; draw at least two"
-        raise InputError(finding)
-    drawn = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.drawing.parts))
-    return replace(assembly, parts=parts, drawing=replace(assembly.drawing, parts=drawn))

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import AnyAssembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Displayable, Drawable
 from wiggleroom.verdict import Certainty, Separability
 
@@ -32,12 +31,12 @@ class Escape(Displayable):
 
 
 @dataclass(frozen=True, eq=False)
-class Interlock(Drawable, Generic[AnyAssembly]):
+class Interlock(Drawable):
     """Whether an assembly comes apart, and how sure that is.
 
     Parameters
     ----------
-    assembly : Assembly or SpatialAssembly
+    assembly : Assembly
     verdict : Separability
     certainty : Certainty
         A path apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
@@ -45,7 +44,7 @@ class Interlock(Drawable, Generic[AnyAssembly]):
     escapes : tuple of Escape
         In the order in which they leave.
     spins : tuple of names
-        Parts that turn in place without limit; not looked for in space.
+        Parts that turn in place without limit.
     remains : tuple of names
         Parts that are left where nothing more was found to leave; none where only what stands is left.
     questions : int
@@ -65,7 +64,7 @@ class Interlock(Drawable, Generic[AnyAssembly]):
         none, and in space.
     """
 
-    assembly: AnyAssembly
+    assembly: Assembly
     verdict: Separability
     certainty: Certainty
     escapes: tuple[Escape, ...] = ()

@@ -9,13 +9,13 @@ from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.escape import EscapeEffort
+from wiggleroom.disassembly.escape_effort import EscapeEffort
 from wiggleroom.disassembly.interlock import interlock
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.displayable import Drawable
-from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
-from wiggleroom.search.progress import Progress, silent
+from wiggleroom.errors import InputError, StoppedError, TouchingError
 from wiggleroom.verdict import Separability
 
 RELATIVE_TOLERANCE = 1e-3
@@ -51,13 +51,7 @@ class LargestGap(Drawable):
     apart: Any
 
 
-def largest_gap(
-    assembly: Assembly,
-    *,
-    stop: Stop | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    seconds: float | None = None,
-) -> LargestGap:
+def largest_gap(assembly: Assembly, *, seconds: float | None = None, context: Context = UNLIMITED) -> LargestGap:
     """The gap of the whole assembly at which it comes apart, to 0.1 %.
 
     Parts only get smaller as the gap grows, so a path apart stays a path apart, and bisection finds the border. Gaps of single joints and
@@ -67,10 +61,9 @@ def largest_gap(
     ----------
     assembly : Assembly
         Its own gap is where the search begins.
-    stop, progress
-        As for `check`.
     seconds : float, optional
         Time that it may take; then both sides are those that are known so far.
+    context : Context, optional
 
     Raises
     ------
@@ -88,7 +81,7 @@ def largest_gap(
         if not 0 < seconds < float("inf"):
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
-        stop = Deadline(seconds, stop)
+        context = context.with_stop(Deadline(seconds, context.stop))
 
     effort = EscapeEffort(BOXES_PER_GAP, QUESTIONS_PER_GAP)
 
@@ -98,20 +91,17 @@ def largest_gap(
     def look(made: Assembly) -> Interlock:
         # no path was found at a larger gap, where there is more room: only a proof can decide it here
         enough = proof_alone if any(made.gap < gap for gap in undecided) else effort
-        found = interlock(made, enough, every=False, stop=stop, tell=progress or silent)
+        found = interlock(made, enough, every=False, context=context)
         if found.verdict is Separability.UNKNOWN:
             undecided.append(made.gap)
         return found
 
     drawing = assembly.drawing
-    return largest_gap_over(assembly, lambda gap: assemble(drawing, gap=gap), look, stop)
+    return largest_gap_over(assembly, lambda gap: assemble(drawing, gap=gap), look, context)
 
 
 def largest_gap_over(
-    assembly: Any,
-    make: Callable[[float], Any],
-    look: Callable[[Any], Any],
-    stop: Stop | None,
+    assembly: Any, make: Callable[[float], Any], look: Callable[[Any], Any], context: Context
 ) -> LargestGap:
     """The same of any assembly: `make` gives it with another gap, `look` whether that comes apart.
 
@@ -125,7 +115,7 @@ def largest_gap_over(
     def at(gap: float) -> str:
         """The verdict at a gap; "gone" where no parts are left at it, "unknown" where they touch."""
         if gap not in tried:
-            go_on(stop)
+            context.go_on()
             try:
                 made = make(gap)
             except InputError:
@@ -136,7 +126,7 @@ def largest_gap_over(
             except TouchingError:
                 return "unknown"
             if verdict.verdict is Separability.UNKNOWN:
-                go_on(stop)  # a check that was cut short says nothing about its gap
+                context.go_on()  # a check that was cut short says nothing about its gap
             tried[gap] = verdict
         found = tried[gap]
         return "gone" if found is None else str(found.verdict)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.context import Context
 from wiggleroom.freespace.subdivision.passage import Passage
 from wiggleroom.search.prepare import Prepared
 
@@ -33,7 +33,7 @@ class PassagesByGap:
     _undecided: dict[tuple[Sides, int], list[tuple[float, Passage]]] = field(default_factory=dict)
 
     def look(
-        self, ready: Prepared, a: Ints, b: Ints, most: int, passage: Callable[[], Passage | None], stop: Stop | None
+        self, ready: Prepared, a: Ints, b: Ints, most: int, passage: Callable[[], Passage | None], context: Context
     ) -> Passage | None:
         """The passage of bodies `b` out of bodies `a`, by `passage` with `most` boxes where it is not known; None: slides lead apart."""
         gap, how = ready.assembly.gap, ready.assembly.drawing.flattening
@@ -51,7 +51,7 @@ class PassagesByGap:
             self._open[key] = gap, found
         elif found.closed:
             (self._held if found.held else self._closed)[key] = gap, found
-        elif stop is None or not stop.is_set():
+        elif not context.stopped:
             seen.append((gap, found))
         return found
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.audit_outlines import AuditOutlines
 from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.errors import Stop
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.near_corners import corners_near_edges
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
@@ -111,7 +111,7 @@ def follow(
     motion: Floats,
     segment: RelativeSegment,
     most: float = np.inf,
-    stop: Stop | None = None,
+    context: Context = UNLIMITED,
 ) -> FollowedPath:
     """RelativeSegment a body along a piece for as far as all others can make room.
 
@@ -125,15 +125,14 @@ def follow(
     segment : RelativeSegment
     most : float [mm]
         It need not get further along the piece.
-    stop : optional
-        Asked before every step.
+    context : Context, optional
     """
     bodies, clearance = ready.bodies, ready.clearance
     length = max(segment.length(bodies), 1e-12 * ready.size)
     last = min(1.0, most / length)
     path, t, slow, trust = [motion[None]], 0.0, 0, TRUST * clearance
     for _ in range(MAX_STEPS):
-        if t >= last or slow == MAX_SLOW or (stop is not None and stop.is_set()):
+        if t >= last or slow == MAX_SLOW or context.stopped:
             break
         change, further = _step(ready, motion, segment, t, trust, last)
         further = last if last - further < 1e-9 else further

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Part
-from wiggleroom.geometry.bodies import Ints
+
+Ints = NDArray[np.int64]
 
 
 def without_parts(assembly: Assembly, who: Ints) -> Assembly:
-    """The assembly as made, without the parts `who` (k,).
+    """The assembly as made, without the parts `who` (k,); it asks for nothing, and joints have no gaps of their own to apply.
 
     Examples
     --------

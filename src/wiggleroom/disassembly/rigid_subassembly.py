@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.audit_outlines import outlines
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.enclosure import cages
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import about, of_parts
@@ -49,7 +49,7 @@ class RigidEscape:
 
 
 def leaves_as_one(
-    ready: Prepared, who: Ints, most: int, passages: PassagesByGap, stop: Stop | None = None
+    ready: Prepared, who: Ints, most: int, passages: PassagesByGap, context: Context = UNLIMITED
 ) -> RigidEscape:
     """Look for a path on which the bodies `who` leave as one, the others staying where they are.
 
@@ -61,8 +61,7 @@ def leaves_as_one(
         Boxes judged at most.
     passages : PassagesByGap
         Those known from other gaps; what is found is added.
-    stop : optional
-        Asked now and then.
+    context : Context, optional
     """
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     geometry = placed(bodies)
@@ -72,9 +71,11 @@ def leaves_as_one(
         return RigidEscape(False, False, None)
 
     def look() -> Passage:
-        return passage_or_enclosure(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most, stop)
+        return passage_or_enclosure(
+            shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most, context
+        )
 
-    found = passages.look(ready, others, who, most, look, stop)
+    found = passages.look(ready, others, who, most, look, context)
     if found is None:  # slides of a pair lead apart: with other boxes the path is found here
         found = look()
     if found.path is None:
@@ -90,13 +91,13 @@ def leaves_as_one(
     return RigidEscape(False, False, None)
 
 
-def passage_or_enclosure(a: shapely.Geometry, b: shapely.Geometry, most: int, stop: Stop | None) -> Passage:
+def passage_or_enclosure(a: shapely.Geometry, b: shapely.Geometry, most: int, context: Context) -> Passage:
     """The passage of `b` out of `a` by boxes of motions; by few of them where one has a head that is too thick for the other's mouth.
 
     What the boxes still tell then is whether it turns half round.
     """
     closed = cages(a, b) or cages(b, a)
-    found = passage(a, b, most=min(most, BOXES_FOR_ENCLOSED) if closed else most, stop=stop)
+    found = passage(a, b, most=min(most, BOXES_FOR_ENCLOSED) if closed else most, stop=context.stop)
     return replace(found, closed=True) if closed else found
 
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.context import Context
 from wiggleroom.disassembly.slide_space import Slide, SlideSpace
 from wiggleroom.disassembly.turn_space import MIN_TILT, LocalTurn, TurnSpace
 from wiggleroom.disassembly.turn_space import WORK_BUDGET as TURN_BUDGET
-from wiggleroom.errors import Stop, StoppedError
+from wiggleroom.errors import StoppedError
 from wiggleroom.search.progress import Progress
 from wiggleroom.search.state_tree import StateTree
 
@@ -115,10 +115,9 @@ def slide_search(
     motion: Floats,
     targets: Ints,
     *,
-    stop: Stop | None = None,
-    tell: Callable[[Progress], None],
     budget: float = WORK_BUDGET,
     turn_budget: float = TURN_BUDGET,
+    context: Context,
 ) -> SlideSearch:
     """Visit all states that slides lead to, those of the fewest slides first, until something leaves; then those that turns lead to.
 
@@ -129,20 +128,19 @@ def slide_search(
         Where all bodies are to begin with.
     targets : (k,) int64
         Bodies one of which is to leave; what else leaves is taken only where these do not. None: whatever leaves first.
-    stop, tell
-        As for `flex`.
     budget, turn_budget : float
         Work at most, on slides and on turns.
+    context : Context
     """
     turns = TurnSpace(space, targets)
-    search = _BreadthFirst(space, turns, motion, targets, stop, tell, budget)
+    search = _BreadthFirst(space, turns, motion, targets, budget, context)
     whole = search.slide()
     if search.path is not None or not whole:
         return search.result(whole)
     # no slide leads out: bodies are turned in every state, and slide on from where that leads
     turned, tilts = 0, dict[int, tuple[float, int, LocalTurn]]()
     while turned < len(search.tree.states):
-        if turns.work > turn_budget or (stop is not None and stop.is_set()):
+        if turns.work > turn_budget or context.stopped:
             whole = False
             break
         state = search.tree.states[turned].motion
@@ -172,16 +170,9 @@ class _BreadthFirst:
     """The tree of states and those that wait to be gone on from."""
 
     def __init__(
-        self,
-        space: SlideSpace,
-        turns: TurnSpace,
-        motion: Floats,
-        targets: Ints,
-        stop: Stop | None,
-        tell: Callable[[Progress], None],
-        budget: float,
+        self, space: SlideSpace, turns: TurnSpace, motion: Floats, targets: Ints, budget: float, context: Context
     ) -> None:
-        self.space, self.targets, self.stop, self.tell = space, targets, stop, tell
+        self.space, self.targets, self._context = space, targets, context
         self.tree: StateTree[Slide | LocalTurn | None] = StateTree(space.bodies.radius, space.clearance)
         self.path: SlidePath | None = None
         self._key = _Canonical(space, turns.kind, turns.order).key
@@ -202,14 +193,14 @@ class _BreadthFirst:
         """Go on from all that wait until something leaves; False where the work, or the time, was over before."""
         while self._waiting:
             if len(self.tree.states) % TELL_EVERY == 0:
-                self.tell(Progress("slides", len(self.tree.states)))
+                self._context.tell(Progress("slides", len(self.tree.states)))
             spent = self.space.work - self._begin + STATE_WORK * len(self.tree.states)
-            if spent > self._budget or (self.stop is not None and self.stop.is_set()):
+            if spent > self._budget or self._context.stopped:
                 return False
             here = self._waiting.popleft()
             state = self.tree.states[here].motion
             try:
-                found = self.space.slides(state, self.stop)
+                found = self.space.slides(state, self._context)
             except StoppedError:
                 return False
             leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))

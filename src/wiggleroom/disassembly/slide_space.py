@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.slide_moves import MAX_STOPS, alignments, all_levels, slide_distances, slides
-from wiggleroom.errors import Stop, go_on
 from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.neighbours import ignored_matrix
 
@@ -97,7 +97,7 @@ class SlideSpace:
         """True where every stop lies on a lattice, so that there are finitely many states, all of which can be visited."""
         return bool((self.units > 0).all())
 
-    def slides(self, motion: Floats, stop: Stop | None = None) -> list[Slide]:
+    def slides(self, motion: Floats, context: Context = UNLIMITED) -> list[Slide]:
         """Slides from a state, and what leaves from it, with a length of infinity.
 
         Raises
@@ -110,19 +110,19 @@ class SlideSpace:
         pose = bodies.rest + motion
         outlines = shapes.corner, shapes.after, shapes.first, bodies.shape, pose
         for k0, k1 in _blocks(d, STOP_CHECK_PAIRS // n**2):
-            go_on(stop)
+            context.go_on()
             self.work += slide_distances(
                 *outlines, self.there, self.directions[k0:k1], self.ignored, MARGIN * self.clearance, self._distance[k0:k1]
             )  # fmt: skip
         count = 0
         for i0, i1 in _blocks(d * n, STOP_CHECK_PAIRS // (MAX_STOPS * n)):
-            go_on(stop)
+            context.go_on()
             alignments(
                 i0, i1, *outlines, bodies.fixed, self.there, self.directions, self.units, self.clearance, self._distance,
                 self._stops, self._count,
             )  # fmt: skip
         for i0, i1 in _blocks(d * n, STOP_CHECK_PAIRS // (MAX_STOPS * n**2)):
-            go_on(stop)
+            context.go_on()
             count = slides(
                 i0, i1, self._distance, bodies.fixed, self.there, self._stops, self._count, self.units, self.clearance,
                 3 * self.size, self._who, self._along, self._length, count,

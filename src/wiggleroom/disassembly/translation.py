@@ -13,12 +13,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.compare.approximate import Approximation
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.freespace.translations import OVERLAP_NOISE, edges_of_all, translation_directions
-from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import ignored_matrix
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.translation_blocking import leaving
+from wiggleroom.search.prepare import Prepared, Survey
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -33,61 +34,48 @@ class TranslationEscape:
 
 
 def translation_escape(
-    bodies: Bodies,
-    motion: Floats,
-    ground: int,
-    ignored: Ints,
-    size: float,
-    group: Ints,
-    stop: Stop | None = None,
+    ready: Survey | Prepared | Approximation, motion: Floats, ground: int, group: Ints, context: Context = UNLIMITED
 ) -> TranslationEscape | None:
     """The smallest set of bodies that leaves straight from where all are now, or None; parameters as for `translation_escapes`."""
-    found = translation_escapes(bodies, motion, ground, ignored, size, group, stop=stop)
+    found = translation_escapes(ready, motion, ground, group, context=context)
     return min(found, key=lambda e: len(e.who), default=None)
 
 
 def translation_escapes(
-    bodies: Bodies,
+    ready: Survey | Prepared | Approximation,
     motion: Floats,
     ground: int,
-    ignored: Ints,
-    size: float,
     group: Ints,
     thinner: float = 0.0,
-    stop: Stop | None = None,
+    context: Context = UNLIMITED,
 ) -> list[TranslationEscape]:
     """Sets of bodies that leave straight from where all are now, the smallest one of every direction.
 
     Parameters
     ----------
-    bodies : Bodies
+    ready : Survey, Prepared or Approximation
     motion : (n, 3) float64 [mm, mm, rad]
         Where they are.
     ground : int
         The fixed body; all that are fixed belong to its group.
-    ignored : (k,) int64
-        Keys a * n + b of pairs that never collide.
-    size : float [mm]
-        Of the drawing.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
     thinner : float [mm]
         As if every outline lay further inward by this: who would leave if there were a little more room.
-    stop : optional
-        Asked before every direction; then those found so far are given.
+    context : Context, optional
     """
-    n = len(bodies.fixed)
-    geometry = placed(bodies, motion)
+    n, size = len(ready.bodies.fixed), ready.size
+    geometry = placed(ready.bodies, motion)
     near = _near(geometry, size)
     if thinner > 0:
         geometry = shapely.buffer(geometry, -thinner, join_style="mitre")
     edges, first = edges_of_all(geometry)
     group = np.unique(group, return_inverse=True)[1].ravel()
-    never = ignored_matrix(ignored, n)
+    never = ignored_matrix(ready.ignored, n)
     found: list[TranslationEscape] = []
     who = np.zeros(n, dtype=np.bool_)
     for d in translation_directions(edges):
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
         if leaving(edges, first, d, near, never, group, ground, size * OVERLAP_NOISE, who):
             found.append(TranslationEscape(np.flatnonzero(who), d))

@@ -1,16 +1,26 @@
-"""What a file says, in millimetres and radians, before anything is worked out from it."""
+"""Parts, drawings and goals, in the plane and in space: what a file says, in millimetres and radians."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Vector = tuple[float, ...]
 """A point or a direction: two numbers in the plane, three in space."""
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+"""Freedoms of a part in space, in order: moves along and turns about the axes of the world."""
+UNTURNED = np.eye(3)
+"""Orientation of a part whose own axes are those of the world."""
+UNTURNED.flags.writeable = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +40,91 @@ class Region:
 
 
 @dataclass(frozen=True, eq=False)
+class Plate:
+    """Outlines in the plane z = 0 of the part's own frame, thick towards +z [mm]."""
+
+    regions: tuple[Region, ...]
+    thickness: float
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """Union of axis-aligned boxes (k, 2, 3) [mm] in the part's own frame."""
+
+    boxes: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Closed surface of triangles, outward: vertices (v, 3) [mm] and faces (f, 3)."""
+
+    vertices: Floats
+    faces: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexPiece:
+    """A convex polytope in the frame of its part.
+
+    Parameters
+    ----------
+    corners : (k, 3) float64 [mm]
+    normals : (f, 3) float64
+        Outward unit normals of the faces; of two opposite ones only the first.
+    edges : (e, 3) float64
+        Unit directions of the edges, parallel ones once.
+    """
+
+    corners: Floats
+    normals: Floats
+    edges: Floats
+
+    def placed(self, R: Floats, T: Floats | Vector) -> ConvexPiece:
+        """The same piece turned by R (3, 3), then moved by T (3,) [mm]."""
+        turned = np.ascontiguousarray(R.T)
+        return ConvexPiece(
+            np.ascontiguousarray(self.corners @ turned + T),
+            np.ascontiguousarray(self.normals @ turned),
+            np.ascontiguousarray(self.edges @ turned),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class MadeSolid:
+    """A solid as it is made, in the part's own frame.
+
+    Parameters
+    ----------
+    pieces : tuple of ConvexPiece
+        Convex pieces that may overlap; their union is the solid.
+    surface : Surface
+        Its boundary.
+    volume : float [mm3]
+        As drawn.
+    centroid : (3,) float64 [mm]
+        As drawn: the reference point.
+    steps : (k, 4) float64
+        Planes, by unit normal and offset [mm], of steps that end a joint's own gap inside a face: no gap moves them.
+    overshoot : float [mm]
+        By how much the pieces, which then contain the solid, are larger at most than it is made; 0 where they make it up.
+    mostly : float [mm]
+        The same on 95 % of the surface.
+    """
+
+    pieces: tuple[ConvexPiece, ...]
+    surface: Surface
+    volume: float
+    centroid: Floats
+    steps: Floats = field(default_factory=lambda: np.zeros((0, 4)))
+    overshoot: float = 0.0
+    mostly: float = 0.0
+
+
+Solid = Plate | Boxes | Surface
+"""Material of a part in space, as drawn."""
+
+
+@dataclass(frozen=True, eq=False)
 class Part:
     """One rigid part: its material in a frame of its own, and where that frame lies.
 
@@ -38,26 +133,43 @@ class Part:
     name : str
         Unique in its drawing.
     regions : tuple of Region [mm]
-        Material in the part's own frame, whose origin is the reference point.
-    at : (x, y, angle) [mm, mm, rad]
-        Rest pose: the material turns by `angle` about its origin, then moves by (x, y).
+        In the plane: material in the part's own frame, whose origin is the reference point.
+    at : (x, y, angle) [mm, mm, rad], in space (x, y, z) [mm]
+        Rest pose: the material turns by `angle`, in space by `R`, about its origin, then moves by (x, y) or (x, y, z).
     fixed : bool
         True where the part does not move.
     offset : float [mm]
-        Extra outward displacement of this part's boundary (negative: smaller, looser).
+        Extra outward displacement of this part's boundary (negative: smaller, looser); of a plate in space of its cut edges.
     aliases : tuple of str
         What else a drawing calls it, such as its id beside a label; a question may use these too.
     outline_offsets : tuple of float [mm]
         Extra offsets of single outlines, counted through the outer outlines, each followed by its holes; none where it is empty.
+    solid : Plate, Boxes, Surface or MadeSolid, optional
+        In space: material in the part's own frame, a `MadeSolid` where the part is as made.
+    R : (3, 3) float64
+        In space: orientation at rest.
+    lock : frozenset of str
+        In space: freedoms among `AXES` that the part has not.
+    density : float
+        In space: weight of a cubic millimetre, for `--weight`.
     """
 
     name: str
-    regions: tuple[Region, ...]
+    regions: tuple[Region, ...] = ()
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     fixed: bool = False
     offset: float = 0.0
     aliases: tuple[str, ...] = ()
     outline_offsets: tuple[float, ...] = ()
+    solid: Solid | MadeSolid | None = None
+    R: Floats = field(default_factory=lambda: UNTURNED)
+    lock: frozenset[str] = frozenset()
+    density: float = 1.0
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return 2 if self.solid is None else 3
 
 
 @dataclass(frozen=True)
@@ -81,15 +193,16 @@ class Tolerance:
         joint's gap wider (plus) or narrower (minus).
     nominal : float or None [mm]
         Where it should lie: a part's offset, a joint's gap, an outline's own offset. None: as the drawing has it.
-    outline : int or None
-        Of a part: this outline alone, counted from 1 through its outer outlines, each followed by its holes.
+    outline : int, "thickness" or None
+        Of a part: this outline alone, counted from 1 through its outer outlines, each followed by its holes; or the thickness of a plate,
+        whose middle stays where it is.
     """
 
     parts: tuple[str] | tuple[str, str]
     plus: float
     minus: float
     nominal: float | None = None
-    outline: int | None = None
+    outline: int | Literal["thickness"] | None = None
 
 
 @dataclass(frozen=True)
@@ -243,7 +356,7 @@ class Drawing:
         Parts that never collide.
     gaps : tuple of JointGap
         Joints with a gap of their own.
-    goals : tuple of Pull, Turn, W, Towards, Translation or Closer
+    goals : tuple of Pull, Turn, W, Towards, Translation, Closer or Weight
         What is asked; several add up.
     source : str
         The file's name, for messages.
@@ -265,3 +378,8 @@ class Drawing:
     notes: tuple[str, ...] = ()
     tolerances: tuple[Tolerance, ...] = ()
     flattening: Flattening | None = None
+
+    @cached_property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space, as its parts are."""
+        return max((part.dimension for part in self.parts), default=2)

@@ -227,6 +227,15 @@ def _svg_in_place(
     return svg_in_place(load(path, opening="<", name="drawing"), drawn, made, error, unit, options)
 
 
+def _lightburn_in_place(
+    path: Path, drawn: Sequence[Part], made: Sequence[Part], error: float, unit: str | None, options: ReadOptions
+) -> str:
+    from wiggleroom.drawing.readers.source import load
+    from wiggleroom.drawing.writers.lightburn_in_place import lightburn_in_place
+
+    return lightburn_in_place(load(path, opening="<", name="drawing"), drawn, made, error, unit, options)
+
+
 def _dxf_in_place(
     path: Path, drawn: Sequence[Part], made: Sequence[Part], error: float, unit: str | None, options: ReadOptions
 ) -> str:
@@ -237,8 +246,9 @@ def _dxf_in_place(
 
 def _write_assembly(drawing: Drawing, _: Sequence[Label] | None) -> str:
     from wiggleroom.drawing.writers.assembly_writer import write_assembly
+    from wiggleroom.drawing.writers.boxes_writer import write_boxes
 
-    return write_assembly(drawing)
+    return write_boxes(drawing) if any(part.solid is not None for part in drawing.parts) else write_assembly(drawing)
 
 
 READERS: dict[str, Reader] = {
@@ -252,4 +262,5 @@ WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg, ".dx
 IN_PLACE: dict[str, Callable[[Path, Sequence[Part], Sequence[Part], float, str | None, ReadOptions], str]] = {
     ".svg": _svg_in_place,
     ".dxf": _dxf_in_place,
+    ".lbrn2": _lightburn_in_place,
 }

@@ -22,7 +22,6 @@ from scipy.sparse import csgraph
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.point_contacts import ANGLE_TOLERANCE, PointContacts, point_contacts
-from wiggleroom.geometry.blocking import unblocked
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -146,3 +145,24 @@ def _key(components: Ints, ground: int) -> int:
     if len(keys) == components.shape[1]:
         return -1
     return next((int(k) for k in keys if k != ground), int(keys[0]) if len(keys) else -1)
+
+
+def unblocked(tail: Ints, head: Ints, label: Ints, ground: int) -> Ints:
+    """Strongly connected components that can move alone: no arc leads out of them, and the ground is not among them.
+
+    Parameters
+    ----------
+    tail, head : (m,) int64
+        Arcs of the graph, from and to nodes.
+    label : (n,) int64
+        Component of every node.
+    ground : int
+        The node of the fixed bodies.
+
+    Examples
+    --------
+    >>> unblocked(np.array([1, 2]), np.array([0, 1]), np.array([0, 1, 2]), ground=2)  # 2 stops at 1, 1 at 0
+    array([0])
+    """
+    between = label[tail] != label[head]
+    return np.setdiff1d(label, np.append(label[tail[between]], label[ground]))

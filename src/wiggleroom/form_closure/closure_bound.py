@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.errors import Stop
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.form_closure.finite_contacts import FiniteContacts, finite_contacts
 
 if TYPE_CHECKING:
@@ -63,15 +63,14 @@ class ClosureBound:
         return bool((self.group == self.group[0]).all())
 
 
-def closure_bound(assembly: Assembly, stop: Stop | None = None) -> ClosureBound:
+def closure_bound(assembly: Assembly, context: Context = UNLIMITED) -> ClosureBound:
     """Find the bodies that contacts lock: pairs first, then what these have become, in the end all at once.
 
     Parameters
     ----------
     assembly : Assembly
         As made; contacts with a gap of next to nothing count with it.
-    stop : optional
-        Asked before every look.
+    context : Context, optional
 
     Examples
     --------
@@ -86,25 +85,21 @@ def closure_bound(assembly: Assembly, stop: Stop | None = None) -> ClosureBound:
     group, far = np.arange(contacts.count), np.zeros(contacts.count)
     known: dict[bytes, Floats | None] = {}
     again = True
-    while again and not _over(stop):
+    while again and not context.stopped:
         again = False
         for a, b in _touching_groups(contacts, group):
-            if _over(stop):
+            if context.stopped:
                 break
             pair = np.unique(group[[a, b]])
-            if len(pair) == 2 and (moved := _locked(contacts, group, far, pair, known, stop)) is not None:
+            if len(pair) == 2 and (moved := _locked(contacts, group, far, pair, known, context)) is not None:
                 group, far = _joined(group, moved, pair, contacts.ground)
                 again = True
     every = np.unique(group)
-    if 2 < len(every) <= MAX_AT_ONCE and not _over(stop):
-        moved = _locked(contacts, group, far, every, {}, stop)
+    if 2 < len(every) <= MAX_AT_ONCE and not context.stopped:
+        moved = _locked(contacts, group, far, every, {}, context)
         if moved is not None:
             group, far = _joined(group, moved, every, contacts.ground)
     return ClosureBound(group, far, contacts.body_of)
-
-
-def _over(stop: Stop | None) -> bool:
-    return stop is not None and stop.is_set()
 
 
 def _touching_groups(contacts: FiniteContacts, group: Ints) -> Iterable[tuple[int, int]]:
@@ -123,7 +118,7 @@ def _joined(group: Ints, far: Floats, some: Ints, ground: int) -> tuple[Ints, Fl
 
 
 def _locked(
-    contacts: FiniteContacts, group: Ints, far: Floats, some: Ints, known: dict[bytes, Floats | None], stop: Stop | None
+    contacts: FiniteContacts, group: Ints, far: Floats, some: Ints, known: dict[bytes, Floats | None], context: Context
 ) -> Floats | None:
     """How far bodies get (n,) [mm] once some groups count as one, where contacts lock these; else None."""
     a, b = group[contacts.a], group[contacts.b]
@@ -141,7 +136,7 @@ def _locked(
     B = _rows((point - middle) / unit, contacts.normal[rows], np.searchsorted(others, a[rows]), np.searchsorted(others, b[rows]),
               a[rows] != root, b[rows] != root, unknowns)  # fmt: skip
     key = np.round(B.toarray(), 6).tobytes() if unknowns == 3 else b""
-    force = known[key] if key in known else _bounding_forces(B, stop)
+    force = known[key] if key in known else _bounding_forces(B, context)
     known[key] = force  # of congruent pairs it is looked for once, and judged for each
     if force is None:
         return None
@@ -184,7 +179,7 @@ def _rows(
     return blocks
 
 
-def _bounding_forces(B: sparse.csr_array, stop: Stop | None) -> Floats | None:
+def _bounding_forces(B: sparse.csr_array, context: Context) -> Floats | None:
     """Forces (2 d, k) >= 0 of least sum with B^T f the unit vectors, and then their negatives; None where there are none."""
     from scipy.optimize import linprog  # slow to load
 
@@ -196,7 +191,7 @@ def _bounding_forces(B: sparse.csr_array, stop: Stop | None) -> Floats | None:
         for unknown in range(d):
             aim = np.zeros(d)
             aim[unknown] = sign
-            if _over(stop):
+            if context.stopped:
                 return None
             done = linprog(np.ones(k), A_eq=B.T, b_eq=aim, bounds=(0, None), method="highs")
             if done.status != 0:

@@ -23,6 +23,7 @@ from wiggleroom.live.drag_target import target_in_sight
 from wiggleroom.live.gap_continuation import KnownEnds, kept
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
+from wiggleroom.live.planar_loose import PlanarLoose
 from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns, with_outlines
 from wiggleroom.live.warm_start import (
     FIRST_BARRIER,
@@ -33,6 +34,7 @@ from wiggleroom.live.warm_start import (
     seated,
     state_at,
     state_at_rest,
+    state_beside,
 )
 from wiggleroom.maximise import witness
 from wiggleroom.program.objectives import Approach
@@ -71,13 +73,18 @@ class _Dragged:
         return self.state if self.few is None else self.few.state
 
 
-MAX_LEFT = 24
-"""Number of poses that are kept with the cells round them."""
+MAX_LEFT, MAX_SEEN = 24, 4
+"""Number of poses that are kept with the cells round them: where parts were left, and where drags ended lately."""
 MAX_BACK_BODIES = 300
 """Of larger assemblies others are not brought back after a drag."""
 
 
-def _key(design: GapDesign, motion: Floats) -> tuple[int, bytes]:
+_Key = tuple[int, bytes]
+_Seen = tuple[GapDesign, Prepared, State]
+"""A design, which must live as long as its key, and a state in the outlines in which it was found."""
+
+
+def _key(design: GapDesign, motion: Floats) -> _Key:
     """A motion in a design, to single precision: as a page knows it."""
     return id(design.assembly), (motion.astype(np.float32) + np.float32(0)).tobytes()
 
@@ -104,13 +111,14 @@ class Live:
     """
 
     def __init__(self, drawing: Drawing | Assembly) -> None:
-        if not isinstance(drawing, Drawing):
+        if not isinstance(drawing, Drawing) or drawing.dimension == 3:
             require_planar(drawing, "Live")
         self._designs = PreparedDesigns(drawing.drawing if isinstance(drawing, Assembly) else drawing)
         self._now: GapDesign | None = None
         self._dragged: _Dragged | None = None
         self._ends = KnownEnds()
-        self._left: OrderedDict[tuple[int, bytes], tuple[GapDesign, Prepared, State]] = OrderedDict()
+        self._left: OrderedDict[_Key, _Seen] = OrderedDict()
+        self._seen: OrderedDict[_Key, _Seen] = OrderedDict()
 
     def design(
         self,
@@ -165,11 +173,11 @@ class Live:
     @contextmanager
     def aside(self) -> Iterator[None]:
         """Drags in here leave no trace: the next one begins where the last one before ended."""
-        before = self._dragged
+        before = self._dragged, self._seen.copy()
         try:
             yield
         finally:
-            self._dragged = before
+            self._dragged, self._seen = before
 
     def rest(self) -> None:
         """Put all parts back to rest: the next drag begins there."""
@@ -183,17 +191,33 @@ class Live:
     def leave(self, motion: Floats) -> bool:
         """Leave all parts at a motion (n, 3) [mm, mm, rad], where a later drag may begin; False where some overlap there.
 
-        Where the last drag ended, at that motion to single precision, its state is kept with it.
+        Where a drag ended lately, at that motion to single precision, its state is kept with it. Parts that touch may overlap by rounding.
         """
-        ready, design = self.ready, self._design
-        if not free_of_overlap(ready, of_bodies(ready.assembly, ready.bodies, motion[None])[0]):
-            return False
-        last = self._dragged
-        if last is not None and _key(design, self._of_parts(last.ready, last.here)) == _key(design, motion):
-            self._left[_key(design, motion)] = design, last.ready, seated(last.ready, last.here)
+        if self._known(motion) is not None:
+            return True
+        bodies = of_bodies(self.ready.assembly, self.ready.bodies, motion[None])[0]
+        return free_of_overlap(self.ready, bodies) or state_beside(self.ready, bodies) is not None
+
+    def _known(self, motion: Floats) -> _Seen | None:
+        """What is known of a motion (n, 3) where parts were left; from then on it is kept."""
+        key = _key(self._design, motion)
+        found = self._left.pop(key, None)
+        if found is None and key in self._seen:
+            design, ready, state = self._seen[key]
+            found = design, ready, seated(ready, state)
+        if found is not None:
+            self._left[key] = found
             while len(self._left) > MAX_LEFT:
                 self._left.popitem(last=False)
-        return True
+        return found
+
+    def _see(self, ready: Prepared, state: State) -> Floats:
+        """Motion (n, 3) of a state that is shown, which parts may be left at."""
+        motion = self._of_parts(ready, state)
+        self._seen[_key(self._design, motion)] = self._design, ready, state
+        while len(self._seen) > MAX_SEEN:
+            self._seen.popitem(last=False)
+        return motion
 
     def others_back(
         self, part: str, pinned: Collection[str] = (), *, seconds: float = 0.3, stop: Stop | None = None
@@ -212,7 +236,7 @@ class Live:
         if after is None:
             return None
         self._dragged = _Dragged(last.ready, after, began=last.began)
-        return self._of_parts(last.ready, after)
+        return self._see(last.ready, after)
 
     def _of_parts(self, ready: Prepared, state: State) -> Floats:
         return of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
@@ -288,7 +312,7 @@ class Live:
         # pressed against what could give way, few parts are a bad place for more to begin at
         few = None if near is None or within is None or settled else _AmongFew(body, within, after)
         self._dragged = _Dragged(ready, state if few else after, few, since)
-        motion = of_parts(ready.assembly, ready.bodies, after.motion[None])[0]
+        motion = self._see(ready, after)
         x, y = np.add(grip, term.points.moved(after.motion)[0]).tolist()
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
@@ -399,7 +423,7 @@ class Live:
         if part is not None:
             self._asked(Towards(part, (0.0, 0.0)))
             body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
-        return modes(self.ready, body, count, TimeBudget(seconds, stop))
+        return modes(PlanarLoose(self.ready), body, count, TimeBudget(seconds, stop))
 
     @property
     def _design(self) -> GapDesign:
@@ -417,11 +441,11 @@ class Live:
     ) -> tuple[Prepared, State, _AmongFew | None]:
         """Where a drag begins, and in which outlines."""
         if not isinstance(start, str):
-            known = self._left.get(_key(self._design, start))
+            known = self._known(start)
             if known is not None:
-                self._left.move_to_end(_key(self._design, start))
                 return known[1], replace(known[2], mu=FIRST_BARRIER, near=False, ended=None), None
-            state = state_at(self.ready, of_bodies(self.ready.assembly, self.ready.bodies, start[None])[0])
+            bodies = of_bodies(self.ready.assembly, self.ready.bodies, start[None])[0]
+            state = state_at(self.ready, bodies) or state_beside(self.ready, bodies)
             if state is None:
                 raise InputError("drag: no free space was found where the parts were left; bring them back to rest")
             return self.ready, state, None

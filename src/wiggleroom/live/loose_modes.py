@@ -1,23 +1,20 @@
-"""The loosest freedoms of an assembly at rest, each followed to its end both ways."""
+"""The loosest freedoms of an assembly at rest, each followed to its end both ways, in the plane and in space."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
-from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
-from wiggleroom.geometry.bodies import Bodies, corners
-from wiggleroom.geometry.overlap import overlaps
-from wiggleroom.geometry.rigid_motions import of_parts
+from wiggleroom.errors import Stop
 from wiggleroom.live.live_result import Mode
-from wiggleroom.live.warm_start import TimeBudget, WarmSearch, state_at_rest
-from wiggleroom.program.nonlinear_program import Program, build_program
-from wiggleroom.program.objectives import ZERO_MOTION, PointMotion, Points
-from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 STIFFNESS_SHIFT = 1e-9
 """Share of the mean stiffness that is added everywhere: bodies that nothing holds would else have none."""
@@ -30,68 +27,108 @@ PARALLEL_COSINE = 0.95
 FRAMES_PER_SIDE = 12
 """Frames from rest to either end."""
 MAX_SHOWN_TRAVEL = 0.3
-"""Where nothing stops a freedom, it is shown up to this share of the drawing's size."""
+"""Where nothing stops a freedom, it is shown up to this share of the assembly's size."""
 MAX_NAMED_PARTS, MIN_NAMED_SHARE = 5, 0.3
 """A freedom names so many parts at most, those that move most, and by at least this share of the farthest."""
 MIN_SPARSE_VARIABLES = 12
 """With fewer variables all eigenvectors are worked out."""
 
 
-def modes(ready: Prepared, body: int | None, count: int, until: TimeBudget) -> tuple[Mode, ...]:
+@dataclass(frozen=True, eq=False)
+class Side:
+    """A freedom followed from rest to one of its ends.
+
+    Parameters
+    ----------
+    frames : (k, n, f) float64
+        Motions of the parts, from rest; no two overlap in any of them.
+    end : (V,) float64
+        The last one in scaled variables of the bodies.
+    far : (m,) float64 [mm]
+        How far the furthest corner of each body is moved by it.
+    endless : bool
+        True where nothing stops it and the frames were cut off.
+    """
+
+    frames: Floats
+    end: Floats
+    far: Floats
+    endless: bool
+
+
+class LooseBodies(Protocol):
+    """Bodies of an assembly at rest, as their freedoms are looked for.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the parts.
+    members : sequence of sequences of int
+        Parts of every body.
+    clearance : float [mm]
+    """
+
+    names: tuple[str, ...]
+    members: tuple[tuple[int, ...], ...]
+    clearance: float
+
+    def stiffness(self) -> sp.csc_matrix:
+        """Second derivatives (V, V) of the barrier - sum log h of the rows h that hold the bodies, in scaled variables."""
+
+    def variables(self, body: int) -> Ints:
+        """Which variables are freedoms of a body."""
+
+    def followed(self, direction: Floats, until: Stop) -> Side:
+        """The largest motion along a direction (V,)."""
+
+
+def modes(loose: LooseBodies, body: int | None, count: int, until: Stop) -> tuple[Mode, ...]:
     """Return at most `count` freedoms, loosest first; those that move one body where one is given.
 
-    The walls at rest hold every body as springs would: the stiffness is that of the barrier - sum log h of the rows h.
-    Its softest eigenvectors are the directions; the freedom is the largest motion along one, both ways.
+    What holds every body at rest does so as springs would, with the stiffness of the barrier. Its softest eigenvectors are the directions;
+    the freedom is the largest motion along one, both ways.
 
     Source: the paper's W (Mind the Gap, section 4.4) with the eigenvector as weights.
     """
-    program = build_program(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)
     found: list[tuple[Mode, Floats]] = []
     gone: list[Floats] = []  # directions of the freedoms found: what leads along them is no new one
-    for towards in _directions(program, body, count):
+    for towards in _directions(loose, body, count):
         if len(found) == count or until.is_set():
             break
         direction = towards - sum((towards @ g) * g for g in gone)
         if np.linalg.norm(direction) < MIN_INDEPENDENCE * np.linalg.norm(towards):
             continue
-        one, far = _end(ready, program, direction, until)
-        other, further = _end(ready, program, -direction, until)
-        ends = np.concatenate([one[-1].ravel(), other[-1].ravel()])
-        long = np.linalg.norm(ends)
-        there = _furthest(ready.bodies, one[-1]), _furthest(ready.bodies, other[-1])
-        size = np.maximum(*there)
-        if size.max() < MIN_AMPLITUDE * ready.clearance:
+        one, other = loose.followed(direction, until), loose.followed(-direction, until)
+        size = np.maximum(one.far, other.far)
+        if size.max() < MIN_AMPLITUDE * loose.clearance:
             continue
-        flipped = np.concatenate([other[-1].ravel(), one[-1].ravel()])
+        ends, flipped = np.concatenate([one.end, other.end]), np.concatenate([other.end, one.end])
+        long = np.linalg.norm(ends)
         if any(max(ends @ e, flipped @ e) > PARALLEL_COSINE * long * np.linalg.norm(e) for _, e in found):
             continue
-        frames = np.concatenate([one, one[-2::-1], other[1:], other[-2::-1]])
+        frames = np.concatenate([one.frames, one.frames[-2::-1], other.frames[1:], other.frames[-2::-1]])
         most = [b for b in np.argsort(-size, kind="stable")[:MAX_NAMED_PARTS] if size[b] > MIN_NAMED_SHARE * size.max()]
-        names = tuple(ready.assembly.names[p] for b in most for p in ready.bodies.members[b])
-        shown = of_parts(ready.assembly, ready.bodies, frames)
-        for end in (one[-1], other[-1]):
-            along = program.variables(end)
-            along = along - sum((along @ g) * g for g in gone)
-            if np.linalg.norm(along) > 0:
+        names = tuple(loose.names[p] for b in most for p in loose.members[b])
+        for side in (one, other):
+            end = np.where(np.abs(side.end) < MIN_INDEPENDENCE * np.abs(side.end).max(initial=0.0), 0.0, side.end)
+            along = end - sum((end @ g) * g for g in gone)
+            if np.linalg.norm(along) > MIN_INDEPENDENCE * np.linalg.norm(end):
                 gone.append(along / np.linalg.norm(along))
-        found.append((Mode(float(size.max()), names, shown, not (far or further)), ends))
+        found.append((Mode(float(size.max()), names, frames, not (one.endless or other.endless)), ends))
     found.sort(key=lambda m: (m[0].ends, -m[0].size))
     return tuple(mode for mode, _ in found)
 
 
-def _directions(program: Program, body: int | None, count: int) -> list[Floats]:
-    """Softest directions (3F,) at rest, in scaled variables: more than asked for, as some lead to the same end."""
-    u = np.zeros(len(program.scale))
-    at = program.linearise(u)
-    data = at.condensed(1.0 / np.maximum(at.h, 1e-9) ** 2, np.zeros(program.rows), share=0.0)
-    n = len(u)
-    upper = sp.csc_matrix((data, program.pattern.indices, program.pattern.indptr), shape=(n, n))
-    stiff = sp.csc_matrix(upper + sp.triu(upper, 1).T)
-    soft = STIFFNESS_SHIFT * float(stiff.diagonal().mean())
+def _directions(loose: LooseBodies, body: int | None, count: int) -> list[Floats]:
+    """Softest directions (V,) at rest, in scaled variables: more than asked for, as some lead to the same end."""
+    stiff = loose.stiffness()
+    n = stiff.shape[0]
+    soft = STIFFNESS_SHIFT * float(stiff.diagonal().mean()) or 1.0
     stiff = sp.csc_matrix(stiff + soft * sp.eye(n))
     if body is not None:
-        loads = np.zeros((n, 3))
-        loads[3 * program.slot[body] + np.arange(3), np.arange(3)] = 1.0
+        its = loose.variables(body)
+        loads = np.zeros((n, len(its)))
+        loads[its, np.arange(len(its))] = 1.0
         given = splu(stiff).solve(loads)
         _, vectors = np.linalg.eigh(loads.T @ given)
         return list((given @ vectors[:, ::-1]).T)
@@ -103,31 +140,12 @@ def _directions(program: Program, body: int | None, count: int) -> list[Floats]:
     return list(vectors.T[::-1]) if values[0] > values[-1] else list(vectors.T)
 
 
-def _end(ready: Prepared, program: Program, direction: Floats, until: TimeBudget) -> tuple[Floats, bool]:
-    """Motions (k, n, 3) of the bodies from rest to the end of a freedom, and whether that was cut off."""
-    weights = (direction / program.scale).reshape(-1, 3)
-    weights = weights / np.abs(weights[:, :2]).max(initial=1e-300)
-    goal = PointMotion(program.free, weights[:, :2].copy(), np.zeros((len(program.free), 2)), weights[:, 2].copy())
-    warm = WarmSearch(ready, goal, state_at_rest(ready), until)
-    warm.reach()
-    search = warm.search
-    still = np.zeros((1, len(ready.bodies.fixed), 3))
-    if search.best is None:
-        return still, False
-    checked = search.checked_path(search.best)
-    motions, safe = checked.motions()[: checked.certain], OVERLAP_TOLERANCE * ready.size
-    if search.unlimited:
-        far = np.array([_furthest(ready.bodies, m).max() for m in motions]) > MAX_SHOWN_TRAVEL * ready.size
-        motions = motions[: max(1, int(far.argmax()))] if far.any() else motions
-    pick = np.unique(np.linspace(0, len(motions) - 1, FRAMES_PER_SIDE).round().astype(int))
-    shown = [m for m in motions[pick] if overlaps(ready.bodies, m, ready.ignored).deepest <= safe]
-    return np.concatenate([still, shown[1:]]) if len(shown) > 1 else still, search.unlimited
+def cut_off(far: Floats, size: float) -> int:
+    """How many motions, of whose furthest corners these are the distances (k,) [mm], are shown where nothing stops them."""
+    gone = far > MAX_SHOWN_TRAVEL * size
+    return max(1, int(gone.argmax())) if gone.any() else len(far)
 
 
-def _furthest(bodies: Bodies, motion: Floats) -> Floats:
-    """How far the furthest corner of each body is moved (n,) [mm]."""
-    body, spot = corners(bodies)
-    moved = Points(body, spot - bodies.rest[body, :2]).moved(motion)
-    out = np.zeros(len(bodies.fixed))
-    np.maximum.at(out, body, np.hypot(*moved.T))
-    return out
+def picked(count: int) -> Ints:
+    """Which of so many motions are shown."""
+    return np.unique(np.linspace(0, count - 1, FRAMES_PER_SIDE).round().astype(int))

@@ -104,21 +104,34 @@ def state_at(ready: Prepared, motion: Floats, inner: Floats | None = None) -> St
     """
     if not free_of_overlap(ready, motion):
         return None
+    cells = _cells_at(ready, motion, motion if inner is None else inner, kept=True)
+    return (
+        None if cells is None else pushed(ready, State(cells, motion if inner is None else inner, motion, linked=False))
+    )
+
+
+def state_beside(ready: Prepared, motion: Floats) -> State | None:
+    """Return a state next to a motion (n, 3) that is known to single precision, where parts that touch may overlap by rounding."""
+    cells = _cells_at(ready, motion, motion, kept=False)
+    found = None if cells is None else pushed(ready, State(cells, motion, motion, linked=False))
+    return None if found is None or not free_of_overlap(ready, found.inner) else replace(found, motion=found.inner)
+
+
+def _cells_at(ready: Prepared, motion: Floats, inner: Floats, *, kept: bool) -> Cells | None:
+    """Return a cell of each pair round `inner`, or round a pose a little aside where it touches; with `kept` the motion lies in all."""
     bodies, a, b = ready.bodies, ready.cells.a, ready.cells.b
-    keep, room = relative_pose(bodies, a, b, motion), np.full(len(a), ready.clearance)
-    seed = keep if inner is None else relative_pose(bodies, a, b, inner)
-    cells, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :])
+    there, room = relative_pose(bodies, a, b, motion), np.full(len(a), ready.clearance)
+    keep = there[:, None, :] if kept else there[:, None, :][:, :0]
+    cells, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, inner), room, keep=keep)
     for share, angle in product(ASIDE_SHARES, np.pi / 4 * np.arange(8)):
         bad = np.flatnonzero(~good)
         if not len(bad):
             break
-        aside = keep[bad] + share * ready.clearance * np.array([np.cos(angle), np.sin(angle), 0.0])
-        grown, fits = grow_cells(bodies, a[bad], b[bad], aside, room[bad], keep=keep[bad][:, None, :])
+        aside = there[bad] + share * ready.clearance * np.array([np.cos(angle), np.sin(angle), 0.0])
+        grown, fits = grow_cells(bodies, a[bad], b[bad], aside, room[bad], keep=keep[bad])
         cells = replaced(cells, bad[fits], select(grown, np.flatnonzero(fits)))
         good[bad[fits]] = True
-    if not good.all():
-        return None
-    return pushed(ready, State(cells, motion if inner is None else inner, motion, linked=False))
+    return cells if good.all() else None
 
 
 def seated(ready: Prepared, state: State) -> State:

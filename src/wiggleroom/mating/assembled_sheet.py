@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.errors import InputError
 from wiggleroom.mating.body_frame import outward, side_by_side, upright, without_panel
 from wiggleroom.mating.body_search import bodies_of, panel_names
 from wiggleroom.mating.cutting_sheet import CuttingSheet, check_burn
@@ -102,6 +103,12 @@ class AssembledSheet:
         """Why it is not sure, one line each."""
         return (*self.doubts, *self.relieved)
 
+    @property
+    def as_cut(self) -> AssembledSheet:
+        """The same with outlines as cut, whether or not they were relieved: plates may then press on each other."""
+        notes = self.notes[:-1] if self.relieved else self.notes  # the last one says that they were
+        return replace(self, relief=0.0, relieved=(), notes=notes)
+
 
 def assemble_sheet(
     sheet: CuttingSheet,
@@ -110,8 +117,7 @@ def assemble_sheet(
     burn: float | None = None,
     relieve: float = 0.0,
     hints: Hints | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[int], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> AssembledSheet:
     """Panels of a cutting sheet put together in space by the joints that their outlines show.
 
@@ -152,7 +158,7 @@ def assemble_sheet(
     panel_set = PanelSet(_told_apart(plates, constraints.named), constraints)
     whole = PairPoseTable(panel_set, whole=True)
     tables = PairPoseTable(panel_set, whole=True, aligned_of=whole), whole, PairPoseTable(panel_set, whole=False)
-    found, doubts = bodies_of(panel_set, tables, hints, stop, progress)
+    found, doubts = bodies_of(panel_set, tables, hints, context)
     bodies, unplaced = with_fixed_plates(
         panel_set, [outward(panel_set, least_squares_placement(panel_set, body)) for body in found], constraints
     )

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop, go_on
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.mating.panel_set import PanelSet, Placement
 
 Floats = NDArray[np.float64]
@@ -34,13 +33,7 @@ class Effort:
 
 
 def beam_search(
-    panel_set: PanelSet,
-    state: Placement,
-    free: frozenset[int],
-    effort: Effort,
-    *,
-    stop: Stop | None = None,
-    progress: Callable[[int], None] | None = None,
+    panel_set: PanelSet, state: Placement, free: frozenset[int], effort: Effort, *, context: Context = UNLIMITED
 ) -> list[Placement]:
     """Add panels to a placement until none fits; the last placements of the beam, best first.
 
@@ -56,15 +49,14 @@ def beam_search(
     while True:
         grown: dict[tuple[float, ...], Placement] = {}
         for placed in beam:
-            go_on(stop)
+            context.go_on()
             for child in _children(panel_set, placed, free, effort):
                 grown.setdefault(tuple(np.round(panel_set.signature(child) * 1e3).tolist()), child)
         if not grown:
             return beam
         ranked = sorted(grown.values(), key=lambda child: (-child.met, extent(panel_set, child)))
         beam = ranked[: effort.width]
-        if progress:
-            progress(len(beam[0].rows))
+        context.tell(len(beam[0].rows))
 
 
 def _children(panel_set: PanelSet, state: Placement, free: frozenset[int], effort: Effort) -> list[Placement]:

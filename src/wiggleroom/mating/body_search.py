@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from wiggleroom.errors import Stop
+from wiggleroom.context import Context
 from wiggleroom.mating.beam_search import beam_search, extent
 from wiggleroom.mating.body_frame import without_panel
 from wiggleroom.mating.closed_search import Closed, closed_placements
@@ -22,11 +22,7 @@ from wiggleroom.mating.sheet_settings import SETTINGS
 
 
 def bodies_of(
-    panel_set: PanelSet,
-    tables: tuple[PairPoseTable, ...],
-    hints: Hints,
-    stop: Stop | None,
-    progress: Callable[[int], None] | None,
+    panel_set: PanelSet, tables: tuple[PairPoseTable, ...], hints: Hints, context: Context
 ) -> tuple[list[Placement], list[str]]:
     """Bodies, largest first as they are found, and what makes them doubtful."""
     names = [plate.name for plate in panel_set.plates]
@@ -37,7 +33,7 @@ def bodies_of(
     for group in [*groups, rest]:
         left = {row for row in group if len(panel_set.flanks[row])}
         while len(left) > 1:
-            body, doubt = _body(panel_set, frozenset(left), tables, 1.0 / (1 + len(bodies)), stop, progress)
+            body, doubt = _body(panel_set, frozenset(left), tables, 1.0 / (1 + len(bodies)), context)
             doubts += doubt
             if len(body.rows) < 2:
                 left -= set(body.rows)
@@ -48,12 +44,7 @@ def bodies_of(
 
 
 def _body(
-    panel_set: PanelSet,
-    left: frozenset[int],
-    tables: tuple[PairPoseTable, ...],
-    share: float,
-    stop: Stop | None,
-    progress: Callable[[int], None] | None,
+    panel_set: PanelSet, left: frozenset[int], tables: tuple[PairPoseTable, ...], share: float, context: Context
 ) -> tuple[Placement, list[str]]:
     """One body of some of the panels, and why it may be wrong; with a share of the work that the first body may take."""
     root = max(left, key=lambda row: (len(panel_set.flanks[row]), panel_set.plates[row].polygon.area))
@@ -62,12 +53,12 @@ def _body(
     best: tuple[int, Placement] | None = None
     doubts: list[str] = []
     aligned = closed_placements(
-        panel_set, starts, left, tables[0], share=SETTINGS.aligned_share * share, max_open_lines=0, stop=stop
+        panel_set, starts, left, tables[0], share=SETTINGS.aligned_share * share, max_open_lines=0, context=context
     )
     for table in tables[1:]:
         # What has edges that end together is likelier, but it counts as sure only where nothing else fits.
         spare = {"max_open_lines": 0} if aligned.placements else {}
-        closed = closed_placements(panel_set, starts, left, table, share=share, stop=stop, **spare)
+        closed = closed_placements(panel_set, starts, left, table, share=share, **spare, context=context)
         closed = _merged(panel_set, aligned, closed)
         if not closed.placements:
             continue
@@ -79,7 +70,7 @@ def _body(
     for effort in SETTINGS.efforts:
         if panel_set.scored > SETTINGS.max_scored or (best is not None and _complete(panel_set, best[1], left)):
             break
-        grown = [beam_search(panel_set, start, left, effort, stop=stop, progress=progress)[0] for start in starts]
+        grown = [beam_search(panel_set, start, left, effort, context=context)[0] for start in starts]
         for found in grown:
             if len(found.rows) > 2:
                 found = _trimmed(panel_set, found, len(starts[0].rows))

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
-from wiggleroom.errors import Stop, go_on
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.mating.beam_search import extent
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.contact import MAX_ASKEW_COSINE, MET_TOLERANCE
@@ -92,7 +92,7 @@ def closed_placements(
     *,
     share: float = 1.0,
     max_open_lines: int = SETTINGS.max_open_lines,
-    stop: Stop | None = None,
+    context: Context = UNLIMITED,
 ) -> Closed:
     """Assemblies that hold the panels of one of `starts` and leave as few lines of needed flanks open as possible.
 
@@ -117,9 +117,9 @@ def closed_placements(
     kinds = {panel_set.plates[row].kind: row for row in free}
     for a in kinds.values():
         for b in kinds.values():
-            go_on(stop)
+            context.go_on()
             table.between(a, b)
-    search = _ExhaustiveSearch(panel_set, frozenset(free), table, stop)
+    search = _ExhaustiveSearch(panel_set, frozenset(free), table, context)
     most = share * SETTINGS.max_poses
     found = search.closed(starts, 0, int(most))
     for spare in range(1, max_open_lines + 1):
@@ -141,15 +141,20 @@ class _Partial:
 _Tried = dict[tuple[float, ...], tuple[int, _Partial] | None]
 
 
+@dataclass(frozen=True, eq=False)
+class _LaidPanel:
+    """A panel laid beside another: its pose, and the flanks of the other and of its own that meet."""
+
+    row: int
+    turn: Floats
+    move: Floats
+    met: int
+    mine: int
+
+
 class _ExhaustiveSearch:
-    def __init__(
-        self,
-        panel_set: PanelSet,
-        free: frozenset[int],
-        table: PairPoseTable,
-        stop: Stop | None,
-    ) -> None:
-        self.panel_set, self.free, self.table, self.stop = panel_set, free, table, stop
+    def __init__(self, panel_set: PanelSet, free: frozenset[int], table: PairPoseTable, context: Context) -> None:
+        self.panel_set, self.free, self.table, self.context = panel_set, free, table, context
         plates = panel_set.plates
         self._needed = [bits(plate.needed[None])[0] if len(plate.needed) else 0 for plate in plates]
         self._lines = [
@@ -200,7 +205,7 @@ class _ExhaustiveSearch:
 
     def descend(self, node: _Partial, spare: int) -> None:
         """Depth first; every placement once. `spare` more lines may stay open."""
-        go_on(self.stop)
+        self.context.go_on()
         if self.left <= 0 or len(self.result.placements) >= SETTINGS.max_assemblies:
             self.result.exhausted = False
             return
@@ -309,18 +314,17 @@ class _ExhaustiveSearch:
                     continue
                 marks.add(mark)
                 if mark not in tried:
-                    tried[mark] = self._joined(node, spare, place, other, turn, move, met, mine)
+                    tried[mark] = self._joined(node, spare, place, _LaidPanel(other, turn, move, met, mine))
                 joined = tried[mark]
                 if joined is not None:
                     size = 0 if spare else round(extent(panel_set, joined[1].state))
                     found.append((-joined[0], -float(poses.together[k]), size, joined[1]))
         return [child for *_, child in sorted(found, key=lambda item: item[:3])]
 
-    def _joined(
-        self, node: _Partial, spare: int, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
-    ) -> tuple[int, _Partial] | None:
+    def _joined(self, node: _Partial, spare: int, place: int, laid: _LaidPanel) -> tuple[int, _Partial] | None:
         """The placement with one panel more, and how many flanks it closes; None where it overlaps or blocks others."""
         state, panel_set = node.state, self.panel_set
+        other, turn, move, met, mine = laid.row, laid.turn, laid.move, laid.met, laid.mine
         self.left -= 1
         everyone = list(node.met)
         everyone[place] |= met

@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from wiggleroom.errors import Stop, go_on
+from wiggleroom.context import UNLIMITED, Context
 
 Floats = NDArray[np.float64]
 
@@ -200,7 +200,9 @@ class ContourMatch:
     salient: float = field(compare=False)
 
 
-def contour_matches(contours: list[SampledContour], tolerance: float, stop: Stop | None = None) -> list[ContourMatch]:
+def contour_matches(
+    contours: list[SampledContour], tolerance: float, context: Context = UNLIMITED
+) -> list[ContourMatch]:
     """Poses of every two parts in which bent pieces of their outlines fit, the longest contact first.
 
     Parameters
@@ -209,8 +211,7 @@ def contour_matches(contours: list[SampledContour], tolerance: float, stop: Stop
         All with the same step and window.
     tolerance : float [mm]
         By how much outlines that belong together may miss each other.
-    stop : optional
-        Anything with `is_set()`; then the search ends.
+    context : Context, optional
 
     Notes
     -----
@@ -238,7 +239,7 @@ def contour_matches(contours: list[SampledContour], tolerance: float, stop: Stop
     usual = float(np.median([c.length for c in contours]))
     result: list[ContourMatch] = []
     for number, rows in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
-        go_on(stop)
+        context.go_on()
         a, b = divmod(number, len(contours))
         count = round(_CHOICES * max(1.0, max(contours[a].length, contours[b].length) / usual))
         result += _refined_matches(contours[a], contours[b], (a, b), (index[i[rows]], index[j[rows]]), count, tolerance)

@@ -15,7 +15,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, Stop, go_on
+from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet
 from wiggleroom.mating.flanks import SheetPlate
 from wiggleroom.mating.hints import FixedPlate
@@ -83,7 +84,7 @@ def laid_plates(
     onto: str,
     there: tuple[float, float],
     *,
-    stop: Stop | None = None,
+    context: Context = UNLIMITED,
 ) -> list[FixedPlate]:
     """Poses of a loose panel in the frame of a placed one that it touches, what seems best first.
 
@@ -114,7 +115,7 @@ def laid_plates(
         message = f"{onto} stands alone; lay {panel} on a panel that others hold"
         raise InputError(message)
     panel_set = PanelSet(found.plates)
-    poses = _laid(panel_set, home, row, np.array(at), base, np.array(there), stop)
+    poses = _laid(panel_set, home, row, np.array(at), base, np.array(there), context)
     if not poses:
         message = f"{panel} cannot touch {onto} there without sharing material; press nearer to where it belongs"
         raise InputError(message)
@@ -134,7 +135,7 @@ def _fixed(panel: str, frame: str, turn: Floats, move: Floats) -> FixedPlate:
 
 
 def _laid(
-    panel_set: PanelSet, home: Placement, row: int, at: Floats, base: int, there: Floats, stop: Stop | None
+    panel_set: PanelSet, home: Placement, row: int, at: Floats, base: int, there: Floats, context: Context
 ) -> list[tuple[Floats, Floats]]:
     """Poses of a panel, best first."""
     plate, other = panel_set.plates[row], panel_set.plates[base]
@@ -151,7 +152,7 @@ def _laid(
     mine = _planes([row], inner.T[None], np.zeros((1, 3)), panel_set, np.eye(3))
     ranked: list[tuple[int, float, Floats, Floats]] = []
     for frame in _frames(along, out, normal, is_edge, on_edge):
-        go_on(stop)
+        context.go_on()
         theirs = _planes(home.rows, home.turns, home.moves, panel_set, frame)
         named = theirs.owner == base
         if on_edge:  # then it is the narrow side that is touched

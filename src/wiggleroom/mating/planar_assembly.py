@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +9,9 @@ import shapely
 from numpy.typing import NDArray
 from shapely import affinity
 
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError
 from wiggleroom.mating.contour_matching import PlanarPose, contact
 from wiggleroom.mating.cutting_sheet import CHORD_ERROR, CuttingSheet, check_burn
 from wiggleroom.mating.panel_outline import inset
@@ -107,13 +107,7 @@ class PlanarAssembly:
         return not self.doubts
 
 
-def assemble_plane(
-    sheet: CuttingSheet,
-    *,
-    burn: float | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[int], None] | None = None,
-) -> PlanarAssembly:
+def assemble_plane(sheet: CuttingSheet, *, burn: float | None = None, context: Context = UNLIMITED) -> PlanarAssembly:
     """Parts of a sheet put together in the plane where bent pieces of their outlines fit.
 
     Parameters
@@ -142,21 +136,21 @@ def assemble_plane(
     centres = np.array([shapely.get_coordinates(polygon.centroid)[0] for polygon in drawn])
     polygons = [affinity.translate(p, -x, -y) for p, (x, y) in zip(drawn, centres.tolist(), strict=True)]
     names = tuple(panel.name for panel in sheet.panels)
-    work = PlanarSearch(polygons, stop)
+    work = PlanarSearch(polygons, context)
     pressing = max(0.0, -work.clearance)
     notes = [*sheet.notes]
     if abs(work.clearance) > 2 * CHORD_ERROR:  # closed for the search: poses are those of the parts as they are
         notes.append(_clearance_note(sheet.source, work.clearance))
-        work = PlanarSearch([inset(polygon, -work.clearance / 2) for polygon in polygons], stop)
+        work = PlanarSearch([inset(polygon, -work.clearance / 2) for polygon in polygons], context)
     left = set(range(len(polygons)))
     bodies: list[dict[int, PlanarPose]] = []
     doubts: list[str] = []
     while (match := work.first(left)) is not None:
-        body, said = grow_body(work, match, left, names, stop, progress)
+        body, said = grow_body(work, match, left, names, context)
         bodies.append(body)
         doubts += said
         left -= set(body)
-    bodies = [least_squares_poses(work, body, stop=stop) for body in bodies]
+    bodies = [least_squares_poses(work, body, context=context) for body in bodies]
     bodies, relief, pressed = _relieved(polygons, bodies, work.tolerance + pressing)
     unplaced = sorted({*left, *pressed})
     doubts += [f'part "{names[row]}" overlaps others where its outline fits, and is left out' for row in pressed]

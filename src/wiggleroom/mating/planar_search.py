@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import affinity
 
-from wiggleroom.errors import Stop, go_on
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.mating.contour_matching import (
     ContourContact,
     ContourMatch,
@@ -74,18 +73,18 @@ class _Candidate:
 class PlanarSearch:
     """The parts, their contours and the poses in which two of them fit; caches what is asked again."""
 
-    def __init__(self, polygons: list[shapely.Polygon], stop: Stop | None = None) -> None:
+    def __init__(self, polygons: list[shapely.Polygon], context: Context = UNLIMITED) -> None:
         lengths = [polygon.length for polygon in polygons]
         usual = float(np.median(lengths))
         self.tolerance = _TOLERANCE * float(np.median([np.sqrt(polygon.convex_hull.area) for polygon in polygons]))
         self.window = _WINDOW * usual
         self.contours: list[SampledContour] = [sampled(polygon, usual / _SAMPLES, self.window) for polygon in polygons]
-        found = contour_matches(self.contours, self.tolerance, stop)
+        found = contour_matches(self.contours, self.tolerance, context)
         self.clearance = self._clearance(found)
-        self.tolerance = self._fit(found, stop)
+        self.tolerance = self._fit(found, context)
         self.cores = [inset(polygon, self.tolerance) for polygon in polygons]
         self.matches: dict[int, list[tuple[int, PlanarPose, ContourMatch]]] = {}
-        for match in self._refined(found, stop):
+        for match in self._refined(found, context):
             a, b = match.parts
             self.matches.setdefault(a, []).append((b, match.pose, match))
             self.matches.setdefault(b, []).append((a, match.pose.inverse(), match))
@@ -103,12 +102,12 @@ class PlanarSearch:
         ]
         return float(np.median(gaps)) if gaps else 0.0
 
-    def _fit(self, found: list[ContourMatch], stop: Stop | None) -> float:
+    def _fit(self, found: list[ContourMatch], context: Context) -> float:
         """How closely [mm] outlines that belong together fit on this sheet: as fine as keeps most parts' best contact."""
         loose = self._best(found, self.tolerance)
         tolerance = self.tolerance
         while loose and tolerance > 2 * CHORD_ERROR:
-            go_on(stop)
+            context.go_on()
             finer = self._best(found, 0.5 * tolerance)
             if np.median([finer[row] / loose[row] for row in loose]) < _KEPT:
                 break
@@ -125,11 +124,11 @@ class PlanarSearch:
                 best[row] = max(best.get(row, 0.0), salient)
         return {row: salient for row, salient in best.items() if salient}
 
-    def _refined(self, found: list[ContourMatch], stop: Stop | None) -> list[ContourMatch]:
+    def _refined(self, found: list[ContourMatch], context: Context) -> list[ContourMatch]:
         """Matches fitted at the sheet's tolerance."""
         refined = []
         for match in found:
-            go_on(stop)
+            context.go_on()
             a, b = (self.contours[row] for row in match.parts)
             pose = closest(a, b, match.pose, self.tolerance)
             salient = contact(a, b, pose, self.tolerance).salient
@@ -207,12 +206,7 @@ def moved(polygon: shapely.Polygon, pose: PlanarPose) -> shapely.Polygon:
 
 
 def grow_body(
-    work: PlanarSearch,
-    match: ContourMatch,
-    left: set[int],
-    names: tuple[str, ...],
-    stop: Stop | None,
-    progress: Callable[[int], None] | None,
+    work: PlanarSearch, match: ContourMatch, left: set[int], names: tuple[str, ...], context: Context
 ) -> tuple[dict[int, PlanarPose], list[str]]:
     """A body of the parts that are left, from its first two on, and why it may be wrong."""
     newest = match.parts[0]
@@ -220,7 +214,7 @@ def grow_body(
     left = left - {newest}
     doubts: list[str] = []
     candidates = work.candidates(body, newest, left)
-    while best := _longest_contacts(work, body, candidates, stop):
+    while best := _longest_contacts(work, body, candidates, context):
         chosen = best[0]
         rivals = [c for c in best[1:] if _conflict(work, chosen, c)]
         if rivals:
@@ -230,22 +224,21 @@ def grow_body(
         left = left - {newest}
         candidates = [c for c in candidates if c.row in left and not c.overlaps]
         for candidate in candidates:
-            go_on(stop)
+            context.go_on()
             candidate.salient += work.salient({newest: body[newest]}, candidate.row, candidate.pose)
         candidates += work.candidates(body, newest, left)
-        if progress:
-            progress(len(body))
+        context.tell(len(body))
     return body, doubts
 
 
 def _longest_contacts(
-    work: PlanarSearch, body: dict[int, PlanarPose], candidates: list[_Candidate], stop: Stop | None
+    work: PlanarSearch, body: dict[int, PlanarPose], candidates: list[_Candidate], context: Context
 ) -> list[_Candidate]:
     """Candidates that overlap nothing: the one with the longest contact and those that come near it."""
     best: list[_Candidate] = []
     rows = list(body)
     for candidate in sorted(candidates, key=lambda c: (-c.salient, -c.match)):
-        go_on(stop)
+        context.go_on()
         if candidate.salient < (_RIVAL * best[0].salient if best else MIN_CONTACT * work.window):
             break
         newer = {row: body[row] for row in rows[candidate.clear :]}
@@ -283,7 +276,7 @@ def _pressed_on(work: PlanarSearch, body: dict[int, PlanarPose], chosen: _Candid
 
 
 def least_squares_poses(
-    work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = None, stop: Stop | None = None
+    work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = None, context: Context = UNLIMITED
 ) -> dict[int, PlanarPose]:
     """Poses by least squares over all contacts (Gauss-Newton); the first part stays, or all but one."""
     rows = list(body)
@@ -292,7 +285,7 @@ def least_squares_poses(
     for _ in range(_REFINEMENTS):
         normal, right, count = np.zeros((3 * len(free), 3 * len(free))), np.zeros(3 * len(free)), 0
         for row in free if only is not None else rows:
-            go_on(stop)
+            context.go_on()
             others = {o: body[o] for o in (rows if only is not None else rows[: rows.index(row)]) if o != row}
             for other, touch in work.touching(others, row, body[row]).items():
                 points, there, normals = _facing(work, body, (other, row), touch, exact=only is None)

@@ -14,10 +14,11 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from wiggleroom.errors import Stop, WiggleroomError, require_extra
+from wiggleroom.context import Context
+from wiggleroom.errors import WiggleroomError, require_extra
 from wiggleroom.parallel.batches import usable_cores
 
 Work = Callable[[Any, Any], Any]
@@ -29,62 +30,47 @@ MAX_RETRIES = 3
 """A task is given up after its worker died this many times."""
 
 
-@dataclass(frozen=True)
-class ParallelRun:
-    """Where many solves run, and who watches.
+def run_each(work: Work, shared: Any, tasks: Sequence[Any], context: Context) -> list[Any]:
+    """Result of every task, in order; None for those that were not done before it was asked to stop.
 
-    Parameters
-    ----------
-    workers : int, optional
-        Processes on this machine; by default one for each processor.
-    cluster : str, optional
-        Address of a Dask scheduler, tcp://host:port, that gets the work instead (extra `cluster`).
-    stop : optional
-        Anything with `is_set()`; what is not done then stays undone.
-    progress : callable, optional
-        Told how many tasks are done, and how many there are.
+    Raises
+    ------
+    WiggleroomError
+        If the cluster cannot be reached, or workers die again and again on the same task.
+    MissingExtraError
+        If a cluster is named and the extra is missing.
     """
+    run = _Run(work, shared, tasks, context)
+    if context.cluster is not None:
+        _on_cluster(run)
+    else:
+        began, rest = time.perf_counter(), list(range(len(tasks)))
+        workers = context.workers or usable_cores()
+        while rest and not context.stopped:
+            spent = time.perf_counter() - began
+            if workers > 1 and run.results and spent / len(run.results) * len(rest) > MIN_PARALLEL_SECONDS:
+                _in_processes(run, rest, min(workers, len(rest)))
+                break
+            k = rest.pop(0)
+            run.keep(k, work(shared, tasks[k]))
+    return [run.results.get(k) for k in range(len(tasks))]
 
-    workers: int | None = None
-    cluster: str | None = None
-    stop: Stop | None = None
-    progress: Callable[[int, int], None] | None = None
 
-    @property
-    def stopped(self) -> bool:
-        """True where it was asked to stop."""
-        return self.stop is not None and self.stop.is_set()
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """Tasks, and the results of those that are done."""
 
-    def each(self, work: Work, shared: Any, tasks: Sequence[Any]) -> list[Any]:
-        """Result of every task, in order; None for those that were not done before `stop`.
+    work: Work
+    shared: Any
+    tasks: Sequence[Any]
+    context: Context
+    results: dict[int, Any] = field(default_factory=dict)
 
-        Raises
-        ------
-        WiggleroomError
-            If the cluster cannot be reached, or workers die again and again on the same task.
-        MissingExtraError
-            If a cluster is named and the extra is missing.
-        """
-        results: dict[int, Any] = {}
-        tell = self._teller(len(tasks))
-        if self.cluster is not None:
-            _on_cluster(self, work, shared, tasks, results, tell)
-        else:
-            began, rest = time.perf_counter(), list(range(len(tasks)))
-            workers = self.workers or usable_cores()
-            while rest and not self.stopped:
-                spent = time.perf_counter() - began
-                if workers > 1 and results and spent / len(results) * len(rest) > MIN_PARALLEL_SECONDS:
-                    _in_processes(self, work, shared, tasks, rest, min(workers, len(rest)), results, tell)
-                    break
-                k = rest.pop(0)
-                results[k] = work(shared, tasks[k])
-                tell(len(results))
-        return [results.get(k) for k in range(len(tasks))]
-
-    def _teller(self, total: int) -> Callable[[int], None]:
-        told = self.progress
-        return (lambda done: told(done, total)) if told is not None else (lambda _: None)
+    def keep(self, k: int, result: Any) -> None:
+        """Keep the result of a task, and tell how many are done."""
+        self.results[k] = result
+        if self.context.counted is not None:
+            self.context.counted(len(self.results), len(self.tasks))
 
 
 def child_environment() -> dict[str, str]:
@@ -126,18 +112,9 @@ class _Process:
                 pass
 
 
-def _in_processes(
-    many: ParallelRun,
-    work: Work,
-    shared: Any,
-    tasks: Sequence[Any],
-    rest: list[int],
-    workers: int,
-    results: dict[int, Any],
-    tell: Callable[[int], None],
-) -> None:
+def _in_processes(run: _Run, rest: list[int], workers: int) -> None:
     """Do `rest` in worker processes, each looked after by a thread."""
-    greeting = pickle.dumps((work, shared))
+    greeting = pickle.dumps((run.work, run.shared))
     todo: queue.SimpleQueue[int | None] = queue.SimpleQueue()
     done: queue.SimpleQueue[tuple[int, bool, Any]] = queue.SimpleQueue()
     losses: dict[int, int] = {}
@@ -152,7 +129,7 @@ def _in_processes(
                 if process is None:
                     process = _Process(greeting)
                     living.add(process)
-                good, result = process.ask(tasks[k])
+                good, result = process.ask(run.tasks[k])
             except (OSError, EOFError, ValueError, pickle.UnpicklingError):  # its pipe was closed while it was read
                 if process is not None:
                     living.discard(process)
@@ -177,30 +154,22 @@ def _in_processes(
         thread.start()
     try:
         left = len(rest)
-        while left and not many.stopped:
+        while left and not run.context.stopped:
             try:
                 k, good, result = done.get(timeout=0.1)
             except queue.Empty:
                 continue
             if not good:
                 raise result
-            results[k] = result
             left -= 1
-            tell(len(results))
+            run.keep(k, result)
     finally:
         ending.set()
         for process in list(living):
             process.end()
 
 
-def _on_cluster(
-    many: ParallelRun,
-    work: Work,
-    shared: Any,
-    tasks: Sequence[Any],
-    results: dict[int, Any],
-    tell: Callable[[int], None],
-) -> None:
+def _on_cluster(run: _Run) -> None:
     """Hand all tasks to a Dask scheduler; it gives those of a lost worker to others."""
     require_extra("cluster", "a cluster needs the extra", "distributed")
     import logging
@@ -211,23 +180,20 @@ def _on_cluster(
     for name in ("distributed.client", "distributed.batched", "distributed.core"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        client = Client(many.cluster, timeout="10s", set_as_default=False)
+        client = Client(run.context.cluster, timeout="10s", set_as_default=False)
     except (OSError, ValueError, TypeError):
-        message = (
-            f"no Dask scheduler answers at {many.cluster}: start one with `dask scheduler`, and give tcp://host:port"
-        )
+        message = f"no Dask scheduler answers at {run.context.cluster}: start one with `dask scheduler`, and give tcp://host:port"
         raise WiggleroomError(message) from None
     with client, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what tasks share may be large: it travels once
         # a task of its own: a worker that loses it can work it out again
-        common = client.submit(pickle.loads, pickle.dumps(shared), pure=False)
-        futures = {client.submit(work, common, task, pure=False): k for k, task in enumerate(tasks)}
+        common = client.submit(pickle.loads, pickle.dumps(run.shared), pure=False)
+        futures = {client.submit(run.work, common, task, pure=False): k for k, task in enumerate(run.tasks)}
         waiting = as_completed(futures, loop=client.loop)
-        while waiting.count() and not many.stopped:
+        while waiting.count() and not run.context.stopped:
             if waiting.is_empty():
                 time.sleep(0.05)
                 continue
             for future in waiting.next_batch(block=False):
-                results[futures[future]] = future.result()
-                tell(len(results))
+                run.keep(futures[future], future.result())
         client.cancel(list(futures), force=True)

@@ -1,28 +1,25 @@
-"""Which loose parts fall by their weight, and which to hold so that none does.
+"""Which loose parts fall by their weight, and which to hold so that none does, in the plane and in space.
 
-All loose parts sink in small steps. Each step is a linear program: it finds the largest loss of height, weighted by area, that distances
-of corners from edges allow. Every motion has a small cost, so that what would lose no height stays. Parts first settle by the clearance
+All loose parts sink in small steps. Each step is a linear program: it finds the largest loss of height, weighted by area or volume, that
+distances between bodies allow. Every motion has a small cost, so that what would lose no height stays. Parts first settle by the clearance
 that they have; those that still sink after many steps fall. There is no friction, and no momentum. Source: Whiting, Ochsendorf and Durand,
 "Procedural modeling of structurally-sound masonry buildings", 2009, for equilibrium as a program over contacts; here is its dual.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any, Protocol
 
 import numpy as np
-import shapely
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies
-from wiggleroom.errors import InputError, Stop
-from wiggleroom.geometry.placed_bodies import placed
-from wiggleroom.geometry.rigid_motions import of_bodies
+from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.errors import InputError
 from wiggleroom.planning.steps import Step
-from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,17 +39,78 @@ STATES_PER_PIECE = 3
 """Number of states at which each straight piece of a step is looked at."""
 
 
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """Distances of bodies from each other, linear in small changes.
+
+    Parameters
+    ----------
+    value : (r,) float64 [mm]
+    slope : (r, k f) sparse
+        By the changes of the free bodies.
+    by_planes : (r, e) sparse
+        By how far planes that part two bodies are tilted and moved [mm]; e is 0 where none are.
+    """
+
+    value: Floats
+    slope: sp.csr_matrix
+    by_planes: sp.csr_matrix
+
+
+class FallingBodies(Protocol):
+    """Bodies of one assembly, as gravity asks for them.
+
+    A change of a body is counted in [mm], f numbers of it: displacements, and turns by how far they take its furthest corner.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the parts (n,).
+    body_of : (n,) int64
+    fixed : (m,) bool
+    clearance : float [mm]
+        Typical clearance.
+    """
+
+    names: tuple[str, ...]
+    body_of: Ints
+    fixed: Bools
+    clearance: float
+
+    def poses(self, motion: Floats) -> Any:
+        """Poses of the bodies where a motion of the parts has taken them."""
+
+    def key(self, poses: Any, here: Bools) -> bytes:
+        """Poses of the bodies that are here, to be known again."""
+
+    def places(self, poses: Any) -> Floats:
+        """Centroids (m, d) [mm] of the bodies."""
+
+    def weights(self, who: Ints) -> Floats:
+        """Weights (k,) of some bodies."""
+
+    def freedoms(self, who: Ints) -> Bools:
+        """Which changes (k, f) they may make."""
+
+    def distances(self, poses: Any, here: Bools, free: Ints, reach: float) -> Distances:
+        """Distances below `reach` [mm] between the free bodies and all that are here."""
+
+    def changed(self, poses: Any, free: Ints, change: Floats) -> Any:
+        """Poses after a change (k, f) of the free bodies."""
+
+    def stay_apart(self, poses: Any, later: Any, here: Bools, free: Ints) -> bool:
+        """Whether the free bodies meet nothing between poses that are near each other."""
+
+
 @dataclass(eq=False)
 class Gravity:
     """Falling among the parts of one assembly.
 
     Parameters
     ----------
-    assembly : Assembly
-        Something in it stands.
-    surveyed : Survey
-        Of the assembly.
-    direction : (x, y)
+    bodies : FallingBodies
+        One of them at least stands.
+    direction : (2,) or (3,) float
         In which loose parts fall; any length but zero.
 
     Raises
@@ -61,149 +119,143 @@ class Gravity:
         If the direction is none.
     """
 
-    assembly: Assembly
-    surveyed: Survey
-    direction: tuple[float, float]
+    bodies: FallingBodies
+    direction: tuple[float, ...]
     _known: dict[bytes, Bools] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        length = float(np.hypot(*self.direction))
-        if not 0 < length < np.inf:
-            finding = f"gravity {self.direction}: it must be a direction, as (0, -1)"
-            raise InputError(finding)
-        self.direction = (self.direction[0] / length, self.direction[1] / length)
+        self.direction = unit_direction(self.direction)
 
-    def falling(self, motion: Floats, there: Bools, held: Bools, stop: Stop | None = None) -> Bools:
+    def falling(self, motion: Floats, there: Bools, held: Bools, context: Context = UNLIMITED) -> Bools:
         """Parts (n,) that fall.
 
         Parameters
         ----------
-        motion : (n, 3) float64 [mm, mm, rad]
+        motion : (n, 3) float64 [mm, mm, rad], in space (n, 6)
             Where the parts are, about their reference points.
         there : (n,) bool
             Parts that have not left.
         held : (n,) bool
             Parts that are held; what is fixed stands anyway.
-        stop : optional
-            Asked before every step; then those that sink still count as falling.
+        context : Context, optional
         """
-        bodies = self.surveyed.bodies
-        here = np.array([there[list(m)].all() for m in bodies.members])
-        stands = bodies.fixed | np.array([held[list(m)].any() for m in bodies.members])
+        bodies, body_of = self.bodies, self.bodies.body_of
+        count = len(bodies.fixed)
+        here = np.array([there[body_of == b].all() for b in range(count)])
+        stands = bodies.fixed | np.array([held[body_of == b].any() for b in range(count)])
         free = np.flatnonzero(here & ~stands)
         out = np.zeros(len(there), dtype=np.bool_)
         if not len(free):
             return out
-        begin = of_bodies(self.assembly, bodies, motion[None])[0]
-        key = np.round(begin[here], 9).tobytes() + here.tobytes() + free.tobytes()
+        begin = bodies.poses(motion)
+        key = bodies.key(begin, here) + here.tobytes() + free.tobytes()
         if key not in self._known:
-            self._known[key] = np.isin(bodies.body_of, free[self._sinking(begin, here, free, stop)])
+            self._known[key] = np.isin(body_of, free[self._sinking(begin, here, free, context)])
         return self._known[key]
 
-    def to_hold(self, step: Step, stop: Stop | None = None) -> tuple[str, ...]:
+    def to_hold(self, step: Step, context: Context = UNLIMITED) -> tuple[str, ...]:
         """Names of parts that somebody must hold during a step, besides those that move, so that nothing falls.
 
         Those that lie lowest are held first: others may rest on them.
         """
-        names = np.array(self.assembly.names, dtype=object)
-        return tuple(names[self._held(list(_states(step)), step.there, np.isin(names, step.parts), stop)])
+        names = np.array(self.bodies.names, dtype=object)
+        return tuple(names[self._held(list(_states(step)), step.there, np.isin(names, step.parts), context)])
 
-    def holding_cost(self, motion: Floats, there: Bools, leaving: Ints, stop: Stop | None = None) -> int:
+    def holding_cost(self, motion: Floats, there: Bools, leaving: Ints, context: Context = UNLIMITED) -> int:
         """How many parts somebody must hold once some have left from a state, so that nothing falls."""
         there = there.copy()
         there[leaving] = False
-        return int(self._held([motion], there, np.zeros(len(there), dtype=np.bool_), stop).sum())
+        return int(self._held([motion], there, np.zeros(len(there), dtype=np.bool_), context).sum())
 
-    def _held(self, states: list[Floats], there: Bools, moving: Bools, stop: Stop | None) -> Bools:
+    def _held(self, states: list[Floats], there: Bools, moving: Bools, context: Context) -> Bools:
         """Parts (n,) to hold so that in some states nothing falls; what moves is held anyway."""
         held = np.zeros(len(there), dtype=np.bool_)
         for motion in states:
-            while (falls := self.falling(motion, there, held | moving, stop)).any():
+            while (falls := self.falling(motion, there, held | moving, context)).any():
                 held[self._lowest(motion, np.flatnonzero(falls))] = True
         for k in np.flatnonzero(held):  # what was held first may be held up by what came later
             without = held.copy()
             without[k] = False
-            if not any(self.falling(m, there, without | moving, stop).any() for m in states):
+            if not any(self.falling(m, there, without | moving, context).any() for m in states):
                 held = without
         return held
 
     def _lowest(self, motion: Floats, who: Ints) -> int:
         """Which of some parts has the centroid of its body lowest."""
-        bodies = self.surveyed.bodies
-        at = bodies.rest + of_bodies(self.assembly, bodies, motion[None])[0]
-        heights = at[bodies.body_of[who], :2] @ np.array(self.direction)
+        heights = self.bodies.places(self.bodies.poses(motion))[self.bodies.body_of[who]] @ np.array(self.direction)
         return int(who[int(heights.argmax())])
 
-    def _sinking(self, motion: Floats, there: Bools, free: Ints, stop: Stop | None) -> Bools:
+    def _sinking(self, poses: Any, here: Bools, free: Ints, context: Context) -> Bools:
         """Which of the `free` bodies still sink after many steps."""
-        surveyed, down = self.surveyed, np.array(self.direction)
-        weight = shapely.area(placed(surveyed.bodies, None, free)[free])
-        problem = ClearanceProblem(
-            surveyed.bodies,
-            there,
-            surveyed.ignored,
-            surveyed.clearance,
-            surveyed.size,
-            MovingBodies(free, as_one=False),
-        )
+        down, weight = np.array(self.direction), self.bodies.weights(free)
+        weight = weight / weight.sum()
         sunk = np.zeros((STEPS + 1, len(free)))
-        trust = TRUST * surveyed.clearance
+        trust = TRUST * self.bodies.clearance
         for k in range(STEPS):
-            if stop is not None and stop.is_set():
+            if context.stopped:
                 return np.ones(len(free), dtype=np.bool_)
-            change, trust = self._sink(problem, motion, weight / weight.sum(), trust)
-            motion = motion + change
-            sunk[k + 1] = sunk[k] + change[free, :2] @ down
+            change, poses, trust = self._sink(poses, here, free, weight, trust)
+            sunk[k + 1] = sunk[k] + change[:, : len(down)] @ down
             if not change.any():
                 return np.zeros(len(free), dtype=np.bool_)
         half = STEPS // 2
-        return np.asarray(sunk[-1] - sunk[half] > SETTLED * surveyed.clearance)
+        return np.asarray(sunk[-1] - sunk[half] > SETTLED * self.bodies.clearance)
 
-    def _sink(self, problem: ClearanceProblem, motion: Floats, weight: Floats, trust: float) -> tuple[Floats, float]:
-        """One step, shorter where a longer one would meet something, and how long the next one may be."""
-        most = TRUST * problem.clearance
+    def _sink(self, poses: Any, here: Bools, free: Ints, weight: Floats, trust: float) -> tuple[Floats, Any, float]:
+        """One step, shorter where a longer one would meet something, the poses after it, and how long the next one may be."""
+        most = TRUST * self.bodies.clearance
         while trust > 1e-3 * most:
-            change = _program(problem, motion, weight, np.array(self.direction), trust)
+            change = self._program(poses, here, free, weight, trust)
             if not change.any():
-                return change, trust
-            if problem.least(np.stack([motion, motion + change])) > 0:
-                return change, min(2 * trust, most)
+                return change, poses, trust
+            later = self.bodies.changed(poses, free, change)
+            if self.bodies.stay_apart(poses, later, here, free):
+                return change, later, min(2 * trust, most)
             trust /= 4
-        return np.zeros_like(motion), most
+        return np.zeros_like(change), poses, most
 
+    def _program(self, poses: Any, here: Bools, free: Ints, weight: Floats, trust: float) -> Floats:
+        """Change (k, f) [mm] by which the free bodies lose the most height."""
+        from scipy.optimize import linprog  # slow to load
 
-def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Floats, trust: float) -> Floats:
-    """Motion (n, 3) [mm, mm, rad] of all bodies by which the free ones lose the most height."""
-    from scipy.optimize import linprog  # slow to load
-    from scipy.sparse import coo_array
-
-    bodies, free = problem.bodies, problem.moving.who
-    lever = bodies.radius[free]
-    count = 3 * len(free)
-    near = problem.near(bodies.rest + motion, 4 * trust)
-    mine = problem.moving.numbers(len(motion))[near.who]
-    r, side = np.nonzero(mine >= 0)
-    slope = -near.gradient[r, side] / np.column_stack([np.ones((len(r), 2)), bodies.radius[near.who[r, side]]])
-    column = 3 * mine[r, side][:, None] + np.arange(3)
-    limit = np.maximum(near.distance - MARGIN * problem.clearance, 0.0)
-    rows = coo_array((slope.ravel(), (np.repeat(r, 3), column.ravel())), shape=(len(limit), count)).tocsr()
-    cost = np.zeros((len(free), 3))
-    cost[:, :2] = -weight[:, None] * down
-    effort = MIN_DESCENT * np.repeat(weight, 3)
-    # every change as the difference of two that are not negative, so that both ways cost effort
-    found = linprog(
-        np.concatenate([cost.ravel() + effort, effort - cost.ravel()]),
-        A_ub=np.hstack([rows.toarray(), -rows.toarray()]),
-        b_ub=limit,
-        bounds=(0.0, trust),
-        method="highs",
-    )
-    change = np.zeros_like(motion)
-    if found.success:
-        moved = (found.x[:count] - found.x[count:]).reshape(-1, 3)
+        near = self.bodies.distances(poses, here, free, 4 * trust)
+        may = self.bodies.freedoms(free)
+        planes = near.by_planes.shape[1]
+        cost = np.zeros(may.shape)
+        cost[:, : len(self.direction)] = -weight[:, None] * np.array(self.direction)
+        effort = MIN_DESCENT * np.repeat(weight, may.shape[1])
+        most = np.where(np.tile(may.ravel(), 2), trust, 0.0)
+        # every change as the difference of two that are not negative, so that both ways cost effort
+        found = linprog(
+            np.concatenate([cost.ravel() + effort, effort - cost.ravel(), np.zeros(planes)]),
+            A_ub=sp.hstack([-near.slope, near.slope, -near.by_planes], format="csr"),
+            b_ub=np.maximum(near.value - MARGIN * self.bodies.clearance, 0.0),
+            bounds=[*((0.0, x) for x in most.tolist()), *[(-2 * trust, 2 * trust)] * planes],
+            method="highs",
+        )
+        if not found.success:
+            return np.zeros(may.shape)
+        moved = (found.x[: may.size] - found.x[may.size : 2 * may.size]).reshape(may.shape)
         moved[np.abs(moved) < 1e-6 * trust] = 0.0
-        change[free] = np.column_stack([moved[:, :2], moved[:, 2] / lever])
-    return change
+        return np.asarray(moved)
+
+
+def unit_direction(direction: Sequence[float]) -> tuple[float, ...]:
+    """The direction in which parts fall, one long.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    >>> unit_direction((0, -2))
+    (0.0, -1.0)
+    """
+    length = float(np.linalg.norm(direction))
+    if not 0 < length < np.inf:
+        finding = f"gravity {tuple(direction)}: it must be a direction, as (0, -1)"
+        raise InputError(finding)
+    return tuple(x / length for x in direction)
 
 
 def _states(step: Step) -> Iterator[Floats]:

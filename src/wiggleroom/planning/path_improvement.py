@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,11 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies, largest_clearance_path
 from wiggleroom.disassembly.remaining import only
-from wiggleroom.errors import Stop
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
-from wiggleroom.planning.steps import STILL, Step, finer
+from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
@@ -34,7 +35,7 @@ KEPT_CLEARANCE = 0.9
 
 
 def improved_steps(
-    assembly: Assembly, surveyed: Survey, steps: Sequence[Step], stop: Stop | None = None
+    assembly: Assembly, surveyed: Survey, steps: Sequence[Step], context: Context = UNLIMITED
 ) -> tuple[Step, ...]:
     """Steps that do the same with more room: apart, shortened and widened; each is kept only where it certainly is free.
 
@@ -44,8 +45,7 @@ def improved_steps(
     surveyed : Survey
         Of the assembly.
     steps : sequence of Step
-    stop : optional
-        Asked before each step; those that are left stay as they are.
+    context : Context, optional
     """
     todo = list(steps)
     done: list[Step] = []
@@ -63,7 +63,7 @@ def improved_steps(
         shift[np.abs(shift) < STILL] = 0.0
         options = _from(assembly, plain, shift)
         step = next((option for option in options if len(options) < 2 or free(option)), options[0])
-        if stop is not None and stop.is_set():
+        if context.stopped:
             if shift.any() and not free(step):
                 return tuple(steps)
             done.append(step)
@@ -166,3 +166,13 @@ def _shortened(problem: ClearanceProblem, path: Floats) -> Floats:
         else:
             k += 1
     return path
+
+
+def finer(path: Floats, turn: float, length: float = np.inf) -> Floats:
+    """The path (k, n, 3) with points in between, so that no piece turns by more than `turn` [rad] or is longer than `length` [mm]."""
+    out = [path[:1]]
+    for one, other in pairwise(path):
+        change = np.abs(other - one)
+        count = max(1, int(np.ceil(max(change[:, 2].max() / turn, change[:, :2].max() / length))))
+        out.append(one + (other - one) * (np.arange(1, count + 1) / count)[:, None, None])
+    return np.concatenate(out)

@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, require_planar
+from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.disassembly_sequence import disassemble
-from wiggleroom.disassembly.interlock import with_ground
+from wiggleroom.disassembly.disassembly_sequence import Disassembly, disassemble
+from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.geometry.bodies import bodies
 from wiggleroom.planning.gravity import Gravity
-from wiggleroom.planning.path_improvement import improved_steps
-from wiggleroom.planning.steps import Step, measured, steps_of
-from wiggleroom.search.prepare import survey
-from wiggleroom.search.progress import Progress, silent
+from wiggleroom.planning.plan_geometry import PlanGeometry
+from wiggleroom.planning.planar_plan_geometry import PlanarPlanGeometry
+from wiggleroom.planning.steps import Step, steps_of
+from wiggleroom.search.progress import Progress
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -57,7 +57,7 @@ class Plan(Drawable):
     whole : bool
         True where the states are all to which slides and such turns lead.
     seconds : float
-    gravity : (2,) float64 or None
+    gravity : (2,) or (3,) float or None
         Unit vector in which loose parts fall; None where that was not looked at.
     """
 
@@ -76,7 +76,7 @@ class Plan(Drawable):
     unanswered: int
     whole: bool
     seconds: float
-    gravity: tuple[float, float] | None = None
+    gravity: tuple[float, ...] | None = None
 
     @property
     def moves(self) -> int:
@@ -90,9 +90,9 @@ class Plan(Drawable):
 
     @property
     def path(self) -> Floats:
-        """Motions (k, n, 3) [mm, mm, rad] of all parts along the whole plan, from rest."""
+        """Motions (k, n, 3) [mm, mm, rad] of all parts along the whole plan, from rest; in space (k, n, 6)."""
         if not self.steps:
-            return np.zeros((1, len(self.assembly.parts), 3))
+            return np.zeros((1, len(self.assembly.parts), 3 * (self.assembly.dimension - 1)))
         return np.concatenate([self.steps[0].path[:1], *(step.path[1:] for step in self.steps)])
 
 
@@ -100,29 +100,12 @@ def plan(
     assembly: Assembly,
     targets: Sequence[str] = (),
     *,
-    gravity: tuple[float, float] | None = None,
+    gravity: tuple[float, ...] | None = None,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
     seconds: float | None = None,
 ) -> Plan:
-    """Plan how an assembly is taken apart: which parts leave, in which order, along which paths.
-
-    Fixed parts stand; where none is fixed, the largest part stands.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    targets : sequence of names, optional
-        Only these are to leave; others leave only where they must.
-    gravity : (x, y), optional
-        Direction in which loose parts fall: every step then says whom to hold so that none does, and of the parts that could leave
-        straight those leave first after which the fewest must be held.
-    stop : optional
-        Anything with `is_set()`; then the plan goes as far as was found.
-    progress : callable, optional
-        Told a `Progress` now and then.
-    seconds : float, optional
-        Time that it may take; then the same.
+    """Plan how an assembly of the plane is taken apart; see `wiggleroom.plan`.
 
     Raises
     ------
@@ -130,34 +113,54 @@ def plan(
         If a target is unknown or fixed, there is only one body, or all are fixed; if gravity has no direction.
     TouchingError
         If two parts touch at rest.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> found = wr.plan(wr.patterns.chain(3, joint="finger", gap=0.02))
-    >>> found.order, found.level
-    ((('b3',), ('b2',)), (1, 1))
     """
     require_planar(assembly, "plan")
     began = time.perf_counter()
-    limit = stop if seconds is None else Deadline(seconds, stop)
+    context = Context(stop=stop if seconds is None else Deadline(seconds, stop), progress=progress)
     standing = with_ground(assembly)
     targets = tuple(dict.fromkeys(targets))
     check_targets(standing, targets)
-    weight = None if gravity is None else Gravity(standing, survey(standing), gravity)
-    holding_cost = None if weight is None else partial(weight.holding_cost, stop=limit)
-    done = disassemble(standing, targets=targets, holding_cost=holding_cost, stop=limit, tell=progress or silent)
-    steps: tuple[Step, ...] = ()
+    geometry = PlanarPlanGeometry(standing)
+    weight = None if gravity is None else Gravity(geometry.falling(), gravity)
+    holding_cost = None if weight is None else partial(weight.holding_cost, context=context)
+    done = disassemble(standing, targets=targets, holding_cost=holding_cost, context=context)
+    return planned(assembly, targets, done, geometry, weight, context, began)
+
+
+def planned(
+    assembly: Assembly,
+    targets: tuple[str, ...],
+    done: Disassembly,
+    geometry: PlanGeometry,
+    weight: Gravity | None,
+    context: Context,
+    began: float,
+) -> Plan:
+    """The plan that follows from how far an assembly could be taken apart.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        As it was given; in that of the geometry something stands.
+    targets : tuple of names
+    done : Disassembly
+    geometry : PlanGeometry
+    weight : Gravity, optional
+        Which parts to hold is told by it.
+    context : Context
+    began : float
+        When it was asked, by `time.perf_counter`.
+    """
+    standing, steps = geometry.assembly, tuple[Step, ...]()
     if done.departures:
-        surveyed = survey(standing)
-        steps = improved_steps(standing, surveyed, steps_of(standing, done.departures), limit)
-        steps = tuple(measured(standing, surveyed, step) for step in steps)
-        if weight is not None:
-            steps = tuple(replace(step, falling=weight.to_hold(step, limit)) for step in steps)
+        steps = tuple(map(geometry.measured, geometry.fitted(steps_of(standing, done.departures), context)))
+    if weight is not None:
+        steps = tuple(replace(step, falling=weight.to_hold(step, context)) for step in steps)
     gone = {standing.names[k] for d in done.departures for k in d.parts}
-    them = bodies(standing)
-    fixed = {standing.names[k] for k in np.flatnonzero(them.fixed[them.body_of])}
-    remains = tuple(n for n in targets or standing.names if n not in gone and n not in fixed)
+    bodies = geometry.falling()
+    fixed = {standing.names[k] for k in np.flatnonzero(bodies.fixed[bodies.body_of])}
+    loose = [name for name in targets or standing.names if name not in fixed]
+    remains = tuple(name for name in loose if name not in gone or name in done.together)
     missed = bool(remains) if targets else not gone
     return Plan(
         assembly=assembly,

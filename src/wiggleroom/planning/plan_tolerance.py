@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.build import assemble
-from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.disassembly.interlock import with_ground
-from wiggleroom.disassembly.remaining import only
+from wiggleroom.context import Context
 from wiggleroom.displayable import Displayable
-from wiggleroom.errors import InputError, Stop, TouchingError
-from wiggleroom.planning.path_improvement import improved_steps
+from wiggleroom.errors import InputError
 from wiggleroom.planning.plan import Plan
-from wiggleroom.planning.steps import Step, measured
-from wiggleroom.search.prepare import survey
+from wiggleroom.planning.plan_geometry import PlanGeometry
+from wiggleroom.planning.steps import Step
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 
 Floats = NDArray[np.float64]
@@ -110,39 +104,24 @@ class SmallestGap(Displayable):
     pair: tuple[str, ...]
 
 
-def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, stop: Stop | None = None) -> PlanSample:
-    """How often parts whose gaps vary go together along the paths of a plan.
-
-    Parameters
-    ----------
-    plan : Plan
-    spread : Spread
-        Of the extra gap round every part: its outline moves inward by half of it.
-    draws, seed : int
-    stop : optional
-        Asked before every draw; then those so far are given.
+def sample_plan(
+    plan: Plan, geometry: PlanGeometry, spread: Spread, draws: int, seed: int, context: Context
+) -> PlanSample:
+    """How often parts whose gaps vary go together along the paths of a plan; see `wiggleroom.sample_plan`.
 
     Raises
     ------
     InputError
         If there is no plan, or it was stopped before the first draw.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> found = wr.plan(wr.patterns.chain(2, joint="finger", gap=0.05))
-    >>> sample_plan(found, Spread(0.001), draws=5).share
-    1.0
     """
     _check_plan(plan)
-    assembly = with_ground(plan.assembly)
-    extra = spread.draw(draws, len(assembly.parts), seed)
+    names = geometry.assembly.names
+    extra = spread.draw(draws, len(names), seed)
     found, failing = [], np.zeros(len(plan.steps) + 1, dtype=np.int64)
     for row in extra:
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
-        offset = {name: -float(x) / 2 for name, x in zip(assembly.names, row, strict=True)}
-        made = _made(assembly, offset=offset)
+        made = geometry.made(inward={name: float(x) / 2 for name, x in zip(names, row, strict=True)})
         least, step = (0.0, -1) if made is None else _least(made, plan.steps)
         found.append(least)
         if least <= 0:
@@ -152,7 +131,7 @@ def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, 
     return PlanSample(plan, spread, np.array(found), tuple(failing.tolist()))
 
 
-def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
+def rank_plan(plan: Plan, geometry: PlanGeometry, context: Context) -> PlanRanking:
     """Which gap to enlarge so that a plan has more room: extra gap round one part after the other, paths fitted anew.
 
     Raises
@@ -161,23 +140,22 @@ def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
         If there is no plan.
     """
     _check_plan(plan)
-    assembly = with_ground(plan.assembly)
+    names = geometry.assembly.names
     least = min(step.clearance for step in plan.steps)
-    extra = RANK_SHARE * max(least, 1e-3 * survey(assembly).clearance)
+    extra = RANK_SHARE * max(least, 1e-3 * geometry.clearance)
     near = [step for step in plan.steps if step.clearance < least + 2 * extra]
-    gain = np.zeros(len(assembly.parts))
-    for k, name in enumerate(assembly.names):
-        made = None if stop is not None and stop.is_set() else _made(assembly, offset={name: -extra / 2})
+    gain = np.zeros(len(names))
+    for k, name in enumerate(names):
+        made = None if context.stopped else geometry.made(inward={name: extra / 2})
         if made is None:
             continue
-        surveyed = survey(made)
-        value = min(measured(made, surveyed, _alone(made, step)).clearance for step in near)
+        value = min(made.measured(_alone(made, step)).clearance for step in near)
         gain[k] = max((value - least) / extra, 0.0)
     order = np.argsort(-gain, kind="stable")
-    return PlanRanking(plan, tuple(assembly.names[k] for k in order), gain[order])
+    return PlanRanking(plan, tuple(names[k] for k in order), gain[order])
 
 
-def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
+def smallest_gap(plan: Plan, geometry: PlanGeometry, context: Context) -> SmallestGap:
     """The smallest gap of the whole assembly at which a plan works, its paths fitted anew at every gap.
 
     Raises
@@ -186,7 +164,7 @@ def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
         If there is no plan, or the assembly has no gap of its own that could be made smaller.
     """
     _check_plan(plan)
-    assembly = with_ground(plan.assembly)
+    assembly = geometry.assembly
     if not assembly.gap > 0:
         finding = f"{assembly.drawing.source or 'the assembly'}: it has no gap that could be made smaller; give one, with --gap"
         raise InputError(finding)
@@ -194,8 +172,8 @@ def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
     low: float | None = None
     why: tuple[int, tuple[str, ...]] = (-1, ())
     trial = high / 2
-    while not (stop is not None and stop.is_set()):
-        steps, told = _at_gap(assembly, works, trial)
+    while not context.stopped:
+        steps, told = _at_gap(geometry, works, trial)
         if steps is None:
             low, why = trial, told
         else:
@@ -209,49 +187,34 @@ def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
 
 
 def _at_gap(
-    assembly: Assembly, steps: tuple[Step, ...], gap: float
+    geometry: PlanGeometry, steps: tuple[Step, ...], gap: float
 ) -> tuple[tuple[Step, ...] | None, tuple[int, tuple[str, ...]]]:
     """Steps fitted to another gap, or None and which of them does not go, because of which two parts."""
-    made = _made(assembly, gap=gap)
+    made = geometry.made(gap=gap)
     if made is None:
         return None, (-1, ())
-    surveyed = survey(made)
-    fitted = improved_steps(made, surveyed, steps)
+    fitted = made.fitted(steps)
     for k, step in enumerate(fitted):
-        there = np.flatnonzero(step.there)
-        audit = audit_path(only(made, there), step.path[:, there])
-        if not audit.free:
-            first = audit.piece.argmin()
-            return None, (k, (made.names[there[audit.a[first]]], made.names[there[audit.b[first]]]))
-    return tuple(measured(made, surveyed, step) for step in fitted), (-1, ())
+        pair = made.collision(step)
+        if pair is not None:
+            return None, (k, pair)
+    return tuple(made.measured(step) for step in fitted), (-1, ())
 
 
-def _alone(assembly: Assembly, step: Step) -> Step:
+def _alone(geometry: PlanGeometry, step: Step) -> Step:
     """A step fitted to other outlines, its first waypoint as it is."""
-    fitted = improved_steps(assembly, survey(assembly), [step])
+    fitted = geometry.fitted([step])
     return fitted[0] if len(fitted) == 1 else step
 
 
-def _least(assembly: Assembly, steps: tuple[Step, ...]) -> tuple[float, int]:
+def _least(geometry: PlanGeometry, steps: tuple[Step, ...]) -> tuple[float, int]:
     """Least clearance of steps as they are, and the step where it is; 0 where one of them is not free."""
-    surveyed, found = survey(assembly), []
+    found = []
     for k, step in enumerate(steps):
-        there = np.flatnonzero(step.there)
-        if not audit_path(only(assembly, there), step.path[:, there]).free:
+        if geometry.collision(step) is not None:
             return 0.0, k
-        found.append(measured(assembly, surveyed, step).clearance)
+        found.append(geometry.measured(step).clearance)
     return min(found), int(np.argmin(found))
-
-
-def _made(assembly: Assembly, **options: object) -> Assembly | None:
-    """The assembly made otherwise; None where parts then touch at rest, or cannot be made."""
-    make: Callable[..., Assembly] = assemble
-    try:
-        made = make(assembly.drawing, **options)
-        survey(made)
-    except (InputError, TouchingError):
-        return None
-    return made
 
 
 def _check_plan(plan: Plan) -> None:

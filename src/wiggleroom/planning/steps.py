@@ -10,21 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.disassembly_sequence import Departure
 from wiggleroom.displayable import Displayable
-from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 STILL = 1e-12
 """A smaller change of a motion is none [mm, rad]."""
+SAME_DIRECTION = 1e-9
+"""Two straight pieces of the same parts are one move where their directions differ by less."""
 HELD_REACH = 1.5
 """A loose part that comes nearer to what moves than this multiple of the least clearance may be dragged along, and is held."""
-TURN_PER_PIECE = 0.02
-"""Clearances are worked out on pieces that turn by at most this [rad]."""
 MAX_CLEARANCE = 0.1
 """Clearances are worked out up to this share of the drawing's size."""
 
@@ -37,7 +34,7 @@ class Step(Displayable):
     ----------
     parts : tuple of names
         Those that move, as one or each on its own path.
-    path : (k, n, 3) float64 [mm, mm, rad]
+    path : (k, n, 3) float64 [mm, mm, rad], in space (k, n, 6)
         Motions of all parts about their reference points, since rest; straight in between.
     moves : int
         Of how many moves it consists.
@@ -46,13 +43,13 @@ class Step(Displayable):
     there : (n,) bool
         Parts that have not left before it.
     clearance : float [mm]
-        Least distance along the path between what moves and all else, and between parts that move differently.
+        Least distance along the path between what moves and all else, and between parts that move differently; in space turns are sampled.
     room : float [mm]
         The largest error of position: shifted by up to this in any direction, what moves still passes.
     turn_room : float [rad]
         An error of angle, either way, about the middle of what moves, under which it certainly still passes: no corner is carried further
         than the clearance.
-    axis : (2,) float64
+    axis : (2,) or (3,) float64
         Unit vector along which the parts go in when they are put together: opposite to the last straight piece.
     held : tuple of names
         Loose parts that must be held, because what moves comes so near that it may drag them along.
@@ -68,7 +65,7 @@ class Step(Displayable):
     clearance: float = 0.0
     room: float = 0.0
     turn_room: float = 0.0
-    axis: tuple[float, float] = (0.0, 0.0)
+    axis: tuple[float, ...] = (0.0, 0.0)
     held: tuple[str, ...] = ()
     falling: tuple[str, ...] = ()
 
@@ -82,8 +79,36 @@ class Step(Displayable):
         """True where all parts that move do so as one rigid piece."""
         first = self.path - self.path[:1]
         moving = (np.abs(first) > STILL).any(axis=(0, 2))
-        turned = np.abs(first[..., 2]).max() > STILL
+        turned = np.abs(first[..., axes_of(first) :]).max() > STILL
         return bool(moving.sum() == 1 or (not turned and np.ptp(first[:, moving], axis=1).max() <= STILL))
+
+
+def moves_of(path: Floats) -> Ints:
+    """Number of the move (k - 1,) that each piece of a path (k, n, 3), in space (k, n, 6), belongs to.
+
+    Pieces of the same parts are one move where they go on in the same direction, or turn.
+
+    >>> moves_of(np.array([[[0.0, 0, 0]], [[1, 0, 0]], [[3, 0, 0]], [[3, 2, 0]]])).tolist()
+    [0, 0, 1]
+    """
+    change, axes = np.diff(path, axis=0), axes_of(path)
+    found = np.zeros(len(change), dtype=np.int64)
+    for k, (one, other) in enumerate(pairwise(change)):
+        same = np.array_equal((np.abs(one) > STILL).any(axis=1), (np.abs(other) > STILL).any(axis=1))
+        turning = np.abs(one[:, axes:]).max() > STILL and np.abs(other[:, axes:]).max() > STILL
+        found[k + 1] = found[k] + (not (same and (turning or _parallel(one[:, :axes], other[:, :axes]))))
+    return found
+
+
+def axes_of(path: Floats) -> int:
+    """Number of translations in a path: 2 in the plane, 3 in space."""
+    return 2 if path.shape[-1] == 3 else 3
+
+
+def _parallel(one: Floats, other: Floats) -> bool:
+    """True where all parts go on in their directions."""
+    lengths = np.linalg.norm(one), np.linalg.norm(other)
+    return bool(min(lengths) > STILL and np.abs(one / lengths[0] - other / lengths[1]).max() < SAME_DIRECTION)
 
 
 def steps_of(assembly: Assembly, departures: Sequence[Departure]) -> tuple[Step, ...]:
@@ -107,51 +132,46 @@ def _split(assembly: Assembly, departure: Departure) -> list[Step]:
     return found
 
 
-def measured(assembly: Assembly, surveyed: Survey, step: Step) -> Step:
-    """The step with its clearance, room for errors, axis and held parts."""
-    bodies, names = surveyed.bodies, np.array(assembly.names, dtype=object)
-    fine, stray = _finely(assembly, surveyed, step.path)
-    path = of_bodies(assembly, bodies, fine)
-    there = np.array([step.there[list(m)].all() for m in bodies.members])
-    most = MAX_CLEARANCE * surveyed.size
-    apart = least_distances(bodies, path, there, surveyed.ignored, most)
-    moving = np.unique(bodies.body_of[np.isin(names, step.parts)])
-    clearance = max(float(apart[moving].min(initial=most)) - stray, 0.0)
-    resting = np.setdiff1d(np.flatnonzero(~bodies.fixed & there), moving)
-    dragged = resting[apart[resting][:, moving].min(axis=1, initial=most) < HELD_REACH * clearance]
-    held = tuple(n for b in dragged for n in names[list(bodies.members[b])])
-    reach = (
-        float(bodies.radius[moving].max()) if len(moving) == 1 else _reach(bodies.rest[moving], bodies.radius[moving])
-    )
-    last = np.diff(step.path, axis=0)[-1]
-    k = int(np.hypot(last[:, 0], last[:, 1]).argmax())
-    length = float(np.hypot(*last[k, :2]))
-    axis = (-float(last[k, 0]) / length, -float(last[k, 1]) / length) if length > STILL else (0.0, 0.0)
-    return replace(step, clearance=clearance, room=clearance, turn_room=clearance / reach, axis=axis, held=held)
+@dataclass(frozen=True, eq=False)
+class StepRoom:
+    """How near bodies come to each other in a step.
 
-
-def finer(path: Floats, turn: float, length: float = np.inf) -> Floats:
-    """The path (k, n, 3) with points in between, so that no piece turns by more than `turn` [rad] or is longer than `length` [mm]."""
-    out = [path[:1]]
-    for one, other in pairwise(path):
-        change = np.abs(other - one)
-        count = max(1, int(np.ceil(max(change[:, 2].max() / turn, change[:, :2].max() / length))))
-        out.append(one + (other - one) * (np.arange(1, count + 1) / count)[:, None, None])
-    return np.concatenate(out)
-
-
-def _finely(assembly: Assembly, surveyed: Survey, path: Floats) -> tuple[Floats, float]:
-    """The path with many points where it turns, and how far bodies may be from straight between them [mm].
-
-    Reference points of parts go straight, so the middles of their bodies do not quite.
+    Parameters
+    ----------
+    body_of : (n,) int64
+        Body of every part.
+    fixed : (m,) bool
+    places : (m, d) float64 [mm]
+        Reference points of the bodies at rest.
+    radius : (m,) float64 [mm]
+        How far their furthest corners are from these.
+    apart : (m, m) float64 [mm]
+        Least distances of those that move against each other; `most` where they are further apart or do not.
+    most : float [mm]
     """
-    fine = finer(path, TURN_PER_PIECE)
-    turn = float(np.abs(np.diff(fine[..., 2], axis=0)).max())
-    arm = assembly.rest[:, :2] - surveyed.bodies.rest[surveyed.bodies.body_of, :2]
-    return fine, 2 * float(np.hypot(*arm.T).max()) * turn**2 / 8
+
+    body_of: Ints
+    fixed: NDArray[np.bool_]
+    places: Floats
+    radius: Floats
+    apart: Floats
+    most: float
 
 
-def _reach(rest: Floats, radius: Floats) -> float:
-    """Radius about the middle of some bodies that move as one."""
-    middle = rest[:, :2].mean(axis=0)
-    return float((np.hypot(*(rest[:, :2] - middle).T) + radius).max())
+def with_room(step: Step, names: Sequence[str], its: StepRoom) -> Step:
+    """The step with its clearance, room for errors, axis and held parts."""
+    all_names = np.array(names, dtype=object)
+    there = np.array([step.there[its.body_of == b].all() for b in range(len(its.fixed))])
+    moving = np.unique(its.body_of[np.isin(all_names, step.parts)])
+    clearance = max(float(its.apart[moving].min(initial=its.most)), 0.0)
+    resting = np.setdiff1d(np.flatnonzero(~its.fixed & there), moving)
+    dragged = resting[its.apart[resting][:, moving].min(axis=1, initial=its.most) < HELD_REACH * clearance]
+    held = tuple(n for b in dragged for n in all_names[its.body_of == b])
+    middle = its.places[moving].mean(axis=0) if len(moving) > 1 else its.places[moving[0]]
+    reach = float((np.linalg.norm(its.places[moving] - middle, axis=1) + its.radius[moving]).max())
+    axes = its.places.shape[1]
+    last = np.diff(step.path, axis=0)[-1, :, :axes]
+    lengths = np.linalg.norm(last, axis=1)
+    k = int(lengths.argmax())
+    axis = tuple((-last[k] / lengths[k]).tolist()) if lengths[k] > STILL else (0.0,) * axes
+    return replace(step, clearance=clearance, room=clearance, turn_room=clearance / reach, axis=axis, held=held)

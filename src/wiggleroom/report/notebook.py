@@ -18,12 +18,13 @@ from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import Step
+from wiggleroom.report.finding import Finding
 from wiggleroom.report.free_space.space_report import space_facts, space_headline
+from wiggleroom.report.page.finding_page import page_of_finding
 from wiggleroom.report.page.pages import page_of_answer, page_of_assembly
 from wiggleroom.report.page.plan_pictures import page_of_plan
 from wiggleroom.report.page.solid_page import page_of_spatial_assembly
-from wiggleroom.report.pictures import importance_picture, study_plots
-from wiggleroom.report.results.allowable_gap_results import gap_facts, gap_sentence
+from wiggleroom.report.pictures.finding_picture import subtitle
 from wiggleroom.report.results.answer_words import (
     assembly_lines,
     facts,
@@ -41,19 +42,10 @@ from wiggleroom.report.results.plan_results import (
     tolerance_sentences,
 )
 from wiggleroom.report.results.separability import Checked, border_sentence, check_facts, check_title
-from wiggleroom.report.results.study_results import lost_sentence
-from wiggleroom.report.results.tolerance_results import tolerances_facts, tolerances_sentence
 from wiggleroom.report.write_spatial import spatial_page
-from wiggleroom.report.write_study import StudyResult, assembly_of, in_space, page_of_study
+from wiggleroom.report.write_study import StudyResult, page_of_study
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.sensitivity.gap_trials import AllowableGap
-from wiggleroom.sensitivity.rank import Ranking
-from wiggleroom.sensitivity.sample import Sample
-from wiggleroom.sensitivity.sweep import Sweep
-from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.sensitivity.worst_case import WorstCase
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 HEIGHT = 560
 """Height of the frame [px]."""
@@ -61,7 +53,7 @@ MAX_MOVES = 5
 """At most this many sets of parts that can begin to slide are listed."""
 
 
-def mime_bundle(found: Displayable) -> dict[str, str]:
+def mime_bundle(found: Displayable | Finding) -> dict[str, str]:
     """What a notebook shows: the page in a frame that may run its script and nothing else, and text.
 
     Where there is nothing to put on a page, an empty sweep or a thing that knows no assembly, the text is alone.
@@ -89,10 +81,10 @@ def sandboxed_frame(page: str, title: str) -> str:
     )
 
 
-def lines(found: Displayable) -> list[str]:
+def lines(found: Displayable | Finding) -> list[str]:
     """What was found in a few lines of text, the headline first."""
     match found:
-        case Assembly() | SpatialAssembly():
+        case Assembly():
             return assembly_lines(found)
         case Prepared():
             return [*assembly_lines(found.assembly), f"prepared: {len(found.cells.a)} pairs of neighbours"]
@@ -108,24 +100,14 @@ def lines(found: Displayable) -> list[str]:
             return [plan_title(found), *plan_facts(found)]
         case PlanSample() | PlanRanking() | SmallestGap():
             return [*tolerance_sentences(_tolerances(found)), plan_title(found.plan)]
-        case Ranking():
-            return [headline(found.answer), *importance_picture.ranking_facts(found)]
-        case Tightening():
-            return [headline(found.after), *importance_picture.tightening_facts(found)]
-        case Sweep():
-            return [study_plots.sweep_title(found), lost_sentence(found)]
-        case Sample():
-            return [study_plots.sample_title(found), *study_plots.sample_facts(found)]
-        case AllowableGap():
-            return [gap_sentence(found), *gap_facts(found)]
-        case WorstCase():
-            return [tolerances_sentence(found), *tolerances_facts(found)]
+        case Finding():
+            return [found.title, *subtitle(found)]
         case FreeSpace():
             return [space_headline(found), *space_facts(found, None)]
     return _lines_alone(found)
 
 
-def _lines_alone(found: Displayable) -> list[str]:
+def _lines_alone(found: Displayable | Finding) -> list[str]:
     """The same of what knows no assembly."""
     match found:
         case Polyhedron():
@@ -172,29 +154,22 @@ def _tolerances(found: PlanSample | PlanRanking | SmallestGap) -> PlanTolerances
             return PlanTolerances(gap=found)
 
 
-def _page(found: Displayable) -> str | None:
+def _page(found: Displayable | Finding) -> str | None:
     """The page; None where there is nothing to put on one."""
     match found:
         case Assembly():
-            return page_of_assembly(found)
-        case SpatialAssembly():
-            return page_of_spatial_assembly(found)
+            return page_of_assembly(found) if found.dimension == 2 else page_of_spatial_assembly(found)
         case Prepared():
             return page_of_assembly(found.assembly)
         case Answer():
             return spatial_page(found) if found.assembly.dimension == 3 else page_of_answer(found)
         case PlanSample() | PlanRanking() | SmallestGap():
             return page_of_plan(found.plan, _tolerances(found))
+        case Finding():
+            return None if found.figure is None and found.motion is None else page_of_finding(found)
     return page_of_study(found) if isinstance(found, StudyResult) and _has_page(found) else None
 
 
 def _has_page(found: StudyResult) -> bool:
     """False where there is nothing to put on a page."""
-    match found:
-        case LargestGap():
-            return found.apart is not None or found.interlocked is not None
-        case Sweep() if all(step.answer is None for step in found.steps):
-            return False
-        case Sweep() | Sample() | AllowableGap():  # curves in space have none
-            return assembly_of(found).dimension == 2 or in_space(found) is not None
-    return True
+    return not isinstance(found, LargestGap) or (found.apart is not None or found.interlocked is not None)

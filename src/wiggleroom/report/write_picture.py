@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wiggleroom.files import write_whole
 from wiggleroom.report.pictures.file_endings import ANSWERS, FILMS, PAGE, check_ending, ending
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def write_picture(
-    found: Answer[Any] | StudyResult,
+    found: Answer | StudyResult,
     path: str | PathLike[str],
     *,
     command: str = "",

@@ -1,4 +1,4 @@
-"""Studies and checks into files; a module of its own, because it imports all that works them out."""
+"""Checks, plans and free spaces into files; a module of its own, because it imports all that works them out."""
 
 from __future__ import annotations
 
@@ -16,21 +16,13 @@ from wiggleroom.report.films.separability_film import film_of_check
 from wiggleroom.report.free_space.space_report import space_picture
 from wiggleroom.report.page import pages
 from wiggleroom.report.page.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
-from wiggleroom.report.pictures import importance_picture as blame
-from wiggleroom.report.pictures import study_plots
 from wiggleroom.report.pictures.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_ending, ending
 from wiggleroom.report.pictures.leaving_picture import picture_of_check
 from wiggleroom.report.pictures.stills import write_still
 from wiggleroom.report.results.separability import Checked
 from wiggleroom.report.write_spatial import SpatialFound, spatial_page, write_spatial
-from wiggleroom.sensitivity.gap_trials import AllowableGap
-from wiggleroom.sensitivity.rank import Ranking
-from wiggleroom.sensitivity.sample import Sample
-from wiggleroom.sensitivity.sweep import Sweep
-from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.sensitivity.worst_case import WorstCase
 
-Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan
+Study = Checked | Plan
 StudyResult = Interlock | LargestGap | FreeSpace | Study
 """As the questions return them; a check and a largest gap are drawn as `Checked`."""
 
@@ -61,12 +53,10 @@ def in_space(found: StudyResult) -> SpatialFound | None:
     if assembly_of(found).dimension == 2:
         return None
     match found:
-        case Ranking() | Tightening() | Interlock():
+        case Interlock() | Plan():
             return found
         case Checked():
             return found.found
-        case AllowableGap():
-            return found.sides[1] or found.sides[0]
         case LargestGap():
             return found.apart or found.interlocked
     return None
@@ -105,18 +95,6 @@ def _picture(found: Study | FreeSpace, command: str) -> str:
             return picture_of_check(found, command=command)
         case Plan():
             return picture_of_plan(found, command=command)
-        case Ranking():
-            return blame.picture_of_ranking(found, command=command)
-        case Tightening():
-            return blame.picture_of_tightening(found, command=command)
-        case Sweep():
-            return study_plots.picture_of_sweep(found, command=command)
-        case Sample():
-            return study_plots.picture_of_sample(found, command=command)
-        case AllowableGap():
-            return study_plots.picture_of_gap(found, command=command)
-        case WorstCase():
-            return study_plots.picture_of_tolerances(found, command=command)
         case FreeSpace():
             return space_picture(found, command=command)
 
@@ -126,26 +104,12 @@ def page_of_study(found: StudyResult, command: str = "") -> str:
     shown = in_space(found)
     if shown is not None:
         return spatial_page(shown, command)
-    if assembly_of(found).dimension == 3:
-        raise InputError("page: curves in space are not made into a page; name an .svg or .png")
     found = as_checked(found)
     match found:
         case Checked():
             return pages.page_of_check(found, command=command)
         case Plan():
             return page_of_plan(found, command=command)
-        case Ranking():
-            return pages.page_of_ranking(found, command=command)
-        case Tightening():
-            return pages.page_of_tightening(found, command=command)
-        case Sweep():
-            return pages.page_of_sweep(found, command=command)
-        case Sample():
-            return pages.page_of_sample(found, command=command)
-        case AllowableGap():
-            return pages.page_of_gap(found, command=command)
-        case WorstCase():
-            return pages.page_of_tolerances(found, command=command)
         case FreeSpace():
             return pages.page_of_space(found, command=command)
 
@@ -153,10 +117,6 @@ def page_of_study(found: StudyResult, command: str = "") -> str:
 def assembly_of(found: SpatialFound | StudyResult) -> Any:
     """The assembly that was asked about."""
     match found:
-        case Ranking() | Sample():
-            return found.answer.assembly
-        case Tightening():
-            return found.before.assembly
         case Checked():
             return found.found.assembly
         case LargestGap():

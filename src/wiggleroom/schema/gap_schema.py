@@ -43,6 +43,10 @@ class GapResult(Struct, tag_field="format", tag="wiggleroom.gap/1", kw_only=True
     beyond: Annotated[float | None, Meta(description="nearest gap that was seen to fail [mm]")]
     searched_gap: Annotated[float | None, Meta(description="largest gap at which nothing against it was found [mm]")]
     proven_gap: Annotated[float | None, Meta(description="largest gap that was proven [mm]")]
+    fits_from: Annotated[
+        float | UnsetType | None,
+        Meta(description="smallest gap at which parts as drawn, not shifted, do not overlap [mm]; not of fits"),
+    ] = UNSET
     stopped: Annotated[bool, Meta(description="the time was over before both sides lay near each other")]
     note: str
     kerf: Annotated[float | UnsetType, Meta(description="width of the cut [mm]; where it was named")] = UNSET
@@ -59,7 +63,10 @@ class ContributionEntry(Struct, kw_only=True):
     """What one tolerance does to the motion, the others at their nominal."""
 
     parts: Annotated[list[str], Meta(description="a part, or the two of a joint")]
-    outline: Annotated[int | None, Meta(description="number of the only outline that is meant")]
+    outline: Annotated[
+        int | Literal["thickness"] | None,
+        Meta(description="number of the only outline that is meant, or the thickness of a plate"),
+    ]
     nominal: Annotated[float | None, Meta(description="[mm]; null: as the drawing has it")]
     plus: Mm
     minus: Mm
@@ -83,6 +90,7 @@ class CornerEntry(Struct, kw_only=True):
 class TolerancesResult(Struct, tag_field="format", tag="wiggleroom.tolerances/1", kw_only=True):
     """Worst case within tolerances: `wiggleroom tolerances --json`."""
 
+    dimension: InSpace | UnsetType = UNSET
     objective: Annotated[float | None, Meta(description="with everything where it should be [mm], turns in [rad]")]
     worst: Annotated[CornerEntry, Meta(description="every outline as far in, every joint as wide, as allowed")]
     best: Annotated[

@@ -8,7 +8,8 @@ import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from wiggleroom.schema.disassembly_schema import StateSearchEntry
-from wiggleroom.schema.fields import Command, Mm, Names, Notes, PartMotion, Point, Seconds
+from wiggleroom.schema.fields import Command, InSpace, Mm, Names, Notes, PartMotion, Place, Seconds
+from wiggleroom.schema.spatial_result_schema import SpatialMotion
 from wiggleroom.verdict import Certainty, Separability
 
 
@@ -30,7 +31,7 @@ class PlanStepEntry(Struct, kw_only=True):
         float, Meta(description="the largest ball of errors of position under which the step still goes [mm]")
     ]
     turn_room_deg: Annotated[float, Meta(description="an error of angle under which it certainly still goes [deg]")]
-    axis: Annotated[Point, Meta(description="unit vector along which the parts go in when they are put together")]
+    axis: Annotated[Place, Meta(description="unit vector along which the parts go in when they are put together")]
     held: Annotated[list[str], Meta(description="loose parts that must be held")]
     falling: Annotated[list[str], Meta(description="of these those that would fall; with gravity")]
 
@@ -41,7 +42,7 @@ class PlanAssemblyEntry(Struct, kw_only=True):
     step: Annotated[int, Meta(description="number of the step that it reverses, from 1")]
     parts: Names
     path: Annotated[list[dict[str, PartMotion]], Meta(description="that of the step, backwards")]
-    axis: Annotated[Point, Meta(description="unit vector of the first straight piece backwards")]
+    axis: Annotated[Place, Meta(description="unit vector of the first straight piece backwards")]
     held: Names
     falling: Names
 
@@ -83,8 +84,8 @@ class PlanGapEntry(Struct, kw_only=True):
     ]
 
 
-class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=True):
-    """In which order and along which paths parts are taken apart and put together: `wiggleroom plan --json`."""
+class PlanRecord(Struct, kw_only=True):
+    """What a plan says in the plane and in space."""
 
     verdict: Annotated[
         Separability, Meta(description="comes apart: all targets leave or, without targets, anything does")
@@ -99,7 +100,7 @@ class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=Tr
     remains: Annotated[list[str], Meta(description="loose parts that were to leave and do not")]
     rest: Annotated[Separability, Meta(description="what became of the parts that are left")]
     rest_certainty: Annotated[Certainty, Meta(description="what shows that")]
-    gravity: Annotated[Point | None, Meta(description="unit vector in which loose parts fall; null: not looked at")]
+    gravity: Annotated[Place | None, Meta(description="unit vector in which loose parts fall; null: not looked at")]
     search: StateSearchEntry
     sample: PlanSampleEntry | UnsetType = UNSET
     rank: list[PlanRankEntry] | UnsetType = UNSET
@@ -108,3 +109,27 @@ class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=Tr
     seconds: Seconds
     notes: Notes = msgspec.field(default_factory=list)
     command: Command
+
+
+class PlanResult(PlanRecord, tag_field="format", tag="wiggleroom.plan/1", kw_only=True):
+    """In which order and along which paths parts are taken apart and put together: `wiggleroom plan --json`."""
+
+
+class SpatialPlanStepEntry(PlanStepEntry, kw_only=True):
+    """One step in space."""
+
+    path: list[dict[str, SpatialMotion]]  # type: ignore[assignment]
+
+
+class SpatialPlanAssemblyEntry(PlanAssemblyEntry, kw_only=True):
+    """One step backwards in space."""
+
+    path: list[dict[str, SpatialMotion]]  # type: ignore[assignment]
+
+
+class SpatialPlanResult(PlanRecord, tag_field="format", tag="wiggleroom.plan/1", kw_only=True):
+    """The same in space."""
+
+    dimension: InSpace = 3
+    steps: list[SpatialPlanStepEntry]  # type: ignore[assignment]
+    assembly: list[SpatialPlanAssemblyEntry]  # type: ignore[assignment]

@@ -18,7 +18,7 @@ from wiggleroom.schema.fields import (
 )
 from wiggleroom.schema.listing_schema import SheetJointEntry, UnmatchedEntry
 from wiggleroom.schema.reply_base import Outline, Pose, Reply, Terms
-from wiggleroom.schema.requests import Design, GoalEntry, HowRead, PlateHint
+from wiggleroom.schema.requests import Design, GoalEntry, HowRead, Made, PlateHint
 from wiggleroom.schema.study_replies import (
     BoundReply,
     CheckReply,
@@ -28,6 +28,7 @@ from wiggleroom.schema.study_replies import (
     RankReply,
     SpaceReply,
     StepReply,
+    StudyForm,
     StudyReply,
     SweepReply,
 )
@@ -50,6 +51,14 @@ class SampleEntry(Struct):
     pulled: Annotated[bool, Meta(description="whether its first part stands and its last one is pulled")]
 
 
+class JointSize(Struct):
+    """One size of a joint family, as a fraction of the side of a block; or a count."""
+
+    name: str
+    default: float
+    whole: bool
+
+
 class Hello(Reply, kw_only=True):
     """First words to a page."""
 
@@ -57,6 +66,10 @@ class Hello(Reply, kw_only=True):
     can: Annotated[list[str], Meta(description="extras that are installed")]
     limits: UploadLimits
     samples: list[SampleEntry] = field(default_factory=list)
+    studies: Annotated[list[StudyForm], Meta(description="questions that have a panel")] = field(default_factory=list)
+    joints: Annotated[dict[str, list[JointSize]], Meta(description="families of joints that can be made")] = field(
+        default_factory=dict
+    )
 
 
 class PartShape(Struct):
@@ -103,6 +116,7 @@ class Opened(Reply, kw_only=True):
     solids: Annotated[Solids | UnsetType, Meta(description="in space, where parts have no rings")] = UNSET
     pulled: Annotated[GoalEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
     reading: Annotated[HowRead | UnsetType, Meta(description="of a drawing that can be read in other ways")] = UNSET
+    made: Annotated[Made | UnsetType, Meta(description="how it was made, where it was made here")] = UNSET
     apart: Annotated[bool, Meta(description="true where no part is near another one, as on a cutting sheet")] = False
 
 

@@ -10,7 +10,9 @@ from msgspec import UNSET, Meta, Struct, UnsetType
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Vector = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=3)]
-WHAT = Literal["svg", "png", "gif", "mp4", "glb", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf"]
+WHAT = Literal[
+    "svg", "png", "gif", "mp4", "glb", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf", "cut-lbrn2"
+]
 
 
 class GoalEntry(Struct, forbid_unknown_fields=True, omit_defaults=True):
@@ -98,12 +100,34 @@ class HowRead(Struct, forbid_unknown_fields=True):
     hole: Annotated[list[str], Meta(max_length=10_000)] = []
 
 
+Count = Annotated[int, Meta(ge=1, le=64)]
+
+
+class Made(Struct, forbid_unknown_fields=True):
+    """Blocks with joints, as `wiggleroom make` draws them: so many in a row, and rows; a chain has one.
+
+    Parameters
+    ----------
+    pitch
+        Side of a block [mm].
+    sizes
+        Of the joint, as fractions of the pitch; those left out are as commands have them.
+    """
+
+    pattern: Literal["chain", "frame", "grid", "jigsaw"]
+    nx: Count
+    ny: Count = 1
+    joint: Annotated[str, Meta(max_length=32)] = "tee"
+    pitch: Annotated[float, Meta(gt=0, le=1e6)] = 20.0
+    sizes: Annotated[dict[str, float], Meta(max_length=16)] = {}
+
+
 class OpenRequest(Request, tag="open", kw_only=True):
-    """Read a drawing, or one of the samples.
+    """Read a drawing, or one of the samples, or make one.
 
     With a design, that one stands in place of what the drawing asks. `path` is what commands call it. `beside` holds files that the
     drawing names; only the command line gives them. `gaps` of joints and pairs to `ignore` stand in place of the drawing's. `again` reads
-    the drawing that is open once more, in another way.
+    the drawing that is open once more, in another way; `served` goes back to the one that the command was given.
     """
 
     name: Annotated[str, Meta(max_length=255)]
@@ -111,8 +135,10 @@ class OpenRequest(Request, tag="open", kw_only=True):
     data: bytes = b""
     beside: dict[str, bytes] = {}
     sample: bool = False
+    make: Made | None = None
     unit: Unit | None = None
     again: bool = False
+    served: bool = False
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
     only: tuple[str, ...] = ()
@@ -205,7 +231,7 @@ class PlanRequest(DesignRequest, tag="plan", kw_only=True):
     """How it is taken apart: which parts are to leave, all by default, and the direction in which loose parts fall."""
 
     targets: Annotated[list[str], Meta(max_length=10_000)] = []
-    gravity: tuple[Length, Length] | None = None
+    gravity: Annotated[tuple[Length, ...], Meta(min_length=2, max_length=3)] | None = None
 
 
 class SweepRequest(DesignRequest, tag="sweep", kw_only=True):
@@ -221,19 +247,14 @@ class SpaceRequest(DesignRequest, tag="space", kw_only=True):
     b: str
 
 
-class TightenRequest(DesignRequest, tag="tighten", kw_only=True):
-    """Which parts to make tighter: so many of them, or as few as keep the motion below a limit [mm]."""
-
-    parts: Annotated[int, Meta(ge=1, le=10_000)] | None = None
-    limit: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+OptionValue = str | int | float | bool | None
 
 
-class SampleRequest(DesignRequest, tag="sample", kw_only=True):
-    """How far it moves where the gap round every part varies at random: standard deviation [mm], and the largest motion wanted [mm]."""
+class StudyRequest(DesignRequest, tag="study", kw_only=True):
+    """A question that is declared once for commands and page: its name, and its options; those left out are as commands have them."""
 
-    spread: Annotated[float, Meta(gt=0, le=1e9)]
-    draws: Annotated[int, Meta(ge=1, le=5000)] = 200
-    limit: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+    of: Annotated[str, Meta(max_length=32)]
+    options: Annotated[dict[str, OptionValue], Meta(max_length=32)] = {}
 
 
 class ProveRequest(DesignRequest, tag="prove", kw_only=True):
@@ -312,6 +333,6 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 AnyRequest = (
     OpenRequest | ShapeRequest | FlexRequest | DragRequest | PoseRequest | ReachRequest | WiggleRequest | RankRequest
-    | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest
+    | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | StudyRequest | ProveRequest | BoundRequest
     | SaveRequest | AssembleRequest | LayRequest | CancelRequest
 )  # fmt: skip

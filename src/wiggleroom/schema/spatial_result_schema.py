@@ -26,7 +26,7 @@ from wiggleroom.schema.fields import (
     StageSeconds,
     TurningParts,
 )
-from wiggleroom.schema.flex_schema import SearchEntry
+from wiggleroom.schema.flex_schema import BoundEntry, SearchEntry
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 Vector = tuple[float, float, float]
@@ -46,6 +46,7 @@ class SpatialFlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_
     verdict: Annotated[Verdict, Meta(description="how the search ended")]
     objective: Objective
     at_most: AtMost
+    bound: BoundEntry | UnsetType = UNSET
     search: SearchEntry | UnsetType = UNSET
     leaves: LeavingParts | UnsetType = UNSET
     turns: TurningParts | UnsetType = UNSET
@@ -74,7 +75,7 @@ class SpatialEscapeEntry(Struct):
 
 SpatialEscapes = Annotated[list[SpatialEscapeEntry], Meta(description="in the order in which they leave")]
 NoDistance = Annotated[None, Meta(description="null: no distance is proven in space")]
-NoSpins = Annotated[list[str], Meta(max_length=0, description="empty: turning in place is not looked for in space")]
+Spins = Annotated[list[str], Meta(description="parts that turn in place without limit")]
 
 
 class SpatialSeparabilityEntry(Struct, kw_only=True):
@@ -84,7 +85,7 @@ class SpatialSeparabilityEntry(Struct, kw_only=True):
     certainty: Certainty
     at_most: NoDistance = None
     escapes: SpatialEscapes
-    spins: NoSpins
+    spins: Spins
     remains: Remains
 
 
@@ -105,7 +106,7 @@ class SpatialCheckResult(Struct, tag_field="format", tag="wiggleroom.check/1", k
     certainty: Certainty
     at_most: NoDistance = None
     escapes: SpatialEscapes
-    spins: NoSpins
+    spins: Spins
     remains: Remains
     gap: Mm
     largest_gap: SpatialLargestGapEntry | UnsetType = UNSET
@@ -122,7 +123,9 @@ class SpatialPartListing(Struct):
     at: Annotated[Vector, Meta(description="reference point [mm]")]
     size: Annotated[Vector, Meta(description="of the box round it at rest [mm]")]
     volume: Annotated[float, Meta(description="[mm3]")]
-    pieces: Annotated[int, Meta(description="convex pieces that it consists of")]
+    pieces: Annotated[
+        int | None, Meta(description="convex pieces that it consists of; null of meshes, which are not cut for this")
+    ]
     fixed: bool
     lock: Annotated[list[str], Meta(description="freedoms that are taken away: x, y, z, rx, ry, rz")]
 

@@ -182,7 +182,7 @@ class Title(Struct):
 class StudyReply(Reply, tag="study", kw_only=True):
     """What a study found."""
 
-    of: Literal["tighten", "sample"]
+    of: str
     said: Title
     study: StudyTab
     tints: Tints
@@ -191,3 +191,31 @@ class StudyReply(Reply, tag="study", kw_only=True):
         dict[str, float],
         Meta(description="extra gaps of parts [mm] with which it moves so; empty where nothing is to be set"),
     ] = field(default_factory=dict)
+    gap: Annotated[
+        float | None, Meta(description="gap of all joints [mm] that answers; null where none is proposed")
+    ] = None
+
+
+class StudyField(Struct, kw_only=True):
+    """An option of a question, as a panel shows it."""
+
+    name: str
+    title: str
+    kind: Literal["number", "count", "flag"]
+    unit: str = ""
+    least: float | None = None
+    default: Annotated[float | bool | None, Meta(description="null: left out")] = None
+    of_gap: Annotated[float | None, Meta(description="share of the gap that is suggested")] = None
+    of_parts: Annotated[bool, Meta(description="counts parts that can move")] = False
+
+
+class StudyForm(Struct, kw_only=True):
+    """A question that the page can ask."""
+
+    of: str
+    title: str
+    text: str
+    button: str
+    spatial: bool
+    needs_end: Annotated[bool, Meta(description="true where a motion that ends must have been found")]
+    fields: list[StudyField]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Generic
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import AnyAssembly, Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal, Vector
 from wiggleroom.verdict import PathState, SearchState, Verdict
@@ -91,12 +91,12 @@ class Period:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer(Drawable, Generic[AnyAssembly]):
+class Answer(Drawable):
     """The largest safe motion that was found.
 
     Parameters
     ----------
-    assembly : Assembly or SpatialAssembly
+    assembly : Assembly
     goals : tuple of goals
         What was asked.
     verdict : Verdict
@@ -132,7 +132,7 @@ class Answer(Drawable, Generic[AnyAssembly]):
         there.
     """
 
-    assembly: AnyAssembly
+    assembly: Assembly
     goals: tuple[Goal, ...]
     verdict: Verdict
     objective: float | None

@@ -5,17 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
+from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes, PulledBody
+from wiggleroom.freespace.subdivision.round_room import furthest_along, round_body, way_along
+from wiggleroom.geometry.bodies import Bodies, bodies
+from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import about
+from wiggleroom.program.objectives import PointMotion
+from wiggleroom.search.answer import PROVEN_WITHIN
 from wiggleroom.search.incumbent import Start
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.pulled_body import pulled_body
-from wiggleroom.search.round_search import round_search
-from wiggleroom.search.turn_in_place import start_after
+from wiggleroom.search.turn_in_place import better_climb, start_after
 
 Floats = NDArray[np.float64]
 
@@ -27,8 +31,6 @@ MIN_SHARE, MAX_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
 """Once a better motion was found, one between the best value and the bound is asked for, at these shares of their ratio's logarithm."""
 MAX_VISITS, VISITS_OF_A_QUESTION = 20_000_000, 800_000
 """Boxes that all searches for paths go over at most, and those of one question about such a value."""
-VISITS_OF_ONE_OF_SEVERAL = 1_000_000
-"""The same where the body is one of several free ones."""
 SIMPLIFIED_COST = 4.0
 """Outlines with fewer corners may cost this multiple of what they were moved out by."""
 MAX_CLIMBS = 40
@@ -60,9 +62,6 @@ class CompleteSearch:
 def complete_search(first: LocalSearch) -> CompleteSearch:
     """Look for better motions of the only free body wherever it gets, until there certainly is none.
 
-    Where there are a few more, the body that the goal is about is led past the others where these lie at rest: nothing is proven then, but
-    it may come to where a climb of all goes further.
-
     First it is asked whether anything is better at all. If so, a value between the best and the bound is asked about, again and again:
     either one is found and climbed from, or the bound falls. So the many local optima of a motion that ripples are not climbed one by one.
     Boxes are of the parts as drawn, also where climbs are of outlines with fewer corners.
@@ -75,14 +74,12 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
     pulled = None if first.stopped else pulled_body(first)
     best, at_most = first, None
     ends: tuple[float, ...] = (first.certain_value()[0],)
-    alone = int((~first.ready.bodies.fixed).sum()) == 1
     if pulled is not None:
         best, at_most, ends = round_search(first, pulled)
         cost = SIMPLIFIED_COST * first.ready.simplified * float(np.hypot(*pulled.pull))
-        if alone and at_most is not None and at_most <= best.certain_value()[0] * (1 + PROVEN_GAP) + cost:
+        if at_most is not None and at_most <= best.certain_value()[0] * (1 + PROVEN_GAP) + cost:
             return CompleteSearch(best, at_most, ends, settled=True)
     boxes = None if pulled is None else MotionBoxes(pulled, MAX_BOXES)
-    visits = MAX_VISITS if alone else VISITS_OF_ONE_OF_SEVERAL
     most = reach = np.inf if boxes is None else boxes.largest_value if at_most is None else at_most
     while boxes is not None and len(ends) <= MAX_CLIMBS:
         value, free = best.certain_value()
@@ -93,7 +90,7 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
             asked = value * (1 + MIN_IMPROVEMENT), value * (1 + PROVEN_GAP)
         else:
             asked = value * (reach / value) ** MIN_SHARE, value * (reach / value) ** MAX_SHARE
-        allowed = visits if last else min(boxes.visits + VISITS_OF_A_QUESTION, visits)
+        allowed = MAX_VISITS if last else min(boxes.visits + VISITS_OF_A_QUESTION, MAX_VISITS)
         bound, path = boxes.beyond(*asked, allowed, first.stop)
         if bound is not None:
             at_most = most = reach = max(bound, value)
@@ -112,7 +109,7 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
             break
         best = climb
     best.ended = best.ended and not first.stopped
-    return CompleteSearch(best, at_most if alone else None, ends)
+    return CompleteSearch(best, at_most, ends)
 
 
 def _climbed(best: LocalSearch, boxes: MotionBoxes, path: Floats) -> LocalSearch | None:
@@ -134,4 +131,79 @@ def _start(ready: Prepared, boxes: MotionBoxes, path: Floats) -> Start | None:
     path = boxes.straightened(path, spot)
     motions = np.zeros((len(path), len(bodies.fixed), 3))
     motions[:, body] = about(path[:, None], (bodies.rest[body, :2] - spot)[None])[:, 0]
+    return start_after(ready, motions)
+
+
+def pulled_body(search: LocalSearch) -> PulledBody | None:
+    """The body that the goal is about, as drawn; None unless it alone is free, meets something, and the goal is of points and turns."""
+    ready, goal = search.ready, search.objective
+    if not isinstance(goal, PointMotion) or (~ready.bodies.fixed).sum() != 1:
+        return None
+    if len(np.unique(goal.body)) != 1 or ready.bodies.fixed[goal.body[0]]:
+        return None
+    body = int(goal.body[0])
+    drawn = bodies(ready.assembly) if ready.simplified else ready.bodies
+    a, b = among_others(drawn, body, ready.ignored)
+    if a.is_empty:
+        return None
+    mine = goal.body == body
+    direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
+    lever = np.array([(direction * spot).sum(), (spot[:, 0] * direction[:, 1] - spot[:, 1] * direction[:, 0]).sum()])
+    return PulledBody(body, a, b, direction.sum(0), lever, float(goal.turn[mine].sum()))
+
+
+def among_others(them: Bodies, body: int, ignored: NDArray[np.int64]) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """Material at rest of all that a body must not meet, and of the body."""
+    n = len(them.fixed)
+    others = np.delete(np.arange(n), body)
+    low, high = np.minimum(others, body), np.maximum(others, body)
+    geometry = placed(them)
+    return shapely.union_all(geometry[others[~np.isin(low * n + high, ignored)]]), geometry[body]
+
+
+TURN_STEP, TURN_DEVIATION = 0.1, 0.1
+"""Waypoints of the turn are at most so far apart [rad], and between them nothing is further off than this share of the clearance."""
+
+
+def round_search(first: LocalSearch, pulled: PulledBody) -> tuple[LocalSearch, float | None, tuple[float, ...]]:
+    """The better of a search and of one from where a round body gets furthest; what no motion of it exceeds; and where both ended.
+
+    The body turns about its middle first, to where the pulled points gain most, and then goes there.
+    """
+    ready, ends = first.ready, (first.certain_value()[0],)
+    if pulled.turn != 0.0 or not pulled.pull.any() or shapely.is_empty(pulled.a):
+        return first, None, ends
+    body = round_body(pulled.b, pulled.a, ready.clearance)
+    if body is None:
+        return first, None, ends
+    x, y = body.middle
+    dx, dy = pulled.pull
+    alpha, beta = pulled.lever[0] - (dx * x + dy * y), pulled.lever[1] - (x * dy - y * dx)  # arms from the middle
+    gain = float(np.hypot(alpha, beta) - alpha)  # of the turn
+    furthest = furthest_along(body, pulled.a, pulled.pull, ready.clearance)
+    at_most = None if furthest is None else furthest + gain
+    if at_most is not None and at_most <= PROVEN_WITHIN * ends[0]:
+        return first, at_most, ends
+    walls, material = among_others(ready.bodies, pulled.body, ready.ignored)
+    searched = round_body(material, walls, ready.clearance)
+    way = None if searched is None else way_along(searched, walls, pulled.pull, ready.clearance)
+    if searched is None or way is None:
+        return first, at_most, ends
+    start = _start_of_round(ready, pulled.body, searched.middle, float(np.arctan2(beta, alpha)), way)
+    if start is None:
+        return first, at_most, ends
+    best, others = better_climb(first, start)
+    return best, at_most, (*others, best.certain_value()[0])
+
+
+def _start_of_round(ready: Prepared, body: int, middle: Floats, turn: float, way: Floats) -> Start | None:
+    """Where a search begins once a body has turned about its middle, which then went a way (k, 2); None where no cells grow there."""
+    arm = ready.bodies.rest[body, :2] - middle
+    step = min(TURN_STEP, np.sqrt(8 * TURN_DEVIATION * ready.clearance / max(np.hypot(*arm), ready.clearance)))
+    turns = np.linspace(0.0, turn, 1 + int(np.ceil(abs(turn) / step)))
+    path = np.zeros((len(turns) + len(way) - 1, 1, 3))
+    path[: len(turns), 0, 2], path[len(turns) :, 0, 2] = turns, turn
+    path[len(turns) :, 0, :2] = way[1:] - middle
+    motions = np.zeros((len(path), len(ready.bodies.fixed), 3))
+    motions[:, body] = about(path, arm[None])[:, 0]
     return start_after(ready, motions)

@@ -154,15 +154,18 @@ class Survey:
     near: Pairs
 
 
-def survey(assembly: Assembly, stop: Stop | None = None) -> Survey:
-    """Bodies and neighbours of an assembly, once it is sure that none touch; raises as `prepare_as_drawn` does."""
+def survey(assembly: Assembly, stop: Stop | None = None, clearance: float | None = None) -> Survey:
+    """Bodies and neighbours of an assembly, once it is sure that none touch; raises as `prepare_as_drawn` does.
+
+    `clearance` is the typical one [mm], where it is known already.
+    """
     them = bodies(assembly)
     if them.fixed.all():
         finding = f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move"
         raise InputError(finding)
     ignored = _ignored(assembly, them)
     geometry, size = placed(them), assembly.size
-    clearance = typical_clearance(assembly.gap, geometry, size, stop)
+    clearance = clearance or typical_clearance(assembly.gap, geometry, size, stop)
     near = neighbours(them, geometry, NEIGHBOUR_REACH * clearance, ignored=ignored, stop=stop)
     if len(near.a) and near.clearance.min() < CONTACT_TOLERANCE * size:
         _refuse_touching(assembly, them, near, size)

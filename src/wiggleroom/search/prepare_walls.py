@@ -16,7 +16,7 @@ from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.geometry.outer_simplification import MIN_CORNERS, is_fine, simplified_outward
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.search.prepare import Prepared, Survey, prepare_as_drawn, typical_clearance
+from wiggleroom.search.prepare import Prepared, Survey, prepare_as_drawn, survey, typical_clearance
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,9 @@ NOWHERE = np.zeros((0, 3))
 """No places."""
 
 
-def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | None = None) -> Prepared | None:
+def prepare_simplified(
+    assembly: Assembly, near: Floats = NOWHERE, stop: Stop | None = None, clearance: float | None = None
+) -> Prepared | None:
     """The assembly made ready with fewer corners; None where its outlines have no more than they need.
 
     Parameters
@@ -37,19 +39,22 @@ def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | 
     near : (k, 3) float64
         Part and (x, y) [mm] of places, in the part's frame, where outlines hardly move.
     stop : optional
+    clearance : float, optional [mm]
+        The typical one, where it is known already.
     """
     if not any(len(ring) >= MIN_CORNERS for part in assembly.parts for ring in rings_at(part)):
         return None
-    boundaries = np.array(
-        [shapely.MultiLineString([shapely.LinearRing(r) for r in rings_at(p)]) for p in assembly.parts]
-    )
-    clearance = typical_clearance(assembly.gap, boundaries, assembly.size, stop)
+    if clearance is None:
+        boundaries = np.array(
+            [shapely.MultiLineString([shapely.LinearRing(r) for r in rings_at(p)]) for p in assembly.parts]
+        )
+        clearance = typical_clearance(assembly.gap, boundaries, assembly.size, stop)
     if not is_fine(assembly, clearance):
         return None
     for tolerance in TOLERANCES:
         cover = simplified_outward(assembly, clearance, tolerance * clearance, near, FINE_TOLERANCE * clearance, stop)
         try:
-            ready = prepare_as_drawn(cover, stop=stop)
+            ready = prepare_as_drawn(cover, surveyed=survey(cover, stop, clearance), stop=stop)
         except TouchingError:  # what was drawn may touch, or not
             return None
         except InputError:
@@ -66,7 +71,7 @@ def prepare_walls(assembly: Assembly, surveyed: Survey | None = None, stop: Stop
 def refined_at_contacts(ready: Prepared, *answers: Answer) -> Prepared:
     """The same, simplified outlines as near to what was drawn as they were in the end where answers have contacts."""
     places = np.concatenate([contact_places(answer) for answer in answers]) if ready.simplified else NOWHERE
-    return (prepare_simplified(ready.assembly, places) or ready) if len(places) else ready
+    return (prepare_simplified(ready.assembly, places, clearance=ready.clearance) or ready) if len(places) else ready
 
 
 def contact_places(answer: Answer) -> Floats:

@@ -8,16 +8,15 @@ enclosed between a gap that answers it and one that was seen not to.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import overlap_depth
-from wiggleroom.deadline import Deadline
+from wiggleroom.context import Context
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.progress import Progress
+from wiggleroom.errors import InputError
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder
 from wiggleroom.sensitivity.planar_study import study_of
@@ -30,54 +29,24 @@ GEOMETRIC_TOLERANCE = 1e-6
 
 def allowable_gap(
     assembly: Assembly,
-    goals: Goal | Sequence[Goal] | None = None,
+    goals: Goal | Sequence[Goal] | None,
     *,
-    at_most: float | None = None,
-    holds: bool = False,
-    fits: float | None = None,
-    seconds: float | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    at_most: float | None,
+    fits: float | None,
+    context: Context,
 ) -> AllowableGap:
-    """Gap at which a motion stays below a limit, parts interlock, or parts that were cut too large still fit.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Its own gap is where the search begins. Gaps of single joints and offsets of parts stay as they are.
-    goals : Pull, Turn or W, or several that add up
-        For `at_most`; by default what the assembly's file asks for.
-    at_most : float, optional [mm]
-        Ask for the largest gap at which the largest motion is no more than this (turns in [rad]).
-    holds : bool
-        Ask for the largest gap at which the parts interlock.
-    fits : float, optional [mm]
-        Ask for the smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline lies up to so
-        much further out. The assembly may be read with `overlapping`.
-    seconds : float, optional [s]
-        When this time is over, the best so far is given.
-    stop, progress : optional
-        As for `flex`.
+    """Gap at which a motion stays below a limit, drawings fit or, where neither is asked, interlock; see `wiggleroom.allowable_gap`.
 
     Raises
     ------
     InputError
-        If not one question is asked, a number makes no sense, or nothing is fixed or pulled.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> found = wr.allowable_gap(wr.patterns.chain(2, joint="tee", gap=0.02), at_most=0.1)
-    >>> found.gap < found.beyond < 1.011 * found.gap
-    True
+        If nothing is fixed or pulled.
     """
-    check_question(at_most, holds, fits)
-    deadline = Deadline(seconds, stop)
     if at_most is not None:
-        return MotionBorder(study_of(assembly, goals), at_most, deadline, progress).enclose()
+        return MotionBorder(study_of(assembly, goals), at_most, context).enclose()
     if fits is not None:
         return _fitting(assembly, fits)
-    return held_gap(assembly, largest_gap(assembly, stop=deadline, progress=progress), deadline)
+    return held_gap(assembly, largest_gap(assembly, context=context), context)
 
 
 def check_question(at_most: float | None, holds: bool, fits: float | None) -> None:
@@ -98,7 +67,7 @@ def check_question(at_most: float | None, holds: bool, fits: float | None) -> No
         raise InputError(wrong)
 
 
-def held_gap(assembly: Any, border: LargestGap, deadline: Deadline) -> AllowableGap:
+def held_gap(assembly: Any, border: LargestGap, context: Context) -> AllowableGap:
     """Largest gap at which the parts interlock, from both sides of where they come apart."""
     certainty = None if border.interlocked is None else border.interlocked.certainty
     trials = tuple(
@@ -118,7 +87,7 @@ def held_gap(assembly: Any, border: LargestGap, deadline: Deadline) -> Allowable
     return AllowableGap(
         "holds", None, assembly, (), border.holds, certainty, border.parts_at, border.holds,
         border.holds if certainty is Certainty.PROVEN else None, trials, (border.interlocked, border.apart), why,
-        deadline.is_set() and not near,
+        context.stopped and not near,
     )  # fmt: skip
 
 

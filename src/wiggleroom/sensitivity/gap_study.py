@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
@@ -10,9 +9,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.context import Context
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.parallel.parallel_run import Work
-from wiggleroom.search.progress import Progress
 from wiggleroom.sensitivity.dual_face import DualFace
 from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, endless
 
@@ -99,19 +98,20 @@ class GapStudy(Protocol[Found]):
     def at_gap(self, gap: float) -> Self:
         """The same question with another gap [mm]; InputError where parts cannot be made, OverlapError where they overlap."""
 
+    def made_of(self, drawing: Drawing) -> Self:
+        """The same question of another drawing of the same parts; InputError as for `at_gap`."""
+
     def with_inward(self, inward: Floats) -> Self:
         """The same question with the boundary of each part moved inward by `inward` (n,) [mm]; InputError as for `at_gap`."""
 
-    def answer(self, stop: Stop | None) -> Found:
+    def answer(self, context: Context) -> Found:
         """Largest motion as a direct question finds it, without a bound."""
 
-    def flexed(self, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None) -> Found:
+    def flexed(self, search: int | None, context: Context) -> Found:
         """Answer of `wiggleroom.flex`, its quick bound included, from rest and `search` more starts (None: as many as usual)."""
 
-    def bound(
-        self, answer: Found, within: float, stop: Stop | None, progress: Callable[[Progress], None] | None
-    ) -> float | None:
-        """A value that no motion exceeds, `within` a share of the answer where that can be; None where there is none."""
+    def with_bound(self, answer: Found, within: float, context: Context) -> Found:
+        """The answer with a value that no motion exceeds, `within` a share of it where that can be; itself where there is none."""
 
     def with_assembly(self, answer: Found) -> Found:
         """The motion of an answer at a smaller gap, as an answer for this one."""
@@ -119,7 +119,7 @@ class GapStudy(Protocol[Found]):
     def in_place_of(self, lower: Found, smaller: Found) -> Found:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
 
-    def with_room(self, answer: Found, limit: float, stop: Stop | None) -> Found:
+    def with_room(self, answer: Found, limit: float, context: Context) -> Found:
         """The answer with its path, up to where it is worth more than `limit`, as far from other parts as it can be moved."""
 
     def followed(self, looser: Found, limit: float) -> Found | None:
@@ -134,10 +134,10 @@ class GapStudy(Protocol[Found]):
     def quotients(self, answer: Found) -> DifferenceQuotients:
         """How derivatives are found by solving again."""
 
-    def moved(self, answer: Found, inward: Floats, stop: Stop | None) -> Found:
+    def moved(self, answer: Found, inward: Floats, context: Context) -> Found:
         """Largest motion when the boundary of each part moves inward by `inward` (n,) [mm]; negative moves it out."""
 
-    def draws(self, answer: Found, stop: Stop | None) -> tuple[Work, Any]:
+    def draws(self, answer: Found, context: Context) -> tuple[Work, Any]:
         """What many such motions need: `work(shared, inward)` is a `PerturbedObjective`."""
 
     def room(self, whole: float, aim: float) -> Floats:

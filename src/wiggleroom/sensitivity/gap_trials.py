@@ -56,7 +56,7 @@ class AllowableGap(Drawable):
         the smallest at which they do not overlap as drawn, not shifted, when every outline is larger by the limit.
     limit : float or None
         [mm] (turns in [rad]).
-    assembly : Assembly or SpatialAssembly
+    assembly : Assembly
         As it was asked about.
     goals : tuple of Goal
         For "at most".
@@ -76,6 +76,10 @@ class AllowableGap(Drawable):
         What a reader must know beside the number; empty where there is nothing.
     stopped : bool
         True where the time was over, or it was stopped, before both sides lay near each other.
+    kerf : float or None [mm]
+        Width of the cut for which an offset is wanted.
+    fits_from : float or None [mm]
+        Of the largest gaps: the smallest at which parts as drawn, not shifted, do not overlap; None where there is none, or it was stopped.
     """
 
     question: Question
@@ -91,6 +95,8 @@ class AllowableGap(Drawable):
     sides: tuple[Any, Any] = (None, None)
     why: str = ""
     stopped: bool = False
+    kerf: float | None = None
+    fits_from: float | None = None
 
     def cut_offset(self, kerf: float) -> float | None:
         """How far outward the cutter's path must lie from the drawn line [mm], so that this gap comes out.

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Generic
 
-from wiggleroom.deadline import Deadline
-from wiggleroom.search.progress import Progress
+from wiggleroom.context import Context
 from wiggleroom.sensitivity.found_motion import Found
 from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.gap_trials import CLIMBED, AllowableGap
@@ -47,17 +45,11 @@ SETTINGS = GapSearchSettings()
 class MotionBorder(Generic[Found]):
     """Encloses the gap at which the largest motion reaches a limit."""
 
-    def __init__(
-        self,
-        study: GapStudy[Found],
-        limit: float,
-        deadline: Deadline,
-        progress: Callable[[Progress], None] | None,
-    ) -> None:
+    def __init__(self, study: GapStudy[Found], limit: float, context: Context) -> None:
         self.study, self.limit = study, limit
         self.assembly, self.goals = study.assembly, study.goals
-        self.deadline, self.progress = deadline, progress
-        self.gaps = SearchedGaps(study, limit, deadline, progress, searching=False)
+        self.context = context
+        self.gaps = SearchedGaps(study, limit, searching=False, context=context)
         self.unconfirmed = False
 
     def enclose(self) -> AllowableGap:
@@ -88,7 +80,7 @@ class MotionBorder(Generic[Found]):
     def _below(self, size: float) -> float | None:
         """A gap at which the motion stays below the limit; None where none was found."""
         gap = begin = self.assembly.gap or SETTINGS.first_gap_share * size
-        while gap > SETTINGS.min_gap_share * size and not self.deadline.is_set():
+        while gap > SETTINGS.min_gap_share * size and not self.context.stopped:
             trial = self.gaps.at(gap)
             if self.gaps.keeps(trial):
                 return gap
@@ -106,7 +98,7 @@ class MotionBorder(Generic[Found]):
         if known:
             return min(known), ""
         gap, made, step = low or SETTINGS.first_gap_share * size, low, 0.0
-        while not self.deadline.is_set():
+        while not self.context.stopped:
             value = self.gaps.trials[low].value
             share = min(max(1.02 * self.limit / value - 1, 0.02), 3.0) if value else 1.0
             step = 2 * step or gap * share
@@ -124,7 +116,7 @@ class MotionBorder(Generic[Found]):
 
     def _thinnest(self, made: float, gone: float) -> tuple[float | None, str]:
         """The border lies below the gap at which parts vanish; or no gap at which the parts can be made moves further."""
-        while gone - made > RELATIVE_TOLERANCE * gone and not self.deadline.is_set():
+        while gone - made > RELATIVE_TOLERANCE * gone and not self.context.stopped:
             gap = (made + gone) / 2
             trial = self.gaps.at(gap)
             if self.gaps.fails(trial):
@@ -134,19 +126,19 @@ class MotionBorder(Generic[Found]):
 
     def _confirmed(self, low: float) -> bool:
         """False where a search at the answer, which climbs do not make, finds a motion beyond the limit."""
-        self.unconfirmed = self.deadline.is_set()
+        self.unconfirmed = self.context.stopped
         if self.unconfirmed or self.gaps.trials[low].verdict != CLIMBED:
             return True
         self.gaps.searching = True
         del self.gaps.trials[low]
         found = self.gaps.at(low)
-        self.unconfirmed = self.deadline.is_set() and not found.ended
+        self.unconfirmed = self.context.stopped and not found.ended
         return self.gaps.keeps(found) or self.unconfirmed
 
     def _proven(self, low: float) -> float | None:
         """Largest gap at which no motion above the limit is possible, by a bound."""
         for share in (0.0, *SETTINGS.proof_steps):
-            if self.deadline.is_set():
+            if self.context.stopped:
                 return None
             gap = low * (1 - share)
             trial = self.gaps.at(gap)
@@ -155,7 +147,7 @@ class MotionBorder(Generic[Found]):
             found = None if trial.answer is None else trial.answer.objective
             within = self.limit / found - 1 if found else 0.0
             if within >= SETTINGS.min_proof_share:
-                most = self.study.bound(trial.answer, min(0.9 * within, 9.0), self.deadline, self.progress)
+                most = self.study.with_bound(trial.answer, min(0.9 * within, 9.0), self.context).at_most
                 if most is not None and most <= self.limit:
                     self.gaps.trials[gap] = replace(trial, at_most=most)
                     return gap
@@ -164,7 +156,7 @@ class MotionBorder(Generic[Found]):
     def _least_trial_words(self) -> str:
         """Why no gap keeps the limit."""
         done = sorted((t for t in self.gaps.trials.values() if t.value is not None), key=lambda t: t.gap)
-        if self.deadline.is_set():
+        if self.context.stopped:
             return "stopped before a gap was found that keeps the limit"
         if not done:
             return "the parts leave no room at any gap that was tried"
@@ -179,7 +171,7 @@ class MotionBorder(Generic[Found]):
         beyond = high if high is not None else min(failing, default=None)
         searched = low
         near = proven is not None and proven >= (1 - SETTINGS.max_proof_distance) * (beyond or low or 0.0)
-        cut = self.deadline.is_set() and (
+        cut = self.context.stopped and (
             self.unconfirmed or low is None or high is None or high - low > RELATIVE_TOLERANCE * high
         )
         undecided = high is not None and low is not None and high - low > RELATIVE_TOLERANCE * high and not cut

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
@@ -100,14 +101,16 @@ def exceeds(found: FoundMotion, known: FoundMotion | None) -> bool:
 
 
 def searched_answer(
-    question: Assembly | Prepared, goals: Goal | Sequence[Goal] | None, stop: Stop | None = None
+    question: Assembly | Prepared, goals: Goal | Sequence[Goal] | None, context: Context = UNLIMITED
 ) -> Answer:
     """The largest motion as a direct question finds it, without a bound; in assemblies of many bodies that of a climb from rest."""
     few = is_searched(question if isinstance(question, Assembly) else question.assembly)
-    answer = witness(question, goals, search=None if few else 0, stop=stop)
+    answer = witness(question, goals, search=None if few else 0, stop=context.stop)
     if not few or answer.objective is None or answer.warm_start is not None:
         return answer
-    climb = witness(question, goals, stop=stop)  # of the other one nothing is known that a study could go on from
+    climb = witness(
+        question, goals, stop=context.stop
+    )  # of the other one nothing is known that a study could go on from
     return climb if climb.objective is None or climb.objective >= (1 - SAME_VALUE) * answer.objective else answer
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any, Self
 
 import numpy as np
@@ -15,27 +15,29 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.context import Context
 from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies, largest_clearance_path
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import Stop
+from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.freespace.cells.cells import Cells, concatenated, replaced
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
+from wiggleroom.geometry.row_kinds import HIGH_TURN, LOW_TURN
+from wiggleroom.geometry.touching_corners import TouchingCorners, touching_corners
 from wiggleroom.maximise import flex, witness
 from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.program.gap_sensitivity import gains
-from wiggleroom.program.nonlinear_program import Program
+from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective, objective
-from wiggleroom.search.active_set import touching
+from wiggleroom.search.active_set import EDGE_END_TOLERANCE, touching
 from wiggleroom.search.answer import Answer, witnessed
+from wiggleroom.search.contact_forces import BALANCE_TOLERANCE, TOUCHING_DISTANCE
 from wiggleroom.search.global_search import local_optima
 from wiggleroom.search.incumbent import start_at_rest
 from wiggleroom.search.local_search import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared, survey
 from wiggleroom.search.prepare_walls import prepare_walls, refined_at_contacts
-from wiggleroom.search.progress import Progress
 from wiggleroom.search.recession import recession_direction
-from wiggleroom.sensitivity.contact_program import on_contacts
 from wiggleroom.sensitivity.counted_bound import counted_bound
 from wiggleroom.sensitivity.dual_face import face, shared_with
 from wiggleroom.sensitivity.flat_motions import other_optima
@@ -62,6 +64,7 @@ from wiggleroom.sensitivity.perturbation import (
     varied,
 )
 from wiggleroom.solve.interior_point import solve
+from wiggleroom.solve.nonnegative_least_squares import nonnegative_least_squares
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import PathState, Verdict
 
@@ -80,6 +83,9 @@ MAX_WIDENED, STILL = 6, 1e-9
 """Paths of at most so many bodies are moved away from others; what moves less than this [mm, rad] stands."""
 WIDENING_STEPS = 1.0, 0.1, 0.01
 """They are moved by these multiples of the clearance, one after the other."""
+
+LEAST_SHARE = 1e-3
+"""A corner that can carry this share of what its pair holds is one of those that hold."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,23 +119,25 @@ class PlanarStudy:
         """The same question with another gap [mm] of the whole assembly."""
         return replace(self, question=assemble(self.assembly.drawing, gap=gap), found=None)
 
+    def made_of(self, drawing: Drawing) -> Self:
+        """The same question of another drawing of the same parts."""
+        return replace(self, question=assemble(drawing), found=None)
+
     def with_inward(self, inward: Floats) -> Self:
         """The same question with the outline of each part moved inward by `inward` (n,) [mm]."""
         return replace(self, question=varied(self.assembly, inward), found=None)
 
-    def answer(self, stop: Stop | None) -> Answer:
+    def answer(self, context: Context) -> Answer:
         """Largest motion as a direct question finds it, without a bound; the one that was found before, where there is one."""
-        return self.found or searched_answer(self._asked, self.goals, stop)
+        return self.found or searched_answer(self._asked, self.goals, context)
 
-    def flexed(self, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None) -> Answer:
+    def flexed(self, search: int | None, context: Context) -> Answer:
         """Answer of `wiggleroom.flex`, its quick bound included, from rest and `search` more starts."""
-        return flex(self._asked, self.goals, search=search, stop=stop, progress=progress)
+        return flex(self._asked, self.goals, search=search, stop=context.stop, progress=context.progress)
 
-    def bound(
-        self, answer: Answer, within: float, stop: Stop | None, progress: Callable[[Progress], None] | None
-    ) -> float | None:
-        """A value that no motion exceeds; None where sums of squares are asked, or the extra for proofs is not there."""
-        return counted_bound(answer, within, stop, progress).at_most
+    def with_bound(self, answer: Answer, within: float, context: Context) -> Answer:
+        """The answer with a bound; itself where sums of squares are asked, or the extra for proofs is not there."""
+        return counted_bound(answer, within, context=context)
 
     def with_assembly(self, answer: Answer) -> Answer:
         """The motion of an answer at a smaller gap, as an answer for this one."""
@@ -140,12 +148,12 @@ class PlanarStudy:
         verdict = verdict_of_carried(smaller, lower)
         return replace(self.with_assembly(smaller), verdict=verdict, bound=None, at_most=None, search=None)
 
-    def with_room(self, answer: Answer, limit: float, stop: Stop | None) -> Answer:
+    def with_room(self, answer: Answer, limit: float, context: Context) -> Answer:
         """The answer with its path, up to where it is worth more than `limit`, as far from other parts as it can be moved."""
         path = _cut(self.assembly, self.goals, answer, limit)
         if path is None or len(path) < 2:
             return answer
-        moved = _widened(self.assembly, path, stop)
+        moved = _widened(self.assembly, path, context)
         kept = replace(answer, waypoints=moved, motion=moved[-1])
         return answer if self.followed(kept, limit) is None else kept
 
@@ -168,17 +176,17 @@ class PlanarStudy:
     def _asked(self) -> Assembly | Prepared:
         return self.ready if "ready" in vars(self) else self.question
 
-    def _climb(self, answer: Answer, stop: Stop | None) -> Answer:
+    def _climb(self, answer: Answer, context: Context) -> Answer:
         """A climb from rest: the answer itself where a direct question makes no more."""
         if not is_searched(self.assembly):
             return answer
         if not self.climbs:
-            self.climbs.append(witness(self._asked, self.goals, stop=stop))
+            self.climbs.append(witness(self._asked, self.goals, stop=context.stop))
         return self.climbs[0]
 
-    def is_beyond_climb(self, answer: Answer, stop: Stop | None) -> bool:
+    def is_beyond_climb(self, answer: Answer, context: Context) -> bool:
         """True where a climb from rest ends at less than an answer."""
-        value = self._climb(answer, stop).objective
+        value = self._climb(answer, context).objective
         climb = np.inf if value is None else value
         return answer.objective is None or climb < (1 - SAME_VALUE) * answer.objective
 
@@ -199,19 +207,19 @@ class PlanarStudy:
         start = replace(start, program=program, solution=replace(start.solution, lam=lam))
         return DifferenceQuotients(slope, start, _derivatives(answer.assembly, program, start.solution))
 
-    def moved(self, answer: Answer, inward: Floats, stop: Stop | None) -> Answer:
+    def moved(self, answer: Answer, inward: Floats, context: Context) -> Answer:
         """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]; by a climb where that led to the answer."""
         made = varied(self.assembly, inward)
-        if self.is_beyond_climb(answer, stop):
-            return searched_answer(made, answer.goals, stop)
-        return witness(made, answer.goals, stop=stop)
+        if self.is_beyond_climb(answer, context):
+            return searched_answer(made, answer.goals, context)
+        return witness(made, answer.goals, stop=context.stop)
 
-    def draws(self, answer: Answer, stop: Stop | None) -> tuple[Work, Any]:
+    def draws(self, answer: Answer, context: Context) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""
-        ready = refined_at_contacts(self.ready, answer, self._climb(answer, stop))  # draws climb from rest
-        return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._known(answer, stop))
+        ready = refined_at_contacts(self.ready, answer, self._climb(answer, context))  # draws climb from rest
+        return one_draw, (ready, ready.objective(answer.goals), answer.goals, *self._known(answer, context))
 
-    def _known(self, answer: Answer, stop: Stop | None) -> tuple[float, tuple[PerturbationBase, ...]]:
+    def _known(self, answer: Answer, context: Context) -> tuple[float, tuple[PerturbationBase, ...]]:
         """Objective of an answer, and, where a direct question searches, its end and other optima: for other gaps they may be larger."""
         if answer.objective is None:
             return np.inf, ()
@@ -219,7 +227,7 @@ class PlanarStudy:
             return answer.objective, ()
         if not self.optima:
             self.optima.append(base(self.ready, ended(answer)))
-            first = LocalSearch(self.ready, self.ready.objective(answer.goals), solve, THOROUGH, stop)
+            first = LocalSearch(self.ready, self.ready.objective(answer.goals), solve, THOROUGH, context.stop)
             first.improve(start_at_rest(self.ready))
             below = (1 - SAME_VALUE) * answer.objective
             others = [o for o in local_optima(first, OTHER_CLIMBS) if OTHER_SHARE * answer.objective < o.value < below]
@@ -301,7 +309,7 @@ def _cut(assembly: Assembly, goals: tuple[Goal, ...], answer: Answer, limit: flo
     return answer.waypoints if answer.objective is None else None
 
 
-def _widened(assembly: Assembly, path: Floats, stop: Stop | None) -> Floats:
+def _widened(assembly: Assembly, path: Floats, context: Context) -> Floats:
     """The path (k, n, 3) of the parts, its waypoints but the first moved to where the least clearance is largest."""
     ready = survey(assembly)
     its = ready.bodies
@@ -311,7 +319,7 @@ def _widened(assembly: Assembly, path: Floats, stop: Stop | None) -> Floats:
         return path
     moving = MovingBodies(who, as_one=False)
     for share in WIDENING_STEPS:
-        if stop is not None and stop.is_set():
+        if context.stopped:
             break
         clearance = share * ready.clearance
         problem = ClearanceProblem(its, np.ones(len(its.fixed), bool), ready.ignored, clearance, ready.size, moving)
@@ -335,3 +343,69 @@ def study_of(
         return question
     assembly = question if isinstance(question, Assembly) else question.assembly
     return PlanarStudy(question, asked_goals(assembly.drawing, goals))
+
+
+def on_contacts(program: Program, u: Floats, lam: Floats) -> tuple[Program, Floats]:
+    """A program with the same solution u (3F,), and multipliers `lam` (R,) of its rows.
+
+    Pairs with force on walls that nothing touches, or on the end of a cell's angle, are held by the corners that touch inside edges, where
+    these can carry the same force and torque; all that can take part in that do. Neither kind moves with the gaps as the parts do.
+    """
+    active = touching(program, u, lam)
+    cells, at = program.cells, program.linearise(u)
+    pairs = np.unique(active.pair[active.virtual])
+    corners = touching_corners(
+        program.bodies, cells.a[pairs], cells.b[pairs], at.g[pairs], TOUCHING_DISTANCE * program.length, 0.0
+    )
+    inside = (corners.place > EDGE_END_TOLERANCE) & (corners.place < 1 - EDGE_END_TOLERANCE)
+    held: list[int] = []
+    found: list[Cells] = []
+    forces: dict[int, Floats] = {}
+    for k, pair in enumerate(pairs.tolist()):
+        mine = active.row[active.pair == pair]
+        wrench = lam[mine] @ at.d[mine]
+        lever = np.array([1.0, 1.0, 1.0 / program.bodies.radius[cells.b[pair]]])
+        some = corners.row[k] + np.flatnonzero(inside[slice(*corners.row[k : k + 2])])
+        force = _shared_by_all(corners.d[some] / program.length * lever, wrench * lever)
+        if force is None:
+            continue
+        some, force = some[force > 0], force[force > 0]
+        idle = np.setdiff1d(np.arange(*cells.row[pair : pair + 2]), mine)
+        idle = idle[cells.is_wall[idle]]
+        held.append(pair)
+        found.append(_held_by(program, pair, corners, some, idle))
+        forces[pair] = np.concatenate([force, np.zeros(len(idle) + 2)])
+    if not held:
+        return program, lam
+    split = np.split(lam, cells.row[1:-1])
+    both = np.concatenate([forces.get(p, own) for p, own in enumerate(split)])
+    made = replaced(cells, np.array(held), reduce(concatenated, found))
+    return build_program(program.bodies, made, program.objective, length=program.length, like=program), both
+
+
+def _shared_by_all(d: Floats, wrench: Floats) -> Floats | None:
+    """Forces (k,) of corners with derivatives `d` (k, 3) that add up to a wrench (3,), positive where they can be; None if none do."""
+    if not len(d):
+        return None
+    size = np.linalg.norm(wrench)
+    least = LEAST_SHARE * size / np.linalg.norm(d, axis=1)
+    found = []
+    for part in (*np.diag(least), np.zeros(len(d))):
+        force, left = nonnegative_least_squares(d, wrench - part @ d)
+        if left <= BALANCE_TOLERANCE * size:
+            found.append(part + force)
+    return np.mean(found, axis=0) if found else None
+
+
+def _held_by(program: Program, pair: int, corners: TouchingCorners, some: Ints, idle: Ints) -> Cells:
+    """The cell of a pair with walls of some corners that touch, and its own ones that hold nothing; it may turn a little further."""
+    cells = program.cells
+    a, b = cells.a[pair : pair + 1], cells.b[pair : pair + 1]
+    further = program.length / np.minimum(program.bodies.radius[a], program.bodies.radius[b])
+    kind = np.concatenate([corners.kind[some], cells.kind[idle], [LOW_TURN, HIGH_TURN]]).astype(np.int8)
+    edge, corner = (
+        np.concatenate([new[some], old[idle], [0, 0]]).astype(np.int32)
+        for new, old in ((corners.edge, cells.edge), (corners.corner, cells.corner))
+    )
+    ends = cells.ends[pair] + further * np.array([-1.0, 1.0])
+    return Cells(a, b, np.array([0, len(kind)]), kind, edge, corner, ends[None], cells.seed[pair : pair + 1])

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
-from wiggleroom.parallel.parallel_run import ParallelRun
-from wiggleroom.search.answer import Answer
-from wiggleroom.search.prepare import Prepared
+from wiggleroom.errors import InputError
+from wiggleroom.parallel.parallel_run import run_each
 from wiggleroom.sensitivity.dual_face import DualFace, is_unique
-from wiggleroom.sensitivity.face_ranges import ranges
 from wiggleroom.sensitivity.gap_study import DifferenceQuotients, GapDerivatives, GapStudy, check_end
-from wiggleroom.sensitivity.planar_study import PlanarStudy, study_of
+from wiggleroom.sensitivity.planar_study import PlanarStudy
+from wiggleroom.solve.dual_linear_program import need_highs, quiet_solver, standard_form
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,6 +38,11 @@ this share, ended in another optimum."""
 
 MAX_SOLVED_AGAIN = 40
 """Where the motion may slide without loss, up to so many parts whose derivative is not unique are solved again without being asked for."""
+
+Minimum = Callable[[Floats], float]
+
+DEPENDENT = 1e-12
+"""Equations whose squared distance from the span of others is below this share of the largest square depend on them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,67 +133,31 @@ def _percent(value: Floats) -> Floats:
     return 100 * value / total if total > 0 else np.zeros_like(value)
 
 
-def rank(
-    question: Assembly | Prepared | Answer | GapStudy[Any],
-    goals: Goal | Sequence[Goal] | None = None,
-    *,
-    by: str = "duals",
-    exact: bool = False,
-    workers: int | None = None,
-    cluster: str | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Ranking:
-    """Importance of every part's gap, and of every joint's, for the largest motion.
-
-    Parameters
-    ----------
-    question : Assembly, Prepared, Answer or GapStudy
-        An answer is ranked as it is; else the motion is looked for first.
-    goals : Pull, Turn or W, or several that add up
-        By default what the assembly's file asks for.
-    by : str
-        "duals": all parts from the multipliers of one solve. "differences": solved again for each part with a gap a
-        thousandth larger, and one smaller, as in the paper.
-    exact : bool
-        Solve again for the parts whose derivative is not unique.
-    workers, cluster, stop, progress
-        Where differences are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
-
-    Returns
-    -------
-    Ranking
+def rank(study: GapStudy[Any], *, by: str = "duals", exact: bool = False, context: Context = UNLIMITED) -> Ranking:
+    """Importance of every part's gap, and of every joint's, for the largest motion; see `wiggleroom.rank`.
 
     Raises
     ------
     InputError
         If nothing stops the motion or the search for it was cut short.
 
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> ranking = wr.rank(wr.patterns.chain(5, joint="tee", gap=0.01))
-    >>> [ranking.answer.assembly.names[k] for k in ranking.order]
-    ['b2', 'b3', 'b1', 'b4', 'b5']
-
     Source: Mind the Gap, section 6.2, for the differences; the derivatives are those of a program by its constraints.
     """
     if by not in ("duals", "differences"):
         finding = f"by {by!r}: a ranking is by duals or by differences"
         raise InputError(finding)
-    study: GapStudy[Any] = study_of(question, goals)
-    answer = study.answer(stop)
+    answer = study.answer(context)
     check_end(study, answer)
     if by == "duals" and not exact:
         derivatives = study.derivatives(answer)
-        ranking = ranking_of(answer, derivatives, stop=stop)
+        ranking = ranking_of(answer, derivatives, context=context)
         slides = bool(derivatives.elsewhere) and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
         if not slides:
             return ranking
     found = study.quotients(answer)
-    ranking = ranking_of(answer, found.derivatives, stop=stop)
+    ranking = ranking_of(answer, found.derivatives, context=context)
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
-    return _by_differences(ranking, found, parts, by, ParallelRun(workers, cluster, stop, progress))
+    return _by_differences(ranking, found, parts, by, context)
 
 
 def rank_at_once(answer: Any, study: GapStudy[Any] | None = None) -> Ranking:
@@ -206,16 +173,18 @@ def rank_at_once(answer: Any, study: GapStudy[Any] | None = None) -> Ranking:
     return ranking_of(answer, its.derivatives(answer), most_rows=0)
 
 
-def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
+def ranking_of(
+    answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, context: Context = UNLIMITED
+) -> Ranking:
     """Ranking from the forces that hold an answer."""
     places, rows = (found.here, *found.elsewhere), len(found.here.face.force)
     whole = rows <= most_rows
     sides = []
     for worth in ([place.part for place in places], [place.joint for place in places]):
         middle = worth[0] @ found.here.face.force
-        ends = [_ends(found.here.face, worth[0], whole, stop)]
+        ends = [_ends(found.here.face, worth[0], whole, context)]
         exact = whole and rows <= MAX_LP_ROWS_ELSEWHERE
-        ends += [_ends(p.face, by, exact, stop) for p, by in zip(found.elsewhere, worth[1:], strict=True)]
+        ends += [_ends(p.face, by, exact, context) for p, by in zip(found.elsewhere, worth[1:], strict=True)]
         least, most, known = (np.array(side).T for side in zip(*ends, strict=True))
         whole = whole and bool(known[:, 0].all())
         unique = is_unique(least.min(axis=1), most.max(axis=1))
@@ -235,7 +204,7 @@ def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS,
 
 
 def _ends(
-    face: DualFace, worth: sp.csr_matrix, exact: bool, stop: Stop | None
+    face: DualFace, worth: sp.csr_matrix, exact: bool, context: Context
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Least and largest value (n,) of linear functions of forces, by linear programs if `exact`, and whether both are known."""
     middle, (low, high) = worth @ face.force, face.spread(worth)
@@ -243,7 +212,7 @@ def _ends(
     low, high = np.where(known, middle, low), np.where(known, middle, high)
     some = np.flatnonzero(~known)
     if exact and len(some):
-        least, most = ranges(face, worth[some], stop).T
+        least, most = ranges(face, worth[some], context).T
         found = np.isfinite(least), np.isfinite(most)
         low[some] = np.where(found[0], np.minimum(least, middle[some]), low[some])
         high[some] = np.where(found[1], np.maximum(most, middle[some]), high[some])
@@ -257,10 +226,10 @@ def _without_rounding(looser: Floats, tighter: Floats) -> tuple[Floats, Floats]:
     return np.where(np.abs(looser) > least, looser, 0.0), np.where(np.abs(tighter) > least, tighter, 0.0)
 
 
-def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, by: str, many: ParallelRun) -> Ranking:
+def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, by: str, context: Context) -> Ranking:
     """The same ranking, the derivatives of some parts taken from solving again."""
     tasks = [(int(k), sign) for k in parts for sign in (1.0, -1.0)]
-    slopes = many.each(found.work, found.shared, tasks)
+    slopes = run_each(found.work, found.shared, tasks, context)
     if any(s is None for s in slopes):
         finding = f"stopped after {sum(s is not None for s in slopes)} of {len(tasks)} solves: there is no ranking yet"
         raise InputError(finding)
@@ -279,3 +248,74 @@ def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, b
     # a difference over a finite step feels the curvature a little
     unique[parts] = high - low <= 0.01 * np.maximum(high, 1e-3 * looser.max(initial=0.0))
     return replace(ranking, by=by, looser=looser, tighter=tighter, unique=unique, ends=ends)
+
+
+def ranges(face: DualFace, worth: sp.csr_matrix, context: Context = UNLIMITED) -> Floats:
+    """Least and largest value (m, 2) of linear functions `worth` (m, k) of the multipliers; nan where it is not known.
+
+    An end is not known if nothing bounds the function there, or if `stop` was set before it was found. Many equations of the balance
+    depend on others: those of parts that can move freely, and those that hold only because the motion is an optimum. Rounding makes
+    them contradict each other a little, which would cut off much of the face, so only independent ones are asked for.
+    """
+    share = face.force / face.force.max(initial=1e-300)
+    balance = (face.balance @ sp.diags_array(share)).tocsr()  # of multipliers in units of those that the solver found
+    balance = balance[independent_rows(balance)]
+    minimum = _from_the_last_basis(balance, context) if find_spec("highspy") else _from_no_basis(balance)
+    out = np.full((worth.shape[0], 2), np.nan)
+    for k, row in enumerate(worth):
+        cost = row.toarray().ravel() * face.force
+        for side, sign in enumerate((1.0, -1.0)):
+            if context.stopped:
+                return out
+            out[k, side] = sign * minimum(sign * cost)
+    return out
+
+
+def independent_rows(matrix: sp.csr_matrix) -> Ints:
+    """As many rows of a matrix (m, k) as do not depend on each other, in order.
+
+    Examples
+    --------
+    >>> independent_rows(sp.csr_matrix([[1.0, 1.0], [3.0, 3.0], [0.0, 1.0], [0.0, 0.0]]))
+    array([1, 2])
+
+    Source: Higham, Accuracy and Stability of Numerical Algorithms, section 10.3 (Cholesky factorisation with complete pivoting).
+    """
+    from scipy.linalg.lapack import dpstrf
+
+    gram = (matrix @ matrix.T).toarray()
+    if not gram.any():
+        return np.zeros(0, np.int64)
+    _, pivot, rank, _ = dpstrf(gram, tol=DEPENDENT * gram.diagonal().max(), lower=1)
+    return np.sort(pivot[:rank] - 1).astype(np.int64)
+
+
+def _from_the_last_basis(balance: sp.csr_matrix, context: Context) -> Minimum:
+    """Minimum of a cost (k,) over x >= 0 with the same balance as x = 1: each begins at the vertex where the last one ended."""
+    highspy = need_highs()
+    rows, count = balance.shape
+    solver = quiet_solver(highspy, lambda: context.stopped, rows)
+    solver.setOptionValue("simplex_strategy", highspy.simplex_constants.kSimplexStrategyPrimal.value)
+    solver.passModel(standard_form(highspy, np.zeros(count), balance.tocsc(), balance @ np.ones(count)))
+    every = np.arange(count, dtype=np.int32)
+
+    def minimum(cost: Floats) -> float:
+        solver.changeColsCost(count, every, cost)
+        solver.run()
+        known = solver.getModelStatus() == highspy.HighsModelStatus.kOptimal
+        return float(solver.getInfo().objective_function_value) if known else np.nan
+
+    return minimum
+
+
+def _from_no_basis(balance: sp.csr_matrix) -> Minimum:
+    """The same by what scipy carries of HiGHS, about ten times as slow."""
+    from scipy.optimize import linprog
+
+    total = balance @ np.ones(balance.shape[1])
+
+    def minimum(cost: Floats) -> float:
+        found = linprog(cost, A_eq=balance, b_eq=total, bounds=(0, None), method="highs")
+        return float(found.fun) if found.status == 0 else np.nan
+
+    return minimum

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
-from wiggleroom.parallel.parallel_run import ParallelRun
+from wiggleroom.errors import InputError
+from wiggleroom.parallel.parallel_run import run_each
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
-from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.sensitivity.searched_draws import SearchedDraws
 from wiggleroom.verdict import Verdict
@@ -142,19 +139,15 @@ class Sample(Drawable):
 
 
 def sample(
-    assembly: Assembly | GapStudy[Any],
+    study: GapStudy[Any],
     spread: Spread | float,
-    goals: Goal | Sequence[Goal] | None = None,
     *,
     draws: int = 1000,
     seed: int = 0,
     limit: float | None = None,
-    workers: int | None = None,
-    cluster: str | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> Sample:
-    """Largest motion when the gap round every part varies at random.
+    """Largest motion when the gap round every part varies at random; see `wiggleroom.sample`.
 
     Pairs and free spaces are worked out once: walls are linear in the gaps, so every draw begins with the same walls,
     moved. It goes through the rounds of the search from rest, and where a direct question searches also from the end of the answer
@@ -165,37 +158,10 @@ def sample(
     direct question is, those first that decide most others, until the yield is known or a counted amount of work is done;
     see `Sample.undecided`.
 
-    Parameters
-    ----------
-    assembly : Assembly or GapStudy
-    spread : Spread or float [mm]
-        Distribution of the extra gap round a part; a number is the standard deviation of a normal one. Extra gap e
-        moves the part's outline inward by e/2.
-    goals : Pull, Turn or W, or several that add up
-        By default what the assembly's file asks for.
-    draws, seed : int
-        Same seed, same draws.
-    limit : float, optional
-        Largest motion that is wanted.
-    workers, cluster, stop, progress
-        Where draws are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
-        Searches are counted after the draws, so the total grows while they are chosen.
-
-    Returns
-    -------
-    Sample
-
     Raises
     ------
     InputError
         If numbers make no sense, or nothing stops the motion without variation.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> some = wr.sample(wr.patterns.chain(3, joint="tee", gap=0.02), 0.002, draws=20, limit=0.3)
-    >>> some.good, some.misfits
-    (20, 0)
     """
     distribution = spread if isinstance(spread, Spread) else Spread(float(spread))
     wrong = [f"sample: {draws} draws: ask for at least 1"] if draws < 1 else []
@@ -203,18 +169,16 @@ def sample(
         wrong.append(f"sample: limit {limit:g}: it must be a finite number")
     if wrong:
         raise InputError(wrong)
-    study: GapStudy[Any] = study_of(assembly, goals)
-    answer = study.answer(stop)
+    answer = study.answer(context)
     check_end(study, answer)
     extra = distribution.draw(draws, len(study.assembly.parts), seed)
-    many = ParallelRun(workers, cluster, stop, progress)
-    results = many.each(*study.draws(answer, stop), list(extra / 2))
+    results = run_each(*study.draws(answer, context), list(extra / 2), context)
     done = [k for k, r in enumerate(results) if r is not None]
     if not done:
         finding = "sample: stopped before the first draw was done"
         raise InputError(finding)
     found = SearchedDraws(study, answer, extra[done] / 2, [results[k] for k in done], limit)
-    found.search(many)
+    found.search(context)
     return Sample(
         answer, distribution, seed, extra[done], found.value,
         sum(results[k].verdict is Verdict.STOPPED for k in done), limit, found.checked, found.tightest, found.loosest,

@@ -14,8 +14,9 @@ from typing import Any, Generic
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.errors import InputError, Stop, StoppedError
-from wiggleroom.parallel.parallel_run import ParallelRun, Work
+from wiggleroom.parallel.parallel_run import Work, run_each
 from wiggleroom.sensitivity.found_motion import Found, is_checked, verdict_of
 from wiggleroom.sensitivity.gap_distribution import wilson
 from wiggleroom.sensitivity.gap_study import GapStudy
@@ -67,7 +68,7 @@ class SearchedDraws(Generic[Found]):
         self.loosest: float | None = None
         self.believed = False
         self._studies: dict[int, GapStudy[Found]] = {}
-        self._stop: Stop | None = None
+        self._context = UNLIMITED
         self._done = len(climbs)
 
     @property
@@ -89,14 +90,14 @@ class SearchedDraws(Generic[Found]):
         low = self.fit & (self.value < (1 - SAME_VALUE) * self.most)
         return low if self.limit is None else low & (self.value <= self.limit) & (self.most > self.limit)
 
-    def search(self, many: ParallelRun) -> None:
+    def search(self, context: Context) -> None:
         """Search the tightest and the loosest state, and where the climbs fall short of either, draws between them."""
         if not self.fit.any():
             return
-        self._stop = many.stop
+        self._context = context
         ends = [self.inward[self.fit].min(axis=0), self.inward[self.fit].max(axis=0)]
-        climbs = self._each(many, *self.study.draws(self.answer, many.stop), ends)
-        found = self._each(many, SearchedDraw(many.stop), self._bare, ends)
+        climbs = self._each(*self.study.draws(self.answer, context), ends, context)
+        found = self._each(SearchedDraw(context.stop), self._bare, ends, context)
         self.tightest, self.loosest = (self._take(end, one) for end, one in zip(ends, found, strict=True))
         if self.tightest is None or self.loosest is None or None in climbs:
             return
@@ -106,14 +107,14 @@ class SearchedDraws(Generic[Found]):
         wanted = tight if agree and self.loosest < math.inf else self.limit is None
         if wanted:
             order = np.flatnonzero(self.fit)[np.argsort(self.value[self.fit], kind="stable")]
-            self._search_draws(np.unique(order[np.linspace(0, len(order) - 1, TESTED).round().astype(int)]), many)
+            self._search_draws(np.unique(order[np.linspace(0, len(order) - 1, TESTED).round().astype(int)]), context)
             agree = agree and not any(_falls_short(self.climbed[k], value) for k, value in self.searched.items())
-        self.believed = agree and self.loosest < math.inf and not many.stopped
-        while self.limit is not None and not self._known and not many.stopped:
+        self.believed = agree and self.loosest < math.inf and not context.stopped
+        while self.limit is not None and not self._known and not context.stopped:
             some = self._most_deciding()
             if not len(some):
                 break
-            self._search_draws(some, many)
+            self._search_draws(some, context)
 
     @property
     def _bare(self) -> GapStudy[Found]:
@@ -148,22 +149,22 @@ class SearchedDraws(Generic[Found]):
             inside[:, decided] = False
         return left[chosen]
 
-    def _search_draws(self, some: NDArray[np.int64], many: ParallelRun) -> None:
-        found = self._each(many, SearchedDraw(many.stop), self._bare, list(self.inward[some]))
+    def _search_draws(self, some: NDArray[np.int64], context: Context) -> None:
+        found = self._each(SearchedDraw(context.stop), self._bare, list(self.inward[some]), context)
         for k, one in zip(some.tolist(), found, strict=True):
             value = self._take(self.inward[k], one)
             if value is not None:
                 self.searched[k] = value
                 self.value[k] = np.fmax(self.value[k], value)
 
-    def _each(self, many: ParallelRun, work: Work, shared: Any, tasks: list[Floats]) -> list[Any]:
+    def _each(self, work: Work, shared: Any, tasks: list[Floats], context: Context) -> list[Any]:
         """Results of some tasks; they are told as further ones after those that were done before."""
-        before, tell = self._done, many.progress
+        before, tell = self._done, context.counted
         if tell is not None:
             tell(before, before + len(tasks))
-            many = replace(many, progress=lambda done, total: tell(before + done, before + total))
+            context = replace(context, counted=lambda done, total: tell(before + done, before + total))
         self._done += len(tasks)
-        return many.each(work, shared, tasks)
+        return run_each(work, shared, tasks, context)
 
     def _take(self, inward: Floats, found: Found | Verdict | None) -> float | None:
         """What a search says of the state itself and of all draws; None where it was not made, nan where the parts do not fit."""
@@ -185,9 +186,9 @@ class SearchedDraws(Generic[Found]):
         asked = np.flatnonzero(self.fit & (self.value <= limit) & (self.value < math.inf))
         if not len(asked) or (value <= limit and value < math.inf):
             return
-        wide = self.study.with_inward(inward).with_room(found, limit, self._stop)
+        wide = self.study.with_inward(inward).with_room(found, limit, self._context)
         for k in asked.tolist():
-            if self._stop is not None and self._stop.is_set():
+            if self._context.stopped:
                 break
             if k not in self._studies:
                 self._studies[k] = self.study.with_inward(self.inward[k])
@@ -216,7 +217,7 @@ class SearchedDraw:
     def __call__(self, study: GapStudy[Any], inward: Floats) -> Any:
         """The answer, without what a search could go on from; a verdict where there is none."""
         try:
-            return replace(study.with_inward(inward).answer(self.stop), warm_start=None)
+            return replace(study.with_inward(inward).answer(Context(stop=self.stop)), warm_start=None)
         except (InputError, StoppedError) as why:
             return verdict_of(why)
 

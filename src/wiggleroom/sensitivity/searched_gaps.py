@@ -7,12 +7,11 @@ here too, and a path that is found at a large gap is followed to smaller ones, a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Generic
 
-from wiggleroom.errors import FreeSpaceError, InputError, Stop, StoppedError, TouchingError
-from wiggleroom.search.progress import Progress
+from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.errors import FreeSpaceError, InputError, StoppedError, TouchingError
 from wiggleroom.sensitivity.found_motion import Found, is_checked, verdict_of
 from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.gap_trials import CLIMBED, Trial
@@ -36,30 +35,24 @@ class SearchedGaps(Generic[Found]):
     study : GapStudy
     limit : float [mm]
         Motions beyond it fail; infinite: those that nothing stops.
-    stop, progress
+    context : Context
         Asked and told within every trial.
     searching : bool
         False: trials are climbs from rest, which are quick, until it is set.
     """
 
     def __init__(
-        self,
-        study: GapStudy[Found],
-        limit: float = math.inf,
-        stop: Stop | None = None,
-        progress: Callable[[Progress], None] | None = None,
-        *,
-        searching: bool = True,
+        self, study: GapStudy[Found], limit: float = math.inf, context: Context = UNLIMITED, *, searching: bool = True
     ) -> None:
         self.study, self.limit = study, limit
-        self.stop, self.progress = stop, progress
+        self.context = context
         self.searching = searching
         self.trials: dict[float, Trial] = {}
 
     @property
     def stopped(self) -> bool:
         """True where it was asked to stop."""
-        return self.stop is not None and self.stop.is_set()
+        return self.context.stopped
 
     def keeps(self, trial: Trial) -> bool:
         """True where a search that came to its end found no motion beyond the limit."""
@@ -90,7 +83,7 @@ class SearchedGaps(Generic[Found]):
         if best is not None and best.value == math.inf:  # parts leave by the same path
             return replace(best, gap=gap, answer=best.answer and made.with_assembly(best.answer))
         try:
-            answer = made.flexed(None if search else 0, self.stop, self.progress)
+            answer = made.flexed(None if search else 0, self.context)
         except (StoppedError, FreeSpaceError, TouchingError) as why:
             return Trial(gap, None, verdict_of(why), False)
         value = math.inf if answer.objective is None else answer.objective
@@ -155,7 +148,7 @@ class SearchedGaps(Generic[Found]):
             answer, value = self.trials[high].answer, self.trials[high].value
             if answer is None or value is None or value < (1 + JUMP) * self.limit < math.inf or self.stopped:
                 break
-            answer = self.study.at_gap(high).with_room(answer, self.limit, self.stop)
+            answer = self.study.at_gap(high).with_room(answer, self.limit, self.context)
             good, bad = (1 - RELATIVE_TOLERANCE) * high, low
             if not self._follows(answer, good):  # a contact ends it
                 break

@@ -15,6 +15,7 @@ from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.statements import given_goals
 from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
@@ -65,19 +66,22 @@ class Sweep(Drawable):
 
     Parameters
     ----------
-    assembly : Assembly or SpatialAssembly
+    assembly : Assembly
     goals : tuple of Pull, Turn or W, or of Pull, Turn or Weight
     steps : tuple of SweepStep
         Gaps in order of size.
     lost : (float, float) or None [mm]
         At the first gap a search found an end of the motion, at the second nothing stops it, along a path that was checked; None where
         no gap of the sweep is so large. A search may miss a narrow way out, so the first is no proof.
+    stopped : bool
+        True where it was stopped before all of that was known.
     """
 
     assembly: Any
     goals: tuple[Any, ...]
     steps: tuple[SweepStep, ...]
     lost: tuple[float, float] | None
+    stopped: bool = False
 
 
 def sweep(
@@ -91,28 +95,7 @@ def sweep(
     progress: Callable[[int, int], None] | None = None,
     each: Callable[[SweepStep, NDArray[np.float64] | None], None] | None = None,
 ) -> Sweep:
-    """Largest motion for several gaps, and the gap from which on nothing stops it.
-
-    Every gap is searched as a direct question is. What is free at one gap is free at every larger one, because all parts
-    have become smaller: so where a search finds less than that of a smaller gap, that motion counts, and the curve never falls.
-    Where nothing stops the motion, the smallest gap at which that is so is looked for as well.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    gaps : sequence of float, optional [mm]
-        In place of the drawing's gap, in any order; by default nine from a quarter of it to twice it.
-    goals : Pull, Turn or W, or several that add up
-        By default what the assembly's file asks for.
-    prove : float, optional
-        Prove a bound for every gap, at most this share above the motion, and so a band round the whole curve.
-    seconds : float, optional
-        The longest that the proof of one gap may take; by default a counted amount of work. Then the best bound so far is given.
-    stop, progress : optional
-        Asked between gaps and within; told how many gaps are done, and how many there are. Proofs count once more.
-    each : callable, optional
-        Told every gap's step when it is found, and the motion of the parts there (n, 3) [mm, mm, rad], None where the
-        motion does not end. Where the motion loses its end is found last, and may make larger gaps unbounded.
+    """Largest motion of an assembly of the plane for several gaps; see `wiggleroom.sweep`.
 
     Raises
     ------
@@ -120,13 +103,6 @@ def sweep(
         If a gap makes no sense, nothing is fixed or pulled, or what is asked has no bound.
     MissingExtraError
         If `prove` needs the extra of that name.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> found = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01, 0.02])
-    >>> [round(step.objective, 4) for step in found.steps]
-    [0.0261, 0.0539]
     """
     if prove is not None:
         check_request(prove, seconds)
@@ -138,30 +114,28 @@ def sweep(
         if progress is not None:
             progress(done, total if prove is None else 2 * total)
 
-    found = sweep_over(PlanarStudy(assembly, asked), gaps, wrong, stop=stop, progress=told, each=each)
-    return found if prove is None else _with_band(found, prove, seconds, stop, progress)
+    found = sweep_over(PlanarStudy(assembly, asked), gaps, wrong, each=each, context=Context(stop=stop, counted=told))
+    return found if prove is None else _with_band(found, prove, seconds, Context(stop=stop, counted=progress))
 
 
-def _with_band(
-    found: Sweep, within: float, seconds: float | None, stop: Stop | None, progress: Callable[[int, int], None] | None
-) -> Sweep:
+def _with_band(found: Sweep, within: float, seconds: float | None, context: Context) -> Sweep:
     """The sweep with a bound at every gap; that of a larger gap, whose parts are smaller, holds as well."""
     steps, least, count = list(found.steps), np.inf, len(found.steps)
     for k in reversed(range(count)):
         step = steps[k]
-        if step.answer is not None and step.objective is not None and not (stop is not None and stop.is_set()):
+        if step.answer is not None and step.objective is not None and not context.stopped:
             done = (
-                counted_bound(step.answer, within, stop, work=PROOF_WORK)
+                counted_bound(step.answer, within, work=PROOF_WORK, context=context.silent)
                 if seconds is None
-                else prove_bound(step.answer, within, seconds=seconds, stop=stop)
+                else prove_bound(step.answer, within, seconds=seconds, stop=context.stop)
             )
             least = min(least, np.inf if done.at_most is None else done.at_most)
             step = replace(step, answer=done, verdict=done.verdict)
         if step.objective is not None and np.isfinite(least):
             step = replace(step, at_most=float(least))
         steps[k] = step
-        if progress is not None:
-            progress(2 * count - k, 2 * count)
+        if context.counted is not None:
+            context.counted(2 * count - k, 2 * count)
     return replace(found, steps=tuple(steps))
 
 
@@ -170,9 +144,8 @@ def sweep_over(
     gaps: Sequence[float] | None,
     wrong: list[str],
     *,
-    stop: Stop | None = None,
-    progress: Callable[[int, int], None] | None = None,
     each: Callable[[SweepStep, NDArray[np.float64] | None], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> Sweep:
     """The sweep of any assembly; `wrong` holds what is wrong with the question.
 
@@ -184,7 +157,7 @@ def sweep_over(
     sizes = _gaps(study.assembly, gaps, wrong)
     if wrong:
         raise InputError(wrong)
-    tried, steps = SearchedGaps(study, stop=stop), []
+    tried, steps = SearchedGaps(study, context=context.silent), []
     for gap in sizes:
         if tried.stopped:
             break
@@ -194,8 +167,8 @@ def sweep_over(
         steps.append(_step(trial))
         if each is not None:
             each(steps[-1], None if steps[-1].objective is None else trial.answer.motion)
-        if progress is not None:
-            progress(len(steps), len(sizes))
+        if context.counted is not None:
+            context.counted(len(steps), len(sizes))
     done = [tried.trials[step.gap] for step in steps]
     free = next((t.gap for t in done if tried.fails(t)), None)
     held = max((t.gap for t in done if tried.keeps(t) and t.checked), default=None)

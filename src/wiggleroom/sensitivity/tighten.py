@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import comb
@@ -11,15 +11,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
-from wiggleroom.parallel.parallel_run import ParallelRun
+from wiggleroom.errors import InputError
+from wiggleroom.parallel.parallel_run import run_each
 from wiggleroom.sensitivity.found_motion import Found, endless, is_checked
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
 from wiggleroom.sensitivity.perturbation import SAME_VALUE, exceeds
-from wiggleroom.sensitivity.planar_study import study_of
 from wiggleroom.sensitivity.rank import ranking_of
 
 Floats = NDArray[np.float64]
@@ -74,6 +72,8 @@ class Tightening(Drawable):
     chosen_by : str
         "rank": a few at a time, by their rank. "draws": the best of the choices at random, where that is better. "all": the best of
         every choice.
+    stopped : bool
+        True where it was stopped before all choices were tried.
     """
 
     before: Any
@@ -83,6 +83,7 @@ class Tightening(Drawable):
     limit: float | None
     random: Floats
     chosen_by: ChosenBy = "rank"
+    stopped: bool = False
 
     @property
     def lowered(self) -> float:
@@ -113,48 +114,16 @@ def _lowered(before: Any, value: float | None) -> float:
 
 
 def tighten(
-    assembly: Assembly | GapStudy[Any],
-    goals: Goal | Sequence[Goal] | None = None,
+    study: GapStudy[Any],
     *,
     parts: int | None = None,
     limit: float | None = None,
     gap: float | None = None,
     draws: int = SETTINGS.random_choices,
     seed: int = 0,
-    workers: int | None = None,
-    cluster: str | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> Tightening:
-    """Which parts to make tighter for the least motion, or the fewest for a wanted limit.
-
-    A tightened part is made larger: every joint's gap is half its own and half its neighbour's share, and its own share
-    shrinks until `gap` would be left if the neighbour did the same. It grows alike everywhere: a joint with a larger gap of
-    its own keeps what that is more, one with a smaller gap limits both its parts. Parts are chosen by their rank, some at a
-    time, and ranked again as the others tighten. Choices of as many parts at random are tried beside that, all of them where they are no
-    more than `draws`; the best choice that was seen is taken, and `Tightening.chosen_by` says where it comes from. Unless all were
-    tried, it is a good one, not provably the best.
-
-    Parameters
-    ----------
-    assembly : Assembly or GapStudy
-    goals : Pull, Turn or W, or several that add up
-        By default what the assembly's file asks for.
-    parts : int
-        How many to choose. Or:
-    limit : float [mm]
-        Choose as few as bring the motion down to this.
-    gap : float, optional [mm]
-        What a tightened part aims at; by default a tenth of the gap. The paper (section 6.2) does not say what it took.
-    draws : int
-        Choices at random.
-    seed : int
-    workers, cluster, stop, progress
-        Where these are solved, see `wiggleroom.parallel.parallel_run.ParallelRun`.
-
-    Returns
-    -------
-    Tightening
+    """Which parts to make tighter for the least motion, or the fewest for a wanted limit; see `wiggleroom.tighten`.
 
     Raises
     ------
@@ -162,40 +131,31 @@ def tighten(
         If neither or both of `parts` and `limit` are given, or a number makes no sense, or nothing stops the motion, as may show when
         larger parts get away.
 
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> better = wr.tighten(wr.patterns.chain(5, joint="tee", gap=0.01), parts=2, draws=5)
-    >>> better.chosen, round(better.lowered)
-    (('b2', 'b3'), 55)
-
     Source: Mind the Gap, section 6.2 and Fig. 11.
     """
-    study: GapStudy[Any] = study_of(assembly, goals)
     whole = study.assembly.gap if study.assembly.gap > 0 else study.clearance
     aim = SETTINGS.kept_gap_share * whole if gap is None else gap
     count = len(study.assembly.parts)
     _check(parts, limit, aim, whole, count)
     room = study.room(whole, aim)
-    before = study.answer(stop)
+    before = study.answer(context)
     check_end(study, before)
-    choice, after = _choose(study, before, room, parts, limit, stop)
+    choice, after = _choose(study, before, room, parts, limit, context)
     if choice:  # what the choice was made by need not be the largest motion
-        after = _searched(study, choice, room, after, stop)
+        after = _searched(study, choice, room, after, context)
     able = np.flatnonzero(room > 0)
     subsets, whole_list = _others(able, len(choice), draws, seed)
-    many = ParallelRun(workers, cluster, stop, progress)
-    results = many.each(*study.draws(before, stop), [_inward(subset, room) for subset in subsets])
+    results = run_each(*study.draws(before, context), [_inward(subset, room) for subset in subsets], context)
     random = np.array([np.nan if r is None else r.value for r in results], dtype=float)
     by: ChosenBy = "all" if whole_list and len(subsets) else "rank"
     tried = {tuple(sorted(choice))}
     for k in np.argsort(random, kind="stable")[: SETTINGS.max_confirmed].tolist():
         if after.objective is not None and not random[k] < (1 - SAME_VALUE) * after.objective:
             break
-        if tuple(subsets[k]) in tried or (stop is not None and stop.is_set()):
+        if tuple(subsets[k]) in tried or context.stopped:
             continue
         tried.add(tuple(subsets[k]))
-        other = _searched(study, subsets[k], room, None, stop)
+        other = _searched(study, subsets[k], room, None, context)
         if other is not None and exceeds(after, other):
             choice, after, by = list(subsets[k]), other, by if whole_list else "draws"
     if exceeds(after, before) and is_checked(after):  # where larger parts get, smaller ones do
@@ -217,11 +177,11 @@ def _others(able: Ints, count: int, draws: int, seed: int) -> tuple[list[tuple[i
 
 
 def _searched(
-    study: GapStudy[Found], chosen: Sequence[int], room: Floats, known: Found | None, stop: Stop | None
+    study: GapStudy[Found], chosen: Sequence[int], room: Floats, known: Found | None, context: Context
 ) -> Found | None:
     """What a direct question finds with some parts tightened; `known` where that is more, or the parts do not fit."""
     try:
-        found = study.with_inward(_inward(chosen, room)).answer(stop)
+        found = study.with_inward(_inward(chosen, room)).answer(context)
     except InputError:
         return known
     return found if known is None or not exceeds(known, found) else known
@@ -242,14 +202,14 @@ def _check(parts: int | None, limit: float | None, aim: float, whole: float, cou
 
 
 def _choose(
-    study: GapStudy[Found], before: Found, room: Floats, parts: int | None, limit: float | None, stop: Stop | None
+    study: GapStudy[Found], before: Found, room: Floats, parts: int | None, limit: float | None, context: Context
 ) -> tuple[list[int], Found]:
     """Parts chosen a few at a time, each time by the rank that is left, and the answer with all of them tightened."""
     able = room > 0
     most = min(able.sum() if parts is None else parts, able.sum())
     chosen: list[int] = []
     worth, answer = np.zeros(len(room)), before
-    while len(chosen) < most and answer.objective is not None and not (stop is not None and stop.is_set()):
+    while len(chosen) < most and answer.objective is not None and not context.stopped:
         if limit is not None and answer.objective <= limit:
             break
         if study.can_be_ranked(answer):
@@ -264,11 +224,11 @@ def _choose(
             batch = min(batch, needed)
         chosen += order[:batch].tolist()
         able[order[:batch]] = False
-        answer = study.moved(before, _inward(chosen, room), stop)
+        answer = study.moved(before, _inward(chosen, room), context)
     if limit is not None and answer.objective is not None and answer.objective <= limit:
         for k in chosen[: -SETTINGS.max_removal_tests : -1]:  # a batch may have held more than it took
             fewer = [c for c in chosen if c != k]
-            less = study.moved(before, _inward(fewer, room), stop) if fewer else before
+            less = study.moved(before, _inward(fewer, room), context) if fewer else before
             if less.objective is not None and less.objective <= limit:
                 chosen, answer = fewer, less
     return chosen, answer

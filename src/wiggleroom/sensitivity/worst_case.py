@@ -1,30 +1,29 @@
-"""Largest and smallest motion that tolerances allow, and which of them contribute.
+"""Largest and smallest motion that tolerances allow, in the plane and in space, and which of them contribute.
 
-The loosest corner of the tolerances has every outline as far in, and every joint as wide, as they allow. There each part lies inside
-itself as it is anywhere else within the tolerances. So every motion that is possible somewhere within them is possible at that corner:
-it is the worst case, whatever the derivatives are. What is searched is only the largest motion at it.
+The loosest corner of the tolerances has every outline or face as far in, and every joint as wide, as they allow. There each part lies
+inside itself as it is anywhere else within the tolerances. So every motion that is possible somewhere within them is possible at that
+corner: it is the worst case, whatever the derivatives are. What is searched is only the largest motion at it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly, require_planar
-from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.deviations import deviated
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.statements import unknown
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
-from wiggleroom.drawing.model import Drawing, Goal, Tolerance
-from wiggleroom.errors import InputError, Stop, StoppedError
-from wiggleroom.maximise import flex, witness
-from wiggleroom.parallel.parallel_run import ParallelRun
+from wiggleroom.drawing.model import Drawing, JointGap, Part, Plate, Tolerance
+from wiggleroom.errors import InputError, StoppedError
+from wiggleroom.parallel.parallel_run import run_each
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.progress import Progress
-from wiggleroom.sensitivity.counted_bound import counted_bound
+from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.rank import Ranking, rank
 from wiggleroom.verdict import Certainty, PathState, Verdict
 
@@ -119,59 +118,43 @@ class WorstCase(Drawable):
 
 
 def worst_case(
-    assembly: Assembly,
+    study: GapStudy[Any],
     tolerances: Sequence[Tolerance] | None = None,
-    goals: Goal | Sequence[Goal] | None = None,
     *,
     limit: float | None = None,
-    workers: int | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> WorstCase:
-    """Largest and smallest motion within tolerances, each solved at its corner, and what every tolerance contributes.
+    """Largest and smallest motion within tolerances; see `wiggleroom.worst_case`.
 
     Parameters
     ----------
-    assembly : Assembly
+    study : GapStudy
+        Of the assembly, and what is asked of it.
     tolerances : sequence of Tolerance, optional
         By default those of the assembly's file.
-    goals : Pull, Turn or W, or several that add up
-        By default what the assembly's file asks for.
     limit : float, optional
         Largest motion that is wanted.
-    workers, stop, progress : optional
+    context : Context, optional
         Where single outlines are solved, and what stops it.
 
     Raises
     ------
     InputError
         If there are no tolerances, a name is unknown, parts do not fit even where they should be, or nothing stops the motion there.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> chain = wr.patterns.chain(2, joint="tee", gap=0.02)
-    >>> found = wr.worst_case(chain, [wr.Tolerance(("b2",), plus=0.002, minus=0.002)])
-    >>> found.tightest.objective < found.nominal.objective < found.loosest.objective
-    True
     """
-    require_planar(assembly, "worst_case")
-    given = tuple(assembly.drawing.tolerances if tolerances is None else tolerances)
+    given = tuple(study.assembly.drawing.tolerances if tolerances is None else tolerances)
     _check_question(given, limit)
-    drawing = assembly.drawing
-    middle = _made(drawing, [(t, 0.0) for t in given])
-    ranking = rank(middle, goals, stop=stop)
+    ranking = rank(_made(study, [(t, 0.0) for t in given]), context=Context(stop=context.stop))
     nominal = ranking.answer
-    loosest = _corner(drawing, [(t, _loose(t)) for t in given], nominal, stop, progress)
-    loosest = _with_bound(loosest, limit, stop)
+    loosest = _corner(_made(study, [(t, _loose(t)) for t in given]), nominal, limit, context)
     tightest, misfit = None, ""
     try:
-        tightest = _tight(drawing, [(t, -_opposite(t)) for t in given], nominal, stop, progress)
+        tightest = _made(study, [(t, -_opposite(t)) for t in given]).flexed(None, context)
     except InputError as problem:
         misfit = problem.findings[0]
     except StoppedError:
         misfit = "stopped before it was worked out"
-    slopes, whole = _slopes(drawing, given, ranking, workers, stop)
+    slopes, whole = _slopes(study, given, ranking, context)
     some = [
         Contribution(t, slope, slope * abs(_loose(t)), slope * abs(_opposite(t)))
         for t, slope in zip(given, slopes, strict=True)
@@ -212,71 +195,128 @@ def _opposite(tolerance: Tolerance) -> float:
     return tolerance.minus if len(tolerance.parts) == 2 else -tolerance.plus
 
 
-def _made(drawing: Drawing, deviations: Sequence[tuple[Tolerance, float]]) -> Assembly:
-    return assemble(deviated(drawing, deviations))
+def _made(study: GapStudy[Any], deviations: Sequence[tuple[Tolerance, float]]) -> GapStudy[Any]:
+    """The same question of an assembly that is off from where it should be."""
+    return study.made_of(deviated(study.assembly.drawing, deviations))
 
 
-def _corner(
-    drawing: Drawing,
-    deviations: Sequence[tuple[Tolerance, float]],
-    nominal: Answer,
-    stop: Stop | None,
-    progress: Callable[[Progress], None] | None,
-) -> Answer:
-    """Answer at the loose corner; never less than the nominal motion, which is free for the smaller parts too."""
-    made = _made(drawing, deviations)
-    answer = flex(made, nominal.goals, stop=stop, progress=progress)
-    if answer.objective is not None and answer.objective < (nominal.objective or 0.0):
-        return replace(nominal, assembly=made, at_most=answer.at_most, bound=answer.bound)
-    return answer
+def _corner(made: GapStudy[Any], nominal: Answer, limit: float | None, context: Context) -> Answer:
+    """Answer at the loose corner; never less than the nominal motion, which is free for the smaller parts too.
 
-
-def _with_bound(loosest: Answer, limit: float | None, stop: Stop | None) -> Answer:
-    """The worst case with a bound below the limit, where one can be proven with little work."""
-    found, most = loosest.objective, loosest.at_most
-    if limit is None or found is None or not 0 < found < limit or (most is not None and most <= limit):
-        return loosest
-    return counted_bound(loosest, min(0.9 * (limit / found - 1), 9.0), stop)
-
-
-def _tight(
-    drawing: Drawing,
-    deviations: Sequence[tuple[Tolerance, float]],
-    nominal: Answer,
-    stop: Stop | None,
-    progress: Callable[[Progress], None] | None,
-) -> Answer:
-    return flex(_made(drawing, deviations), nominal.goals, stop=stop, progress=progress)
+    With a bound below the limit, where one can be proven with little work.
+    """
+    found = made.flexed(None, context)
+    if found.objective is not None and found.objective < (nominal.objective or 0.0):
+        found = replace(nominal, assembly=found.assembly, at_most=found.at_most, bound=found.bound)
+    value, most = found.objective, found.at_most
+    if limit is None or value is None or not 0 < value < limit or (most is not None and most <= limit):
+        return found
+    return made.with_bound(found, min(0.9 * (limit / value - 1), 9.0), context.silent)
 
 
 def _slopes(
-    drawing: Drawing, given: Sequence[Tolerance], ranking: Ranking, workers: int | None, stop: Stop | None
+    study: GapStudy[Any], given: Sequence[Tolerance], ranking: Ranking, context: Context
 ) -> tuple[list[float], bool]:
-    """Motion gained per mm of looser tolerance: of parts and joints from the forces, of single outlines solved again."""
+    """Motion gained per mm of looser tolerance: of parts and joints from the forces, where single faces move from solving again."""
     names = ranking.answer.assembly.names
     parts = dict(zip(names, np.nan_to_num(ranking.by_duals).tolist(), strict=True))
     joints = {
         frozenset(names[k] for k in pair): float(value)
         for pair, value in zip(ranking.joints.tolist(), ranking.joint_looser, strict=True)
     }
-    alone = [t for t in given if t.outline is not None and _loose(t)]
-    shared = (drawing, tuple(given), ranking.answer.goals, ranking.answer.objective or 0.0)
-    results = ParallelRun(workers, None, stop).each(one_outline, shared, alone)
+    plates = {part.name for part in study.assembly.drawing.parts if isinstance(part.solid, Plate)}
+    single = {t for t in given if t.outline is not None or (len(t.parts) == 1 and t.parts[0] in plates)}
+    alone = [t for t in given if t in single and _loose(t)]
+    fresh = study.made_of(study.assembly.drawing)  # what was prepared for the other stays here
+    results = run_each(one_alone, (fresh, tuple(given), ranking.answer.objective or 0.0), alone, context)
     outlines = dict(zip(alone, results, strict=True))
     slopes = []
     for t in given:
         if len(t.parts) == 2:
             slopes.append(joints.get(frozenset(t.parts), 0.0))
-        elif t.outline is None:
+        elif t not in single:
             slopes.append(2 * parts[t.parts[0]])  # extra gap e is an outline e/2 further in
         else:
             slopes.append(outlines.get(t) or 0.0)
     return slopes, None not in results
 
 
-def one_outline(shared: tuple[Drawing, tuple[Tolerance, ...], tuple[Goal, ...], float], loose: Tolerance) -> float:
+def one_alone(shared: tuple[GapStudy[Any], tuple[Tolerance, ...], float], loose: Tolerance) -> float:
     """Motion gained per mm when one tolerance alone is at its loose end."""
-    drawing, given, goals, value = shared
-    made = _made(drawing, [(t, _loose(t) if t == loose else 0.0) for t in given])
-    answer = witness(made, goals)
+    study, given, value = shared
+    answer = _made(study, [(t, _loose(t) if t == loose else 0.0) for t in given]).flexed(0, UNLIMITED)
     return math.inf if answer.objective is None else max(answer.objective - value, 0.0) / abs(_loose(loose))
+
+
+def deviated(drawing: Drawing, deviations: Sequence[tuple[Tolerance, float]]) -> Drawing:
+    """Drawing in which each tolerance's part, outline or joint is off by so much [mm] from its nominal.
+
+    Positive is out of the material for parts and outlines, and wider for the gap of a joint.
+
+    Raises
+    ------
+    InputError
+        If a part or an outline is not there.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from wiggleroom.drawing.model import Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> grown = deviated(Drawing((Part("a", (square,)),)), [(Tolerance(("a",), 0.1, 0.1, outline=1), 0.1)])
+    >>> grown.parts[0].outline_offsets
+    (0.1,)
+    """
+    parts = {part.name: part for part in drawing.parts}
+    findings = [f"tolerance: {unknown(name, parts)}" for t, _ in deviations for name in t.parts if name not in parts]
+    findings += [
+        f'tolerance: part "{t.parts[0]}" {lacks}'
+        for t, _ in deviations
+        if t.parts[0] in parts and (lacks := _lacking(parts[t.parts[0]], t.outline))
+    ]
+    if findings:
+        raise InputError(findings)
+    gaps = {frozenset(joint.parts): joint for joint in drawing.gaps}
+    for tolerance, off in deviations:
+        name = tolerance.parts[0]
+        if len(tolerance.parts) == 2:
+            pair = frozenset(tolerance.parts)
+            own = gaps[pair].gap if pair in gaps else drawing.gap
+            nominal = own if tolerance.nominal is None else tolerance.nominal
+            gaps[pair] = JointGap(tolerance.parts, max(nominal + off, 0.0))
+        elif tolerance.outline == "thickness":
+            parts[name] = _thickened(parts[name], tolerance.nominal, off)
+        elif tolerance.outline is not None:
+            parts[name] = _outline_moved(parts[name], tolerance.outline, (tolerance.nominal or 0.0) + off)
+        else:
+            nominal = parts[name].offset if tolerance.nominal is None else tolerance.nominal
+            parts[name] = replace(parts[name], offset=nominal + off)
+    return replace(drawing, parts=tuple(parts.values()), gaps=tuple(gaps.values()))
+
+
+def _count(part: Part) -> int:
+    regions = part.solid.regions if isinstance(part.solid, Plate) else part.regions
+    return sum(1 + len(region.holes) for region in regions)
+
+
+def _lacking(part: Part, outline: int | str | None) -> str:
+    """What a tolerance of an outline, or of the thickness, misses in a part."""
+    if outline == "thickness":
+        return "" if isinstance(part.solid, Plate) else "has no thickness: it is no plate in space"
+    return f"has {_count(part)} outlines, not {outline}" if isinstance(outline, int) and outline > _count(part) else ""
+
+
+def _thickened(part: Part, nominal: float | None, more: float) -> Part:
+    """A plate that is thicker, its middle where it was."""
+    assert isinstance(part.solid, Plate)  # see `_lacking`
+    thickness = max((part.solid.thickness if nominal is None else nominal) + more, 0.0)
+    down = part.R[:, 2] * (part.solid.thickness - thickness) / 2
+    at = tuple((np.asarray(part.at) + down).tolist())
+    return replace(part, solid=Plate(part.solid.regions, thickness), at=at)
+
+
+def _outline_moved(part: Part, number: int, outward: float) -> Part:
+    """The part with one of its outlines moved out of the material."""
+    offsets = list(part.outline_offsets or (0.0,) * _count(part))
+    offsets[number - 1] += outward
+    return replace(part, outline_offsets=tuple(offsets))

@@ -8,6 +8,7 @@ while they turn.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +18,29 @@ from wiggleroom.program.nonlinear_program import Linearised, Program
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.carried_multipliers import MIN_CARRIED_SLACK
 from wiggleroom.solve.convergence import ConvergenceMonitor
-from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.feasibility_restoration import pulled_inside, restore_feasibility
-from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER, SETTINGS, SLACK_TOLERANCE, settings_for
+from wiggleroom.solve.factorisation import Factor, factor
+from wiggleroom.solve.interior_point_settings import (
+    INITIAL_BARRIER,
+    LARGE_PROGRAM,
+    MAX_LIFTS,
+    MAX_PULLS,
+    SETTINGS,
+    SLACK_TOLERANCE,
+    settings_for,
+)
 from wiggleroom.solve.monotone_barrier import MonotoneBarrier
-from wiggleroom.solve.newton_step import Iterate
-from wiggleroom.solve.predictor_corrector import predictor_corrector_step, take_step
-from wiggleroom.solve.saddle_escape import ascent_direction, perturbed_start
+from wiggleroom.solve.newton_step import Iterate, newton
+from wiggleroom.solve.predictor_corrector import NewtonStep, predictor_corrector_step, take_step
+from wiggleroom.solve.row_operations import dot, violation
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
+
+MIN_CURVATURE = 1e-4
+"""Least positive curvature [objective's unit per clearance squared] that counts."""
+POWER_ITERATIONS = 6
+"""Of the inverse iteration; a rough direction is enough."""
 
 
 def solve(
@@ -127,3 +140,93 @@ def solve(
 def barrier_unit(at: Linearised) -> float:
     """Largest derivative of the objective, by which multipliers are divided; 1 where there is none."""
     return float(np.abs(at.gradient).max()) or 1.0
+
+
+def ascent_direction(state: Iterate, matrix: Factor, tolerance: float) -> Floats | None:
+    """Direction (3F,) in which the objective curves upwards along the active walls, its largest entry 1; None at a true optimum.
+
+    The condensed matrix is stiff across active walls, so it is positive definite where the second-order conditions hold; else the
+    vector of its least eigenvalue runs along the walls.
+    """
+    data = state.at.condensed(state.lam / state.s, state.lam, share=1.0 / state.unit)
+    shift = max(MIN_CURVATURE, 10 * tolerance * max(abs(state.at.value) / state.unit, 1.0))
+    if matrix.update(data, shift):
+        return None
+    while not matrix.update(data, shift):
+        shift *= 2
+    v = np.random.default_rng(0).standard_normal(len(state.u))
+    for _ in range(POWER_ITERATIONS):
+        v = matrix.solve(v / np.abs(v).max())
+    return v / np.abs(v).max()
+
+
+def perturbed_start(program: Program, u: Floats, v: Floats) -> Floats:
+    """A point on the better side of u along v, up to a clearance away and with at least half of the room to every wall."""
+    room, share = program.values(u), 1.0
+    while share > 1e-6:
+        sides = [w for w in (u + share * v, u - share * v) if (program.values(w) > 0.5 * room).all()]
+        if sides:
+            return max(sides, key=lambda w: program.objective.value(program.motion(w)))
+        share /= 2
+    return u
+
+
+def restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, exact: float) -> Iterate:
+    """A few centred steps that remove the remaining infeasibility; bodies that nothing holds stay where they are.
+
+    In large programs a point inside all rows is good enough: there slacks are as right as the tolerance asks.
+    """
+    large = len(state.u) > LARGE_PROGRAM
+    exact = np.inf if large else exact
+    mu = dot(state.s, state.lam) / max(len(state.s), 1)
+    for _ in range(6):
+        dual_residual, _, _ = state.residuals()
+        wrong = np.abs(state.s - state.at.h).max(initial=0.0)
+        if wrong < SLACK_TOLERANCE or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
+            break
+        data = state.at.condensed(
+            state.lam / state.s, state.lam, retraction.balance(dual_residual, state.at), 1.0 / state.unit
+        )
+        shift = max(state.shift, 1e-2)
+        while not matrix.update(data, shift):
+            shift *= 10
+        step = NewtonStep.to_boundary(newton(state, matrix, dual_residual, mu - state.s * state.lam), shift)
+        if large and step.primal_step < SETTINGS.min_restoring_step:
+            del step, data  # in assemblies of a million parts these arrays count
+            return _lifted(state, matrix, retraction)
+        take_step(state, step, retraction, violation(state.lam, state.s, state.at.h))
+    return state
+
+
+def _lifted(state: Iterate, matrix: Factor, retraction: Retraction) -> Iterate:
+    """The state, moved as little as can be, in the metric of its slacks, until rows that lie below their slacks have come up to them."""
+    u, at, s = state.u, state.at, state.s
+    weight, none = 1.0 / np.maximum(s, SETTINGS.lifted_slack) ** 2, np.zeros_like(s)
+    for _ in range(MAX_LIFTS):
+        short = np.maximum(s - at.h, 0.0)
+        if at.h.min(initial=np.inf) >= 0.0:
+            break
+        shift = 1e-2
+        while not matrix.update(at.condensed(weight, none, share=0.0), shift):
+            shift *= 100
+        u = retraction.step(u, matrix.solve(at.transposed_jacobian_product(weight * short)), at)
+        at = at.program.linearise(u, None if at is state.at else at)
+    return replace(state, u=u, at=at, s=np.maximum(at.h, SETTINGS.min_slack)) if at.h.min() >= 0.0 else state
+
+
+def pulled_inside(state: Iterate, inside: Floats) -> Iterate:
+    """The state, or where rows are still violated there the last point of the segment from a feasible point to it that is feasible."""
+    if state.at.h.min(initial=np.inf) >= 0:
+        return state
+    program, room = state.at.program, state.at.program.values(inside)
+    below = state.at.h < 0
+    share = float((room[below] / (room[below] - state.at.h[below])).min())
+    for _ in range(MAX_PULLS):
+        at = program.linearise(inside + share * (state.u - inside))
+        if at.h.min() >= 0:
+            break
+        share *= 0.9
+    else:
+        return state
+    u = inside + share * (state.u - inside)
+    return replace(state, u=u, at=at, s=np.maximum(at.h, SETTINGS.min_slack))

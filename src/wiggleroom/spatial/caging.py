@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.compiled.jit_options import OPTIONS, njit
-from wiggleroom.errors import Stop
+from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.drawing.model import ConvexPiece, Surface
 from wiggleroom.spatial.solid_angle import winding_numbers
-from wiggleroom.spatial.solids.convex import ConvexPiece
 from wiggleroom.spatial.solids.separating_axis import nearest_difference
-from wiggleroom.spatial.solids.spatial_model import Surface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -69,7 +68,7 @@ def _shells(surface: Surface) -> Ints:
     return np.asarray(np.unique(of_vertex[a], return_inverse=True)[1])
 
 
-def ball_stays(pieces: Sequence[ConvexPiece], middle: Floats, radius: float, stop: Stop | None = None) -> bool:
+def ball_stays(pieces: Sequence[ConvexPiece], middle: Floats, radius: float, context: Context = UNLIMITED) -> bool:
     """True where a ball, not overlapping convex pieces at rest, never gets out of the box round them.
 
     Cubes cover where its middle may be. Those of them that lie inside a piece made larger by the radius are blocked; convex sets hold a
@@ -106,7 +105,7 @@ def ball_stays(pieces: Sequence[ConvexPiece], middle: Floats, radius: float, sto
         state = np.array([1, 1], dtype=np.int64)  # open cubes, cubes seen
         ended = UNDECIDED
         while ended == UNDECIDED and state[1] < MAX_CUBES:
-            if stop is not None and stop.is_set():
+            if context.stopped:
                 return False
             ended = flood(*packed, middle - start * width, width, radius * (1 - MARGIN), seen, stack, state, VISITS)
         if ended == BLOCKED:

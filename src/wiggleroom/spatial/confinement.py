@@ -19,15 +19,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.assembly.assembly import placed_surface
+from wiggleroom.context import Context
+from wiggleroom.drawing.model import ConvexPiece, Surface
 from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
-from wiggleroom.spatial.linking_number import curve_graph, linked
-from wiggleroom.spatial.open_rings import RingBody, held_by_opening
+from wiggleroom.spatial.linking_number import CurveGraph, curve_graph, linked
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
-from wiggleroom.spatial.solids.convex import ConvexPiece
-from wiggleroom.spatial.solids.spatial_model import Surface
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 from wiggleroom.spatial.turning_in_place import common_edges, round_centres
 
@@ -79,14 +78,13 @@ class PairwiseConfinement:
     Parameters
     ----------
     ready : SpatialPrepared
-    stop : optional
-        Anything with `is_set()`.
+    context : Context
     """
 
     ready: SpatialPrepared
-    stop: Stop | None
+    context: Context
     _group: list[int] = field(init=False)
-    _rings: dict[int, RingBody] = field(init=False, default_factory=dict)
+    _curves: dict[int, CurveGraph] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         moves = self.ready.grouping.bodies.moves
@@ -138,24 +136,13 @@ class PairwiseConfinement:
         first, second = (self._parts(unit) for unit in (one, two))
         if any((min(p, q), max(p, q)) in self.ready.grouping.bodies.ignored for p in first for q in second):
             return False
-        mine, theirs = self._ring(one), self._ring(two)
-        return (
-            linked(mine.closed, theirs.closed)
-            or held_by_opening(mine, theirs, self.stop)
-            or held_by_opening(theirs, mine, self.stop)
-        )
+        return linked(self._curve_graph(one), self._curve_graph(two))
 
-    def _ring(self, unit: list[int]) -> RingBody:
-        """Pieces, surfaces and closed curves of some bodies at rest; worked out once."""
-        known = self._rings.get(unit[0])
-        if known is None:
-            assembly, surfaces = self.ready.assembly, []
-            for k in self._parts(unit):
-                part, surface = assembly.parts[k], assembly.made[k].surface
-                surfaces.append(Surface(surface.vertices @ part.R.T + part.at, surface.faces))
-            pieces = self._framed(unit, np.eye(3), np.zeros(3))[0]
-            known = self._rings[unit[0]] = RingBody(pieces, surfaces, curve_graph(pieces))
-        return known
+    def _curve_graph(self, unit: list[int]) -> CurveGraph:
+        """Closed curves in some bodies at rest; worked out once."""
+        if unit[0] not in self._curves:
+            self._curves[unit[0]] = curve_graph(self._framed(unit, np.eye(3), np.zeros(3))[0])
+        return self._curves[unit[0]]
 
     def _parts(self, unit: list[int]) -> list[int]:
         return np.flatnonzero(np.isin(self.ready.grouping.body_of, unit)).tolist()
@@ -174,15 +161,14 @@ class PairwiseConfinement:
                 continue
             around = [k for k in self._parts(one) if (min(k, part), max(k, part)) not in ignored]
             for k in around:
-                p, surface = assembly.parts[k], assembly.made[k].surface
-                world = Surface(surface.vertices @ p.R.T + p.at, surface.faces)
+                world = placed_surface(assembly.parts[k], assembly.solids[k].surface)
                 if in_closed_cavity(world, piece.corners[:1]):
                     return True
             middle, radius = inscribed_ball(piece)
             ball = max(ball, (radius, middle, part), key=lambda found: found[0])
         radius, middle, part = ball
         facing = [p for p, k in zip(cage, owner, strict=True) if (min(k, part), max(k, part)) not in ignored]
-        return radius > 0 and bool(facing) and ball_stays(facing, middle, radius, self.stop)
+        return radius > 0 and bool(facing) and ball_stays(facing, middle, radius, self.context)
 
     def _near(self, one: Sequence[int], other: Sequence[int]) -> bool:
         """True where boxes round bodies at rest meet."""
@@ -261,7 +247,7 @@ class PairwiseConfinement:
         pieces: list[ConvexPiece] = []
         owner: list[int] = []
         for k in self._parts(unit):
-            part, surface = assembly.parts[k], assembly.made[k].surface
+            part, surface = assembly.parts[k], assembly.solids[k].surface
             world = surface.vertices @ part.R.T + part.at
             found = inscribed_cylinders(Surface((world - origin) @ frame.T, surface.faces))
             pieces += found
@@ -269,7 +255,7 @@ class PairwiseConfinement:
         return pieces, owner
 
     def _stopped(self) -> bool:
-        return self.stop is not None and self.stop.is_set()
+        return self.context.stopped
 
 
 def packed_pieces(pieces: Sequence[ConvexPiece]) -> tuple[Any, ...]:

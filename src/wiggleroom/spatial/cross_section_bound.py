@@ -14,11 +14,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError
 from wiggleroom.search.answer import MAX_BOUND_RATIO, PROVEN_WITHIN, Answer
 from wiggleroom.spatial.rotations import unit_vector
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.verdict import PathState, Verdict
 
@@ -36,7 +37,7 @@ MARGIN = 1e-9
 """The bound is larger by this share, for rounding."""
 
 
-def with_cross_section_bound(answer: Answer[SpatialAssembly], stop: Stop | None = None) -> Answer[SpatialAssembly]:
+def with_cross_section_bound(answer: Answer, context: Context = UNLIMITED) -> Answer:
     """The answer with a bound, where one says something; its verdict `proven` where that is near enough."""
     began = time.perf_counter()
     value = answer.objective
@@ -45,13 +46,13 @@ def with_cross_section_bound(answer: Answer[SpatialAssembly], stop: Stop | None 
     axis = _plane_of_motion(answer.assembly)
     if axis is None:
         return answer
-    most = cross_section_bound(answer.assembly, answer.goals, axis, stop)
+    most = cross_section_bound(answer.assembly, answer.goals, axis, context)
     spent = time.perf_counter() - began
     seconds = answer.seconds | {"bound": spent, "total": answer.seconds["total"] + spent}
     return with_known_bound(replace(answer, seconds=seconds), most)
 
 
-def with_known_bound(answer: Answer[SpatialAssembly], most: float | None) -> Answer[SpatialAssembly]:
+def with_known_bound(answer: Answer, most: float | None) -> Answer:
     """The answer with a bound that holds, where one is known that says something; `proven` where it is near enough."""
     value = answer.objective
     if most is None or not value or not answer.verdict.ends or not value <= most <= MAX_BOUND_RATIO * value:
@@ -61,7 +62,7 @@ def with_known_bound(answer: Answer[SpatialAssembly], most: float | None) -> Ans
 
 
 def cross_section_bound(
-    assembly: SpatialAssembly, goals: Sequence[Goal], axis: int, stop: Stop | None = None
+    assembly: Assembly, goals: Sequence[Goal], axis: int, context: Context = UNLIMITED
 ) -> float | None:
     """Value that no motion in the plane across an axis exceeds; None where no cross-section says anything."""
     # all that answers in the plane takes longer to import than most questions in space take
@@ -84,7 +85,9 @@ def cross_section_bound(
             ignore=tuple(pair for pair in assembly.drawing.ignore if set(pair) <= names),
         )
         try:
-            answer = with_bound_by_work(flex(assemble(drawing), asked, search=0, stop=stop), MAX_WORK, stop)
+            answer = with_bound_by_work(
+                flex(assemble(drawing), asked, search=0, stop=context.stop), MAX_WORK, context.stop
+            )
         except InputError:
             continue
         if answer.at_most is not None:
@@ -92,7 +95,7 @@ def cross_section_bound(
     return min(found, default=None)
 
 
-def _plane_of_motion(assembly: SpatialAssembly) -> int | None:
+def _plane_of_motion(assembly: Assembly) -> int | None:
     """The axis along which no body moves, nor turns about the others; None where there is none."""
     free = grouped(assembly).bodies.free
     for axis in range(3):
@@ -102,7 +105,7 @@ def _plane_of_motion(assembly: SpatialAssembly) -> int | None:
     return None
 
 
-def _in_plane(assembly: SpatialAssembly, goals: Sequence[Goal], axis: int, across: list[int]) -> list[Pull | Turn]:
+def _in_plane(assembly: Assembly, goals: Sequence[Goal], axis: int, across: list[int]) -> list[Pull | Turn]:
     """What is asked, in the plane across an axis; empty where it cannot be said there."""
     reference, names = assembly.reference, assembly.names
     found: list[Pull | Turn] = []
@@ -129,11 +132,11 @@ def _in_plane(assembly: SpatialAssembly, goals: Sequence[Goal], axis: int, acros
 class _Sections:
     """Cross-sections of all parts at rest, across an axis."""
 
-    def __init__(self, assembly: SpatialAssembly, axis: int, across: list[int]) -> None:
+    def __init__(self, assembly: Assembly, axis: int, across: list[int]) -> None:
         self._assembly, self._axis, self._across = assembly, axis, across
         self._corners = [
             [piece.corners @ p.R.T + p.at for piece in made.pieces]
-            for p, made in zip(assembly.parts, assembly.made, strict=True)
+            for p, made in zip(assembly.parts, assembly.solids, strict=True)
         ]
         self._grid = ROUNDING * assembly.size
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.solids.convex import ConvexPiece
+from wiggleroom.drawing.model import ConvexPiece
 
 Floats = NDArray[np.float64]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.solids.convex import ConvexPiece, prism
-from wiggleroom.spatial.solids.spatial_model import Surface
+from wiggleroom.drawing.model import ConvexPiece, Surface
+from wiggleroom.spatial.solids.convex import prism
 
 Floats = NDArray[np.float64]
 

@@ -1,8 +1,7 @@
-"""Does an assembly of boxes come apart by moves of whole steps: an exhaustive search on the lattice of its coordinates.
+"""Does an assembly on a lattice come apart by moves of whole steps: an exhaustive search.
 
-Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every path by whole steps is a path of the parts as
-made, which are smaller. Where the search ends without a path out, none exists by whole steps; turns, and what the gaps allow besides,
-are not seen.
+A move takes some bodies as one any number of steps along an axis. Every path of the cells is a path of the parts, which lie in them. Where
+the search ends without a path out, none exists by whole steps; turns, and what clearances allow besides, are not seen.
 """
 
 from __future__ import annotations
@@ -14,155 +13,136 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.compiled.jit_options import OPTIONS, njit
-from wiggleroom.errors import Stop
-from wiggleroom.spatial.solids.spatial_model import Boxes
+from wiggleroom.context import Context
+from wiggleroom.spatial.lattice import Lattice
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+Steps = NDArray[np.int16]
 
-ROUNDING = 1e-6
-"""Coordinates are whole multiples of this [mm]."""
-MAX_CELLS = 20_000_000
-"""Most entries of all tables of blocked offsets together."""
-MAX_STATES = 100_000
-"""Most arrangements that are looked at."""
-MAX_BODIES = 60
-"""Assemblies of more bodies are not searched by whole steps."""
-
-
-@dataclass(frozen=True, eq=False)
-class Lattice:
-    """Bodies of boxes on a lattice.
-
-    Parameters
-    ----------
-    step : float [mm]
-    blocked : (n, n, x, y, z) bool
-        Where bodies i and j overlap, j seen from i, from both at rest; the middle is rest. Beyond the ends nothing does.
-    stands : (n, 3) bool
-        Which bodies may not move along an axis.
-    """
-
-    step: float
-    blocked: Bools
-    stands: Bools
-
-
-def lattice(ready: SpatialPrepared) -> Lattice | None:
-    """The lattice of an assembly.
-
-    None where parts are not boxes along the axes of the world, where they overlap as drawn, and where there are too many cells.
-    """
-    assembly, grouping = ready.assembly, ready.grouping
-    count = len(grouping.bodies.at)
-    if assembly.drawing.ignore or count > MAX_BODIES:
-        return None
-    corners: list[list[Floats]] = [[] for _ in range(count)]
-    for part, body in zip(assembly.parts, grouping.body_of.tolist(), strict=True):
-        if not isinstance(part.solid, Boxes) or not np.allclose(np.abs(part.R).max(axis=0), 1.0, atol=1e-9):
-            return None
-        placed = part.solid.boxes @ part.R.T + part.at
-        corners[body].append(np.stack([placed.min(axis=1), placed.max(axis=1)], axis=1))
-    boxes = [np.vstack(b) for b in corners]
-    every = np.vstack(boxes)
-    whole = np.round((every - every[0, 0]) / ROUNDING).astype(np.int64)
-    unit = int(np.gcd.reduce(whole.ravel()))
-    if unit == 0:
-        return None
-    cells = [np.round((b - every[0, 0]) / ROUNDING).astype(np.int64) // unit for b in boxes]
-    low = np.array([c[:, 0].min(axis=0) for c in cells])
-    high = np.array([c[:, 1].max(axis=0) for c in cells])
-    reach = (np.abs(high[:, None] - low[None]).max(axis=(0, 1))) + 1
-    if float(np.prod(2.0 * reach + 1)) * count**2 > MAX_CELLS:
-        return None
-    solid = []
-    for c, lo, hi in zip(cells, low, high, strict=True):
-        filled = np.zeros(hi - lo, dtype=bool)
-        for one, other in c - lo:
-            filled[tuple(map(slice, one, other))] = True
-        solid.append(filled)
-    blocked = np.zeros((count, count, *(2 * reach + 1)), dtype=bool)
-    for i in range(count):
-        for j in range(count):
-            if i == j:
-                continue
-            # entry k of the convolution: cells of j moved by d meet cells of i, d = k - (shape of j - 1) - (low j - low i)
-            common = _convolved(solid[i], solid[j][::-1, ::-1, ::-1]) > 0.5
-            first = low[i] - low[j] - (np.array(solid[j].shape) - 1) + reach
-            table = blocked[i, j]
-            table[tuple(slice(a, a + n) for a, n in zip(first, common.shape, strict=True))] = common
-            if table[tuple(reach)]:
-                return None
-    free = grouping.bodies.free[:, :3]
-    return Lattice(unit * ROUNDING, blocked, ~free)
-
-
-def _convolved(one: Bools, other: Bools) -> Floats:
-    """Convolution of two blocks of cells, by Fourier transforms."""
-    shape = [m + n - 1 for m, n in zip(one.shape, other.shape, strict=True)]
-    axes = (0, 1, 2)
-    return np.fft.irfftn(np.fft.rfftn(one, shape, axes) * np.fft.rfftn(other, shape, axes), shape, axes)
+MAX_STATES, MAX_PAIRS = 300_000, 15_000_000
+"""Most arrangements that are looked at, and most pairs of bodies in all of them."""
+MAX_GROUPS = 128
+"""Most sets of bodies that are moved in one direction from one arrangement."""
+MAX_NEXT = 8192
+"""Most arrangements that follow one."""
 
 
 @njit(**OPTIONS)
-def moves(blocked, stands, offset, groups, leaves):
-    """Fill groups (n, 6, n): bodies that go along when one moves by a step, and leaves (n, 6): True where they go on for ever.
+def ahead_of(blocked, first, shape, low, offset, direction, met, ahead):
+    """Fill met (n, n) and ahead (n, n): True where body i, moved in a direction, meets j after one step, and ever."""
+    axis, back = direction // 2, direction % 2
+    n = len(offset)
+    for i in range(n):
+        for j in range(n):
+            met[i, j] = ahead[i, j] = False
+            if i == j:
+                continue
+            index, within = 0, True
+            y = 0
+            for t in range(3):
+                x = offset[j, t] - offset[i, t] - low[i, j, t]
+                size = shape[i, j, t]
+                if t == axis:
+                    y = x + 1 if back else x - 1
+                    x = min(max(y, 0), size - 1)
+                    within = within and (y <= size - 1 if back else y >= 0)
+                elif x < 0 or x >= size:
+                    within = False
+                index = index * size + x
+            if within:
+                bits = blocked[first[i, j] + index]
+                ahead[i, j] = bits >> (1 + direction) & 1
+                met[i, j] = 0 <= y < shape[i, j, axis] and bits & 1
 
-    A group that holds a body that may not move is empty.
+
+@njit(**OPTIONS)
+def meets(blocked, first, shape, low, offset, axis, step, group):
+    """True where a group (n,), moved by a step along an axis, meets another body."""
+    n = len(offset)
+    for i in range(n):
+        for j in range(n):
+            if not group[i] or group[j]:
+                continue
+            index, within = 0, True
+            for t in range(3):
+                x = offset[j, t] - offset[i, t] - low[i, j, t] - (step if t == axis else 0)
+                within = within and 0 <= x < shape[i, j, t]
+                index = index * shape[i, j, t] + x
+            if within and blocked[first[i, j] + index] & 1:
+                return True
+    return False
+
+
+@njit(**OPTIONS)
+def pushed(table, stands, start, axis, group):
+    """Fill a group (n,) with a body and all that it pushes; False where one of them stands."""
+    n = len(group)
+    group[:] = False
+    group[start] = True
+    todo = np.empty(n, dtype=np.int64)
+    todo[0], top = start, 1
+    while top:
+        top -= 1
+        i = todo[top]
+        if stands[i, axis]:
+            return False
+        for j in range(n):
+            if table[i, j] and not group[j]:
+                group[j] = True
+                todo[top] = j
+                top += 1
+    return True
+
+
+@njit(**OPTIONS)
+def added(groups, count, group):
+    """Number of groups once another one is among them."""
+    for k in range(count):
+        if (groups[k] == group).all():
+            return count
+    if count < len(groups):
+        groups[count] = group
+        count += 1
+    return count
+
+
+@njit(**OPTIONS)
+def next_steps(blocked, first, shape, low, stands, offset, out):
+    """Fill the arrangements (m, n, 3) one move away: how many, and a direction in which some go on for ever, or -1.
+
+    Moved are sets of bodies that push no others: what single ones push, and unions of these.
     """
     n = len(offset)
-    reach = np.array([(blocked.shape[2] - 1) // 2, (blocked.shape[3] - 1) // 2, (blocked.shape[4] - 1) // 2])
     met, ahead = np.zeros((n, n), dtype=np.bool_), np.zeros((n, n), dtype=np.bool_)
-    todo = np.empty(n, dtype=np.int64)
+    groups, group = np.zeros((MAX_GROUPS, n), dtype=np.bool_), np.zeros(n, dtype=np.bool_)
+    found = 0
     for direction in range(6):
-        axis, sign = direction // 2, 1 - 2 * (direction % 2)
-        met[:], ahead[:] = False, False
-        for i in range(n):
-            for j in range(n):
-                if i == j:
-                    continue
-                x = np.empty(3, dtype=np.int64)
-                inside = True
-                for t in range(3):
-                    x[t] = offset[j, t] - offset[i, t] + reach[t]
-                    if t != axis and (x[t] < 0 or x[t] >= 2 * reach[t] + 1):
-                        inside = False
-                if not inside:
-                    continue
-                for far in range(1, 4 * reach[axis] + 4):
-                    y = x[axis] - sign * far
-                    if (sign > 0 and y < 0) or (sign < 0 and y > 2 * reach[axis]):
-                        break
-                    if y < 0 or y > 2 * reach[axis]:
-                        continue
-                    x[axis], kept = y, x[axis]
-                    hit = blocked[i, j, x[0], x[1], x[2]]
-                    x[axis] = kept
-                    if hit:
-                        ahead[i, j] = True
-                        met[i, j] = far == 1
-                        break
-        for first in range(n):
-            for kind in range(2):
-                table = met if kind == 0 else ahead
-                group = np.zeros(n, dtype=np.bool_)
-                group[first] = True
-                todo[0], top, good = first, 1, not stands[first, axis]
-                while top and good:
-                    top -= 1
-                    i = todo[top]
-                    for j in range(n):
-                        if table[i, j] and not group[j]:
-                            group[j] = True
-                            good = good and not stands[j, axis]
-                            todo[top] = j
-                            top += 1
-                if kind == 0:
-                    groups[first, direction] = group & good
-                else:
-                    leaves[first, direction] = good and not group.all()
+        axis, step = direction // 2, 1 - 2 * (direction % 2)
+        ahead_of(blocked, first, shape, low, offset, direction, met, ahead)
+        count = 0
+        for start in range(n):
+            if pushed(ahead, stands, start, axis, group) and not group.all():
+                return 0, direction
+            if pushed(met, stands, start, axis, group):
+                count = added(groups, count, group)
+        single, k = count, 0
+        while k < count:
+            for other in range(single):
+                count = added(groups, count, groups[k] | groups[other])
+            k += 1
+        for k in range(count):
+            if groups[k].all():
+                continue
+            moved, free = offset.copy(), True
+            while free and found < len(out):
+                for i in range(n):
+                    if groups[k, i]:
+                        moved[i, axis] += step
+                out[found] = moved
+                found += 1
+                free = not meets(blocked, first, shape, low, moved, axis, step, groups[k])
+    return found, -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +151,7 @@ class LatticeSearch:
 
     Parameters
     ----------
-    offsets : tuple of (n, 3) int64
+    offsets : tuple of (n, 3) int16
         Steps of all bodies from rest on, to where some go on for ever; empty where no path out was found.
     axis, sign : int
         The direction in which they go on.
@@ -179,50 +159,50 @@ class LatticeSearch:
         True where all arrangements within reach were looked at.
     """
 
-    offsets: tuple[Ints, ...] = ()
+    offsets: tuple[Steps, ...] = ()
     axis: int = 0
     sign: int = 1
     complete: bool = True
 
 
-def lattice_search(found: Lattice, stop: Stop | None) -> LatticeSearch:
-    """Look for a path out by whole steps, breadth first."""
+def lattice_search(found: Lattice, context: Context) -> LatticeSearch:
+    """Look for a path out by whole steps, breadth first over moves, so that it has as few as any such path."""
     n = len(found.stands)
-    rest = np.zeros((n, 3), dtype=np.int64)
-    groups, leaves = np.zeros((n, 6, n), dtype=bool), np.zeros((n, 6), dtype=bool)
-    before: dict[bytes, tuple[Ints, bytes | None]] = {rest.tobytes(): (rest, None)}
-    todo = deque([rest])
+    rest = np.zeros((n, 3), dtype=np.int16)
+    before: dict[bytes, bytes | None] = {rest.tobytes(): None}
+    todo = deque([rest.tobytes()])
+    out = np.empty((MAX_NEXT, n, 3), dtype=np.int16)
+    complete = True
+
+    def arrangement(key: bytes) -> Steps:
+        return np.frombuffer(key, dtype=np.int16).reshape(n, 3)
+
+    most = min(MAX_STATES, MAX_PAIRS // n**2)
     while todo:
-        if len(before) > MAX_STATES or (stop is not None and stop.is_set()):
+        if len(before) > most or context.stopped:
             return LatticeSearch(complete=False)
-        offset = todo.popleft()
-        moves(found.blocked, found.stands, offset, groups, leaves)
-        if leaves.any():
-            key: bytes | None = offset.tobytes()
-            path: list[Ints] = []
-            while key is not None:
-                state, key = before[key]
-                path.append(state)
-            k = int(np.argwhere(leaves)[0][1])
-            return LatticeSearch(tuple(path[::-1]), k // 2, 1 - 2 * (k % 2))
-        ahead = {}
-        for first, k in np.argwhere(groups.any(axis=2)):
-            moved = offset.copy()
-            moved[groups[first, k], k // 2] += 1 - 2 * (k % 2)
-            ahead[moved.tobytes()] = moved
-        for name, moved in ahead.items():
-            if name not in before:
-                before[name] = (moved, offset.tobytes())
-                todo.append(moved)
-    return LatticeSearch()
+        here = todo.popleft()
+        count, away = next_steps(
+            found.blocked, found.first, found.shape, found.low, found.stands, arrangement(here), out
+        )
+        if away >= 0:
+            path = [arrangement(here)]
+            while (earlier := before[here]) is not None:
+                here = earlier
+                path.append(arrangement(here))
+            return LatticeSearch(tuple(path[::-1]), away // 2, 1 - 2 * (away % 2))
+        complete = complete and count < MAX_NEXT
+        for moved in out[:count]:
+            key = moved.tobytes()
+            if key not in before:
+                before[key] = here
+                todo.append(key)
+    return LatticeSearch(complete=complete)
 
 
 def lattice_motions(ready: SpatialPrepared, found: Lattice, search: LatticeSearch) -> Floats:
-    """Motions (k, n, 6) [mm, rad] of the parts along a path by whole steps; steps that go on in the same direction are one."""
-    offsets = np.array(search.offsets)
-    step = np.diff(offsets, axis=0)
-    turns = np.flatnonzero((step[1:] != step[:-1]).any(axis=(1, 2))) + 1
-    kept = np.unique(np.concatenate([[0], turns, [len(offsets) - 1]]))
-    motions = np.zeros((len(kept), len(ready.assembly.parts), 6))
-    motions[:, :, :3] = found.step * offsets[kept][:, ready.grouping.body_of]
+    """Motions (k, n, 6) [mm, rad] of the parts along a path by whole steps."""
+    offsets = np.array(search.offsets)[:, ready.grouping.body_of]
+    motions = np.zeros((len(offsets), len(ready.assembly.parts), 6))
+    motions[:, :, :3] = (offsets * found.step) @ found.frame.T
     return motions

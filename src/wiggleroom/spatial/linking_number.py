@@ -5,18 +5,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.drawing.model import ConvexPiece
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.solid_angle import solid_angles
-from wiggleroom.spatial.solids.convex import ConvexPiece
 from wiggleroom.spatial.solids.separating_axis import separation
-
-if TYPE_CHECKING:
-    import networkx as nx
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -60,7 +56,11 @@ def curve_graph(pieces: Sequence[ConvexPiece]) -> CurveGraph:
     import networkx as nx
 
     middles = [p.corners.mean(axis=0) for p in pieces]
-    graph = piece_graph(pieces)
+    graph = nx.Graph()
+    for i, j in _near(pieces):
+        shared = common_point(pieces[i], pieces[j])
+        if shared is not None:
+            graph.add_edge(i, j, shared=shared)
     number = {frozenset(edge): k for k, edge in enumerate(graph.edges)}
     segments = [s for i, j, at in graph.edges.data("shared") for s in ([middles[i], at], [at, middles[j]])]
     cycles = nx.cycle_basis(graph)
@@ -71,19 +71,6 @@ def curve_graph(pieces: Sequence[ConvexPiece]) -> CurveGraph:
             k = number[frozenset((i, j))]
             row[2 * k : 2 * k + 2] = 1 if begins[k] == i else -1
     return CurveGraph(np.array(segments).reshape(-1, 2, 3), rows)
-
-
-def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
-    """Convex pieces that overlap or share faces; every edge has a point that both have in common, `shared` (3,) [mm]."""
-    import networkx as nx
-
-    graph = nx.Graph()
-    graph.add_nodes_from(range(len(pieces)))
-    for i, j in _near(pieces):
-        shared = common_point(pieces[i], pieces[j])
-        if shared is not None:
-            graph.add_edge(i, j, shared=shared)
-    return graph
 
 
 def linking_numbers(one: CurveGraph, other: CurveGraph) -> Floats:

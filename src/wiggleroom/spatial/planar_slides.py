@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.spatial.overlaps.difference_section import MinkowskiDifference, minkowski_difference, slab_shadow
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
@@ -95,8 +95,7 @@ class TranslationSpace:
     ready : SpatialPrepared
     motion : (n, 6) float64 [mm, rad]
     body : int
-    stop : optional
-        Anything with `is_set()`.
+    context : Context
     turns : (m, 3, 3) float64, optional
         Rotations of the world by which the body is turned about its reference point: it may meet nothing in any of them.
     axes : (k, 3) float64, optional
@@ -108,11 +107,11 @@ class TranslationSpace:
         ready: SpatialPrepared,
         motion: Floats,
         body: int,
-        stop: Stop | None = None,
         turns: Floats | None = None,
         axes: Floats | None = None,
+        context: Context = UNLIMITED,
     ) -> None:
-        self._ready, self._motion, self._body, self._stop = ready, motion, body, stop
+        self._ready, self._motion, self._body, self._context = ready, motion, body, context
         self._axes = np.eye(3) if axes is None else axes
         self._turns = np.eye(3)[None] if turns is None else turns
 
@@ -227,7 +226,7 @@ class TranslationSpace:
     def _shadows(
         self, turned: Sequence[MinkowskiDifference], sloping: bool
     ) -> list[tuple[float, float, shapely.Geometry]]:
-        return _shadows(turned, SAME_HEIGHT * self._ready.size, self._ready.clearance, sloping, self._stop)
+        return _shadows(turned, SAME_HEIGHT * self._ready.size, self._ready.clearance, sloping, self._context)
 
     def _checked(self, translations: Floats) -> Floats | None:
         """Motions (k, n, 6) of the body by translations (k, 3) [mm]; None where the check of the path does not agree."""
@@ -239,7 +238,7 @@ class TranslationSpace:
         return None if any(ready.checker.doubtful(a, b, first=True, only=mine.tolist()) for a, b in steps) else path
 
     def _stopped(self) -> bool:
-        return self._stop is not None and self._stop.is_set()
+        return self._context.stopped
 
 
 def _frame_along(axis: Floats) -> Floats:
@@ -249,14 +248,14 @@ def _frame_along(axis: Floats) -> Floats:
 
 
 def _shadows(
-    differences: Sequence[MinkowskiDifference], near: float, clearance: float, sloping: bool, stop: Stop | None
+    differences: Sequence[MinkowskiDifference], near: float, clearance: float, sloping: bool, context: Context
 ) -> list[tuple[float, float, shapely.Geometry]]:
     """Translations that are blocked between all heights, from below everything to above everything: lower and upper ends, and polygons."""
     levels = _levels(np.concatenate([d.corners[:, 2] for d in differences]), near, sloping, clearance)
     ends = [levels[0] - 2 * clearance, *levels, levels[-1] + 2 * clearance]
     found = []
     for low, high in itertools.pairwise(ends):
-        if stop is not None and stop.is_set():
+        if context.stopped:
             return []
         found.append((low, high, slab_shadow(differences, low + near / 2, high - near / 2)))
     return found

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.drawing.model import ConvexPiece
 from wiggleroom.spatial.rotations import exponential, logarithm
-from wiggleroom.spatial.solids.convex import ConvexPiece
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

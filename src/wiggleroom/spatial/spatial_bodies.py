@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import AXES
 from wiggleroom.drawing.writers.glue_groups import body_numbers
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
-from wiggleroom.spatial.solids.spatial_model import AXES, SpatialAssembly
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -60,7 +61,7 @@ class Grouping:
         return 2 * float(height.max())
 
 
-def grouped(assembly: SpatialAssembly) -> Grouping:
+def grouped(assembly: Assembly) -> Grouping:
     """Bodies of an assembly at rest.
 
     Raises
@@ -71,13 +72,13 @@ def grouped(assembly: SpatialAssembly) -> Grouping:
     parts, reference = assembly.parts, assembly.reference
     body_of = np.array(body_numbers(assembly.names, assembly.drawing.glue), dtype=np.int64)
     count = int(body_of.max()) + 1
-    volume = np.array([m.volume for m in assembly.made])
+    volume = np.array([m.volume for m in assembly.solids])
     total = np.bincount(body_of, volume, minlength=count)
     at = np.column_stack([np.bincount(body_of, volume * reference[:, k], minlength=count) / total for k in range(3)])
     free = np.ones((count, 6), dtype=bool)
     pieces: list[list] = [[] for _ in range(count)]
     owner: list[list[int]] = [[] for _ in range(count)]
-    for k, (part, made) in enumerate(zip(parts, assembly.made, strict=True)):
+    for k, (part, made) in enumerate(zip(parts, assembly.solids, strict=True)):
         b = int(body_of[k])
         alone = int((body_of == b).sum()) == 1
         if alone:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.search.answer import Contact
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_bodies import Grouping
 
 WEAK = 1e-5
@@ -27,7 +27,7 @@ class HeldMotion:
     found: SeparatingPlaneSolution
 
 
-def spatial_contacts(assembly: SpatialAssembly, held: HeldMotion) -> tuple[Contact, ...]:
+def spatial_contacts(assembly: Assembly, held: HeldMotion) -> tuple[Contact, ...]:
     """Contacts in assembly coordinates, strongest first.
 
     The corners of one piece that touch the plane, weighted by their multipliers, have the point of contact as their mean; it lies in that

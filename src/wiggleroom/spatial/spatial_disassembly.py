@@ -10,19 +10,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Escape, Interlock
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.disassembly.remaining import only
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
-from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
+from wiggleroom.spatial.lattice import lattice
+from wiggleroom.spatial.lattice_search import lattice_motions, lattice_search
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
+from wiggleroom.spatial.rigid import near_pieces
 from wiggleroom.spatial.solids.convex import distinct_axes
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.spatial.spatial_search import SpatialSearch
 from wiggleroom.spatial.straight_departure import StraightDeparture
 from wiggleroom.spatial.turn_roadmap import TurnRoadmap
+from wiggleroom.spatial.turning_in_place import common_edges, turn_in_place, turns_in_place
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
@@ -40,13 +45,15 @@ SAME_PLACE = 1e-9
 """What has moved and turned by less is where it was [mm, rad]."""
 MAX_AXES = 4
 """Paths by translations are looked for along and across at most so many axes."""
+MAX_SPINNING = 200
+"""At most so many bodies are turned in place to see whether they turn without limit."""
+MAX_TOGETHER = 30
+"""At most so many pairs of neighbours are turned as one to see whether they turn."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 
 
-def check_spatial(
-    assembly: SpatialAssembly, *, stop: Stop | None = None, every: bool = True
-) -> Interlock[SpatialAssembly]:
+def check_spatial(assembly: Assembly, *, every: bool = True, context: Context = UNLIMITED) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
 
     Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first path out is enough.
@@ -59,19 +66,20 @@ def check_spatial(
         If there is only one part, or all are fixed.
     """
     began = time.perf_counter()
-    left = _standing(assembly)
+    left = with_ground(assembly)
     names = assembly.names
     alive = list(range(len(names)))
     far = np.zeros((len(names), 6))
     escapes: list[Escape] = []
-    asked, cut, proven = 0, False, False
+    asked, verdict, sure = 0, Separability.INTERLOCKED, Certainty.SEARCHED
+    spins: tuple[str, ...] = ()
     while True:
-        stage = _Stage(prepare_spatial(left), stop)
+        stage = DisassemblyStage(prepare_spatial(left), context)
         found = stage.escape_path()
         asked += stage.questions
         if found is None:
-            proven = stage.proven
-            cut = stage.cut_short() or stage.loose or (stage.cut and not stage.exhaustive)
+            verdict, sure = stage.verdict()
+            spins = _spins(stage.ready, context) if every else ()
             break
         who, own = found
         path = np.repeat(far[None], len(own), axis=0)
@@ -83,46 +91,78 @@ def check_spatial(
             far[gone] = e.path[-1, gone]
         keep = [k for k in range(len(alive)) if k not in set(who)]
         alive = [alive[k] for k in keep]
-        left = _reduced(left, keep)
+        left = reduced(left, keep)
         if not every or len(alive) < 2 or not grouped(left).bodies.moves.any():
             break
     if escapes:
         verdict, sure = Separability.COMES_APART, Certainty.PROVEN
-    else:
-        verdict = Separability.UNKNOWN if cut and not proven else Separability.INTERLOCKED
-        sure = Certainty.PROVEN if proven else Certainty.SEARCHED
     remains = tuple(names[k] for k in alive)
     return Interlock(
-        assembly, verdict, sure, tuple(escapes), remains=remains, questions=asked, seconds=time.perf_counter() - began
+        assembly,
+        verdict,
+        sure,
+        tuple(escapes),
+        spins=spins,
+        remains=remains,
+        questions=asked,
+        seconds=time.perf_counter() - began,
     )
 
 
+def _spins(ready: SpatialPrepared, context: Context) -> tuple[str, ...]:
+    """Names of the parts that turn in place without limit, about an axis of the world, an edge or the normal of a face."""
+    assembly, bodies = ready.assembly, ready.grouping.bodies
+    rest = np.zeros((len(assembly.parts), 6))
+    found: list[str] = []
+    for b in np.flatnonzero(bodies.moves)[:MAX_SPINNING].tolist():
+        normals = np.vstack([piece.normals for piece in bodies.pieces[b]])
+        axes = distinct_axes(np.vstack([*common_edges(ready, b), np.eye(3), normals]), 1e-6)[:MAX_DIRECTIONS]
+        for axis in axes:
+            if context.stopped:
+                return tuple(found)
+            turn = turn_in_place(ready, rest, b, axis)  # a whole turn goes either way
+            if turn is not None and turn.endless:
+                found += [assembly.names[k] for k in np.flatnonzero(ready.grouping.body_of == b)]
+                break
+    return tuple(found)
+
+
 @dataclass(eq=False)
-class _Stage:
-    """Looks for the next parts that leave."""
+class DisassemblyStage:
+    """The next parts that leave, looked for from where all are."""
 
     ready: SpatialPrepared
-    stop: Stop | None
+    context: Context
     questions: int = 0
     cut: bool = False
     exhaustive: bool = False
-    """True where parts made of boxes were searched exhaustively by whole steps: then pulls that were not decided do not count."""
+    """True where parts on a lattice were searched exhaustively by whole steps: then pulls that were not decided do not count."""
     proven: bool = False
     """True where it is proven that none leave."""
     loose: bool = False
-    """True where a body can turn in place, or the work for turns was not enough to tell: then a search says nothing of what stays."""
+    """True where a body, or neighbours as one, can turn in place, or the work for turns was not enough to tell: then a search says
+    nothing of what stays."""
+
+    def verdict(self) -> tuple[Separability, Certainty]:
+        """What became of the parts where no path out was found; what holds a cover need not hold what it covers."""
+        if self.ready.assembly.overshoot > 0:
+            return Separability.UNKNOWN, Certainty.SEARCHED
+        if self.proven:
+            return Separability.INTERLOCKED, Certainty.PROVEN
+        cut = self.cut_short() or self.loose or (self.cut and not self.exhaustive)
+        return (Separability.UNKNOWN if cut else Separability.INTERLOCKED), Certainty.SEARCHED
 
     def escape_path(self) -> tuple[list[int], Floats] | None:
         """Parts that leave, and the path of all (k, n, 6); None where none was found."""
         rest = np.zeros((len(self.ready.assembly.parts), 6))
         places: list[Floats] = [rest[None]]
         axes = self._axes()
-        roadmap = TurnRoadmap(self.ready, axes[:MAX_AXES], self.stop)
+        roadmap = TurnRoadmap(self.ready, axes[:MAX_AXES], self.context)
         out = self._straight(rest[None], axes)
         if out is not None or self.cut_short():
             return out
-        held = PairwiseConfinement(self.ready, self.stop)
-        self.proven = held.prove_by_shape()
+        held = PairwiseConfinement(self.ready, self.context)
+        self.proven = not self.ready.assembly.overshoot and held.prove_by_shape()
         if self.proven:
             return None
         out = self._by_steps()
@@ -132,7 +172,7 @@ class _Stage:
         while asked < len(places):
             # straight paths are cheap: all of them from all places first
             for path in places[asked:]:
-                if asked in PROVE_AFTER:
+                if asked in PROVE_AFTER and not self.ready.assembly.overshoot:
                     self.proven = held.prove(efforts.pop(0))
                 if self.proven or self.cut_short():
                     return None
@@ -145,7 +185,7 @@ class _Stage:
                 self._slide(path, axes, places)
                 asked += 1
         self.loose = roadmap.turns or roadmap.spent or roadmap.skipped
-        for effort in efforts:
+        for effort in efforts if not self.ready.assembly.overshoot else []:
             self.proven = held.prove(effort)
             if self.proven or self.cut_short():
                 return None
@@ -155,7 +195,26 @@ class _Stage:
             if out is not None or self.cut_short():
                 return out
         self.cut |= known > MAX_PULLED or len(places) > known
+        self.loose = self.loose or self._turn_together()
         return None
+
+    def _turn_together(self) -> bool:
+        """True where two neighbours, or all that move, turn in place as one: each may keep the other from turning alone."""
+        assembly, group = self.ready.assembly, self.ready.grouping
+        moving = np.flatnonzero(group.bodies.moves)
+        rest = np.zeros((len(assembly.parts), 6))
+        near = near_pieces(group.bodies, group.pose_of(rest), NEW_PLACE * self.ready.clearance)[:, [0, 2]]
+        pairs = np.unique(np.sort(near[np.isin(near, moving).all(axis=1)], axis=1), axis=0)
+        for bodies in (moving.tolist(), *pairs[:MAX_TOGETHER].tolist()):
+            who = np.flatnonzero(np.isin(group.body_of, bodies))
+            if len(bodies) < 2 or self.cut_short():
+                continue
+            glue = (*assembly.drawing.glue, tuple(assembly.names[k] for k in who))
+            ready = prepare_spatial(replace(assembly, drawing=replace(assembly.drawing, glue=glue)))
+            body = int(ready.grouping.body_of[who[0]])
+            if any(turns_in_place(ready, rest, body, common_edges(ready, body))):
+                return True
+        return False
 
     def _straight(self, path: Floats, axes: Floats) -> tuple[list[int], Floats] | None:
         """Parts that leave straight from the end of a path; None also where it was asked to stop."""
@@ -170,21 +229,19 @@ class _Stage:
         return None
 
     def _by_steps(self) -> tuple[list[int], Floats] | None:
-        """A path out by whole steps, for parts made of boxes; notes where there is none."""
+        """A path out by whole steps, for parts on a lattice; notes where there is none."""
         grid = lattice(self.ready)
         if grid is None:
             return None
-        found = lattice_search(grid, self.stop)
+        found = lattice_search(grid, self.context)
         if not found.offsets:
-            # gaps that add up to a step let parts through where whole steps do not
-            self.exhaustive = found.complete and self.ready.assembly.widest_gap * len(grid.stands) < grid.step
+            # clearances that add up to a step let parts through where whole steps do not
+            self.exhaustive = found.complete and grid.clearance * len(grid.stands) < grid.step.min()
             return None
         path = lattice_motions(self.ready, grid, found)
         if any(self.ready.checker.overlaps(one, other) for one, other in itertools.pairwise(path)):
             return None
-        direction = np.zeros((1, 3))
-        direction[0, found.axis] = 1.0
-        return self._straight(path, direction)
+        return self._straight(path, grid.frame[:, found.axis][None])
 
     def _slide(self, path: Floats, axes: Floats, places: list[Floats]) -> None:
         """Places that a body alone reaches by going straight until little more than its clearance is left."""
@@ -254,28 +311,19 @@ class _Stage:
 
     def cut_short(self) -> bool:
         """True once somebody asked to stop."""
-        if self.stop is not None and self.stop.is_set():
+        if self.context.stopped:
             self.cut = True
-        return self.cut and self.stop is not None and self.stop.is_set()
+        return self.cut and self.context.stopped
 
     def _axes(self) -> Floats:
         """Normals of faces in the world, those of most faces first."""
-        normals: list[Floats] = []
-        count: list[int] = []
-        for body in self.ready.grouping.bodies.pieces:
-            for piece in body:
-                for n in piece.normals:
-                    for k, known in enumerate(normals):
-                        if np.linalg.norm(np.cross(known, n)) < 1e-6:
-                            count[k] += 1
-                            break
-                    else:
-                        normals.append(n)
-                        count.append(1)
-                if len(normals) > 400:
-                    break
-        order = np.argsort(-np.array(count), kind="stable")
-        found = [normals[k] for k in order[:MAX_DIRECTIONS]]
+        normals = np.vstack([piece.normals for body in self.ready.grouping.bodies.pieces for piece in body])
+        whole = np.round(normals / 1e-6)
+        first_of_three = np.take_along_axis(whole, (whole != 0).argmax(axis=1)[:, None], axis=1)
+        _, first, count = np.unique(
+            whole * np.sign(first_of_three) + 0.0, axis=0, return_index=True, return_counts=True
+        )
+        found = normals[first[np.lexsort((first, -count))[:MAX_DIRECTIONS]]]
         return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
 
     def _pulled(self, path: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
@@ -290,7 +338,7 @@ class _Stage:
                         return None
                     goal = SumOfTerms((Displacement(int(b), np.zeros(3), direction, begin.T[b]),))
                     self.questions += 1
-                    done = SpatialSearch(ready, goal, self.stop, None, begin).run()
+                    done = SpatialSearch(ready, goal, self.context.silent, begin).run()
                     if not len(done.program.a):
                         continue
                     self.cut |= not done.good and done.found.error > UNDECIDED
@@ -313,25 +361,9 @@ class _Stage:
                 self.cut = True
 
 
-def _standing(assembly: SpatialAssembly) -> SpatialAssembly:
-    """The assembly with something that stands: the part of the largest volume where nothing is fixed."""
-    if len(assembly.parts) < 2:
-        finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; give at least two"
-        raise InputError(finding)
-    if any(p.fixed for p in assembly.parts):
-        return assembly
-    largest = int(np.argmax([m.volume for m in assembly.made]))
-    parts = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.parts))
-    return replace(assembly, drawing=replace(assembly.drawing, parts=parts))
-
-
-def _reduced(assembly: SpatialAssembly, keep: Sequence[int]) -> SpatialAssembly:
+def reduced(assembly: Assembly, keep: Sequence[int]) -> Assembly:
     """The assembly as made, with only some of its parts."""
-    parts = tuple(assembly.parts[k] for k in keep)
-    names = {p.name for p in parts}
-    old = assembly.drawing
-    glue = tuple(g for g in (tuple(n for n in g if n in names) for g in old.glue) if len(g) > 1)
-    ignore = tuple(p for p in old.ignore if set(p) <= names)
-    gaps = tuple(joint for joint in old.gaps if set(joint.parts) <= names)
-    drawing = replace(old, parts=parts, glue=glue, ignore=ignore, gaps=gaps, goals=())
-    return SpatialAssembly(drawing, tuple(assembly.made[k] for k in keep))
+    left = only(assembly, np.array(keep, dtype=np.int64))
+    drawn = tuple(assembly.drawing.parts[k] for k in keep)
+    gaps = tuple(joint for joint in assembly.drawing.gaps if set(joint.parts) <= set(left.names))
+    return replace(left, drawing=replace(left.drawing, parts=drawn, gaps=gaps))

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+import itertools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
-from wiggleroom.assembly.statements import given_goals, missing_roles
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.drawing.model import Goal, Translation
+from wiggleroom.errors import InputError
 from wiggleroom.search.answer import Answer
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.cross_section_bound import with_cross_section_bound, with_known_bound
 from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
-from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
-from wiggleroom.spatial.solids.spatial_assembly import spatial_goal_findings
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SquaredTravel, SumOfTerms
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
-from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts, is_free, random_leads
+from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts, is_free, is_held, random_leads
 from wiggleroom.verdict import PathState, SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
@@ -31,16 +32,15 @@ Ints = NDArray[np.int64]
 
 
 def flex_spatial(
-    assembly: SpatialAssembly | SpatialPrepared,
+    assembly: Assembly | SpatialPrepared,
     goals: Goal | Sequence[Goal] | None = None,
     *,
     solver: str = "interior-point",
     search: int | None = None,
     lead: Floats | None = None,
     bound: bool = False,
-    stop: Stop | None = None,
-    progress: Callable[[int, float], None] | None = None,
-) -> Answer[SpatialAssembly]:
+    context: Context = UNLIMITED,
+) -> Answer:
     """How far a spatial assembly can move; see `wiggleroom.flex`.
 
     Parameters
@@ -63,20 +63,20 @@ def flex_spatial(
     began = time.perf_counter()
     solver_named(solver)
     its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
-    asked = given_goals(goals, its.goals)
-    wrong = spatial_question_findings(its, asked)
+    asked = asked_goals(its.drawing, goals)
     if search is not None and search < 0:
-        wrong.append(f"search is {search}: it must be a number of starts, 0 for none")
-    if wrong:
-        raise InputError([f"{its.drawing.source}: {line}" if its.drawing.source else line for line in wrong])
+        message = f"search is {search}: it must be a number of starts, 0 for none"
+        raise InputError(message)
     ready = assembly if isinstance(assembly, SpatialPrepared) else prepare_spatial(assembly)
     prepared = time.perf_counter()
-    climb = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
+    climb = SpatialSearch(ready, spatial_objective(ready, asked), context, solver=solver)
     end = climb.run()
     alone = BestOfStarts(end, None, climb.iterations, climb.rounds, end.path[:1])
     first = _answer(climb, alone, asked, began, prepared)
-    if bound:
-        first = with_cross_section_bound(first, stop)
+    if any(isinstance(goal, Translation) for goal in asked) and lead is None:
+        return _travelled(climb, end, first, asked, search)
+    if bound and not its.overshoot:  # what holds a cover need not hold what it covers
+        first = with_cross_section_bound(first, context)
     if first.verdict is Verdict.PROVEN or (search is None and lead is None and not first.verdict.ends):
         return first
     if lead is not None and len(lead) > 1 and is_free(ready, lead):
@@ -92,9 +92,40 @@ def flex_spatial(
     return with_known_bound(further, first.at_most)
 
 
-def _answer(
-    climb: SpatialSearch, best: BestOfStarts, asked: tuple[Goal, ...], began: float, prepared: float
-) -> Answer[SpatialAssembly]:
+def _travelled(
+    climb: SpatialSearch, end: SearchEnd, first: Answer, asked: tuple[Goal, ...], search: int | None
+) -> Answer:
+    """The answer where squared displacements are asked: at rest they have no derivative, so that climbs begin on paths of pulls.
+
+    These go along the axes of the world, then at random.
+    """
+    began = time.perf_counter() - first.seconds["total"]
+    leads = []
+    for direction in (sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)):
+        if climb.context.stopped:
+            break
+        pull = SpatialSearch(climb.ready, _pulled(climb.objective, direction), climb.context.silent)
+        found = pull.run()
+        climb.work += pull.work
+        if not is_held(found):
+            return _answer(
+                climb, BestOfStarts(found, None, pull.iterations, pull.rounds, found.path[:1]), asked, began, began
+            )
+        if len(found.path) > 1:
+            leads.append(found.path[: (len(found.path) + 2) // 2])
+    best = best_of_starts(climb, end, itertools.chain(leads, random_leads(climb, search)), once=False)
+    if best.end is end:
+        return replace(first, search=best.effort)
+    return _answer(climb, best, asked, began, began)
+
+
+def _pulled(objective: SumOfTerms, direction: Floats) -> SumOfTerms:
+    """A pull along a direction (3,) at every point whose squared displacement is asked."""
+    squares = [t for t in objective.terms if isinstance(t, SquaredTravel)]
+    return SumOfTerms(tuple(Displacement(t.body, t.arm, direction, t.rest) for t in squares))
+
+
+def _answer(climb: SpatialSearch, best: BestOfStarts, asked: tuple[Goal, ...], began: float, prepared: float) -> Answer:
     """What a climb has come to, as an answer."""
     ready, its, done = climb.ready, climb.ready.assembly, best.end
     verdict, leaves, turns = _verdict(ready, climb.objective, done)
@@ -121,16 +152,6 @@ def _answer(
     )  # fmt: skip
 
 
-def spatial_question_findings(assembly: SpatialAssembly, goals: Sequence[Goal]) -> list[str]:
-    """List what is wrong with a question about motion: with its goals, and what it lacks."""
-    return spatial_goal_findings(assembly.drawing, goals) + lacking(assembly, goals)
-
-
-def lacking(assembly: SpatialAssembly, goals: Sequence[Goal]) -> list[str]:
-    """List what a question about motion lacks: a fixed part, a free one, a pull."""
-    return missing_roles([p.fixed for p in assembly.parts], goals, "+z")
-
-
 def _at_end(ready: SpatialPrepared, done: SearchEnd) -> bool:
     """True where the path ends at the solution."""
     pose, last = ready.grouping.pose_of(done.path[-1]), done.found.point.pose
@@ -149,7 +170,10 @@ def _verdict(
         if leaving:
             return Verdict.UNBOUNDED, tuple(names[k] for k in leaving), ()
     if found.status is SolverStatus.CONVERGED and done.whole:
-        return (Verdict.OPTIMAL if found.curved_down else Verdict.STATIONARY), (), ()
+        largest = (
+            found.curved_down and not ready.assembly.overshoot
+        )  # what ends a cover's motion need not end that of what it covers
+        return (Verdict.OPTIMAL if largest else Verdict.STATIONARY), (), ()
     return Verdict.STOPPED, (), ()
 
 
@@ -159,7 +183,9 @@ def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms)
     Parts that came along further than half of the farthest one go on with it, in the direction it is pulled. Balls round all parts show
     that they only get further from the others.
     """
-    pulls = [t for t in objective.terms if isinstance(t, Displacement)]
+    pulls = objective.pulls(ready.grouping.pose_of(motion)) or [
+        t for t in objective.terms if isinstance(t, Displacement)
+    ]
     if not pulls:
         return []
     assembly, reference = ready.assembly, ready.assembly.reference
@@ -174,7 +200,7 @@ def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms)
     gone = along > farthest / 2
     direction = total / np.linalg.norm(total)
     radius = np.array([
-        np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made
+        np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.solids
     ])  # fmt: skip
     centre = reference + motion[:, :3]
     for k in np.flatnonzero(gone):

@@ -8,27 +8,35 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.statements import unknown
+from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.live.drag_target import target_in_sight
-from wiggleroom.live.live_result import LiveResult
+from wiggleroom.live.live_result import LiveResult, Mode
+from wiggleroom.live.loose_modes import MAX_SHOWN_TRAVEL, Side, cut_off, modes, picked
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.spatial.planes.separating_plane_program import build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+from wiggleroom.spatial.rotations import logarithm
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_path_check import free_path
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
+from wiggleroom.spatial.spatial_search import SpatialSearch
+from wiggleroom.spatial.spatial_starts import is_held
 from wiggleroom.verdict import PathState, SolverStatus
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MAX_PREPARED = 4
 """Number of designs that are kept ready."""
@@ -77,7 +85,7 @@ class SpatialLive:
         self._left: OrderedDict[bytes, Floats] = OrderedDict()
         self._end: tuple[SpatialPrepared, tuple[Goal, ...], Floats] | None = None
 
-    def take(self, assembly: SpatialAssembly) -> None:
+    def take(self, assembly: Assembly) -> None:
         """Go on with this design; another one than before begins at rest.
 
         Raises
@@ -105,7 +113,7 @@ class SpatialLive:
         return self._now
 
     @property
-    def assembly(self) -> SpatialAssembly:
+    def assembly(self) -> Assembly:
         """The present design."""
         return self.ready.assembly
 
@@ -115,7 +123,7 @@ class SpatialLive:
         *,
         stop: Stop | None = None,
         progress: Callable[[int, float], None] | None = None,
-    ) -> Answer[SpatialAssembly]:
+    ) -> Answer:
         """Return the answer of `wiggleroom.flex`; a drag may begin at its end.
 
         Raises
@@ -125,7 +133,9 @@ class SpatialLive:
         StoppedError
             If it was asked to stop.
         """
-        answer = flex_spatial(self.ready, tuple(goals), search=0, bound=True, stop=stop, progress=progress)
+        answer = flex_spatial(
+            self.ready, tuple(goals), search=0, bound=True, context=Context(stop=stop, progress=progress)
+        )
         go_on(stop)
         if answer.path == PathState.CHECKED and answer.collision_free:
             self._end = (self.ready, tuple(goals), answer.motion)
@@ -175,16 +185,10 @@ class SpatialLive:
         began = time.perf_counter()
         ready = self.ready
         names = ready.assembly.names
-        if part not in names:
-            message = f"drag: {unknown(part, dict.fromkeys(names))}"
-            raise InputError(message)
+        body = self._movable(part, "drag")
         if len(grip) != 3 or len(target) != 3:
             raise InputError("drag: in space grip and target have three numbers each")
         group = ready.grouping
-        body = int(group.body_of[names.index(part)])
-        if not group.bodies.moves[body]:
-            message = f'"{part}" is fixed: let it go before you drag it'
-            raise InputError(message)
         asked = (part, tuple(grip), tuple(target))
         self._times = self._times + 1 if asked == self._asked else 0  # a large program needs longer than the first look
         self._asked = asked
@@ -212,6 +216,42 @@ class SpatialLive:
             reached=tuple(reached.tolist()),
             distance=distance,
         )
+
+    def wiggle(
+        self, part: str | None = None, *, count: int = 4, seconds: float = 8.0, stop: Stop | None = None
+    ) -> tuple[Mode, ...]:
+        """Return the loosest freedoms at rest, each followed to its end both ways.
+
+        Parameters
+        ----------
+        part : str, optional
+            Freedoms that move this part most; by default of the whole assembly.
+        count : int
+            Most freedoms that are returned.
+        seconds : float
+            After that time those that were found are returned.
+        stop : optional
+            Anything with `is_set()`; it ends the search like the time.
+
+        Raises
+        ------
+        InputError
+            If there is no such part, or it cannot move.
+        """
+        body = None if part is None else self._movable(part, "wiggle")
+        return modes(SpatialLoose(self.ready), body, count, Deadline(seconds, stop))
+
+    def _movable(self, part: str, question: str) -> int:
+        """The body of a part that can move; raises InputError."""
+        names, group = self.ready.assembly.names, self.ready.grouping
+        if part not in names:
+            message = f"{question}: {unknown(part, dict.fromkeys(names))}"
+            raise InputError(message)
+        body = int(group.body_of[names.index(part)])
+        if not group.bodies.moves[body]:
+            message = f'"{part}" is fixed: let it go before you drag it'
+            raise InputError(message)
+        return body
 
     @property
     def dragged(self) -> bool:
@@ -326,3 +366,79 @@ class _Drag:
         ended = whole and found.status is SolverStatus.CONVERGED
         held = HeldMotion(ready.grouping, program, found)
         return path[-1], spatial_contacts(ready.assembly, held) if ended else None
+
+
+class SpatialLoose:
+    """See `wiggleroom.live.loose_modes.LooseBodies`.
+
+    Parameters
+    ----------
+    ready : SpatialPrepared
+    """
+
+    def __init__(self, ready: SpatialPrepared) -> None:
+        self._ready = ready
+        bodies, body_of = ready.grouping.bodies, ready.grouping.body_of
+        self._program = build_planes(bodies, SumOfTerms(()), ready.pieces, length=ready.clearance)
+        self.names = ready.assembly.names
+        self.members = tuple(tuple(np.flatnonzero(body_of == b).tolist()) for b in range(len(bodies.at)))
+        self.clearance = ready.clearance
+
+    def stiffness(self) -> sp.csc_matrix:
+        """Second derivatives of the barrier of the rows, where planes give way as they like."""
+        program = self._program
+        at = program.linearise(program.start)
+        nothing = np.zeros((len(program.a), 3))
+        data, *_ = at.condensed(1.0 / np.maximum(at.h, 1e-9) ** 2, np.zeros(program.rows), nothing, 0.0)
+        n = len(program.pattern.diagonal)
+        upper = sp.csc_matrix((data, program.pattern.indices, program.pattern.indptr), shape=(n, n))
+        return sp.csc_matrix(upper + sp.triu(upper, 1).T)
+
+    def variables(self, body: int) -> Ints:
+        """Which variables are freedoms of a body."""
+        slot = self._program.slot[body]
+        return slot[slot >= 0]
+
+    def followed(self, direction: Floats, until: Stop) -> Side:
+        """The largest motion along a direction."""
+        ready, program = self._ready, self._program
+        bodies, group = ready.grouping.bodies, ready.grouping
+        pull = program.unpacked(direction) / program.scale
+        pull /= np.abs(pull).max(initial=1e-300)
+        search = SpatialSearch(ready, SumOfTerms(self._terms(pull)), Context(stop=until), once=True)
+        done = search.run()
+        endless = not is_held(done)
+        path = done.path
+        if endless:
+            far = np.array([self._furthest(group.pose_of(m)).max() for m in path])
+            last = cut_off(far, ready.size)
+            if last < len(path):
+                share = (MAX_SHOWN_TRAVEL * ready.size - far[last - 1]) / (far[last] - far[last - 1])
+                path = np.concatenate([path[:last], (path[last - 1] + share * (path[last] - path[last - 1]))[None]])
+        shown = path[picked(len(path))]
+        pose = group.pose_of(shown[-1])
+        moved = np.hstack([pose.T - bodies.at, logarithm(pose.R)]) / program.scale
+        return Side(shown, program.packed(moved), self._furthest(pose), endless)
+
+    def _terms(self, pull: Floats) -> tuple[Displacement, ...]:
+        """Forces and torques (n, 6) on the bodies as pulls: a torque is two that are opposite."""
+        bodies = self._ready.grouping.bodies
+        found = []
+        for b in np.flatnonzero(bodies.moves).tolist():
+            rest, force, torque = bodies.at[b], pull[b, :3], pull[b, 3:]
+            found.append(Displacement(b, np.zeros(3), force, rest))
+            size = float(np.linalg.norm(torque))
+            if size > 0:
+                arm = bodies.radius[b] * np.linalg.svd(torque[None])[2][1]
+                along = np.cross(torque, arm) / (2 * bodies.radius[b] ** 2)
+                found += [Displacement(b, sign * arm, sign * along, rest) for sign in (1.0, -1.0)]
+        return tuple(found)
+
+    def _furthest(self, pose: SpatialPose) -> Floats:
+        """How far the furthest corner of each body is moved (m,) [mm]."""
+        bodies = self._ready.grouping.bodies
+        corners, body, _ = bodies.corners
+        moved = np.einsum("kij,kj->ki", pose.R[body], corners) + pose.T[body] - corners - bodies.at[body]
+        out = np.zeros(len(bodies.at))
+        np.maximum.at(out, body, np.linalg.norm(moved, axis=1))
+        return out

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
-from wiggleroom.spatial.endless_turn import endless_turn
+from wiggleroom.context import Context
 from wiggleroom.spatial.planes.carried_planes import carried_iterate
 from wiggleroom.spatial.planes.separating_plane_program import (
     DISTANCE_RATIO,
@@ -20,15 +18,14 @@ from wiggleroom.spatial.planes.separating_plane_program import (
 )
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
-from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.planes.spatial_objectives import SumOfTerms, Twist
 from wiggleroom.spatial.planes.undetermined_planes import past_undetermined_planes
 from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_not_among, pairs_that_meet
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
-from wiggleroom.spatial.spatial_path_check import free_path
+from wiggleroom.spatial.spatial_path_check import free_path, passing_pairs
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.spatial.straight_departure import StraightDeparture
-from wiggleroom.spatial.tunnelling import passing_pairs
-from wiggleroom.spatial.turning_in_place import TurnInPlace, common_edges, turn_in_place
+from wiggleroom.spatial.turning_in_place import TurnInPlace, common_edges, endless_turn, turn_in_place
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -123,8 +120,7 @@ class SpatialSearch:
 
     ready: SpatialPrepared
     objective: SumOfTerms
-    stop: Stop | None
-    tell: Callable[[int, float], None] | None
+    context: Context
     begin: SpatialPose | None = None
     solver: str = "interior-point"
     once: bool = False
@@ -257,8 +253,7 @@ class SpatialSearch:
                     found,
                     horizon=HORIZON * self.ready.size,
                     most_turn=limit,
-                    stop=self.stop,
-                    progress=self.tell,
+                    context=self.context,
                 )
                 self.iterations += more
                 self.work += more * program.rows
@@ -284,7 +279,7 @@ class SpatialSearch:
                     return done
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
             self.met = np.unique(np.vstack([self.met, missed]), axis=0)
-            carried = carries and found.status in (SolverStatus.CONVERGED, SolverStatus.STOPPED)
+            carried = carries and program.planes > 0 and found.status in (SolverStatus.CONVERGED, SolverStatus.STOPPED)
             end = (program, found) if carried else None
         return self._checked(program, found)
 
@@ -309,7 +304,12 @@ class SpatialSearch:
             from wiggleroom.spatial.planes.separating_plane_ipopt import solve_with_ipopt
 
             return program, solve_with_ipopt(
-                program, seed=mode.seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell
+                program,
+                seed=mode.seed or 0,
+                horizon=horizon,
+                most_turn=limit,
+                stop=self.context.stop,
+                progress=self.context.progress,
             )
         start = None if before is None else carried_iterate(program, *before)
         for carried_mu in SETTINGS.carried_mu:
@@ -322,8 +322,8 @@ class SpatialSearch:
                 seed=mode.seed or 0,
                 horizon=horizon,
                 most_turn=limit,
-                stop=self.stop,
-                progress=self.tell,
+                stop=self.context.stop,
+                progress=self.context.progress,
                 lacks=partial(self._lacks, program) if mode.damped else None,
             )
             found = solver.solve(start, carried_mu)
@@ -352,9 +352,9 @@ class SpatialSearch:
 
     def _departed(self, done: SearchEnd) -> SearchEnd:
         """The same end where what is pulled can go on straight for ever from it, else unchanged."""
-        pulls = [t for t in self.objective.terms if isinstance(t, Displacement)]
+        pulls = self.objective.pulls(self.ready.grouping.pose_of(done.path[-1])) or []
         total = np.sum([t.direction for t in pulls], axis=0) if pulls else np.zeros(3)
-        if len(pulls) < len(self.objective.terms) or not total.any():
+        if not total.any():
             return done
         if np.abs(done.path[-1, :, :3]).max() < DEPARTED * self.ready.size:
             return done
@@ -365,7 +365,7 @@ class SpatialSearch:
         return replace(done, path=np.concatenate([done.path, departure.end(leaving)[None]]), leaving=tuple(leaving))
 
     def _asked_to_stop(self) -> bool:
-        return self.stop is not None and self.stop.is_set()
+        return self.context.stopped
 
     def _missed(
         self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution

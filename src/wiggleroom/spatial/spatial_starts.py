@@ -75,14 +75,14 @@ def best_of_starts(first: SpatialSearch, end: SearchEnd, leads: Iterable[Floats]
     best = BestOfStarts(end, None, first.iterations, first.rounds, end.path[:1])
     value = first.value(end)
     ends = [value]
-    if not _held(end):
+    if not is_held(end):
         return best
     for lead in leads:
         found = _climbed(first, lead, once)
         if found is None:
             continue
         reached = first.value(found.end)
-        if not _held(found.end):
+        if not is_held(found.end):
             return found
         ends.append(reached)
         if reached > value + BETTER * abs(value):
@@ -90,7 +90,7 @@ def best_of_starts(first: SpatialSearch, end: SearchEnd, leads: Iterable[Floats]
     return replace(best, effort=effort(ends, value)) if len(ends) > 1 else best
 
 
-def _held(end: SearchEnd) -> bool:
+def is_held(end: SearchEnd) -> bool:
     """True where the motion has an end."""
     return end.found.status is not SolverStatus.ESCAPING and not end.leaving and not end.turning
 
@@ -105,10 +105,10 @@ def random_leads(first: SpatialSearch, starts: int | None) -> Iterator[Floats]:
     few = int(ready.grouping.bodies.moves.sum()) <= FEW_BODIES
     limit = max(WORK_BUDGET, first.work) + first.work if starts is None else np.inf
     for seed in range((DEFAULT_STARTS if few else 0) if starts is None else starts):
-        if first.work > limit or (first.stop is not None and first.stop.is_set()):
+        if first.work > limit or first.context.stopped:
             return
         rng = np.random.default_rng(seed)
-        pull = SpatialSearch(ready, _random_pull(ready.grouping.bodies, rng), first.stop, None, once=True)
+        pull = SpatialSearch(ready, _random_pull(ready.grouping.bodies, rng), first.context.silent, once=True)
         path = pull.run().path
         first.work += pull.work
         near = np.abs(path[:, :, :3]).max(axis=(1, 2)) <= (NEAR if starts is None else 1.0) * ready.size
@@ -125,7 +125,7 @@ def is_free(ready: SpatialPrepared, path: Floats) -> bool:
 def _climbed(first: SpatialSearch, lead: Floats, once: bool) -> BestOfStarts | None:
     """A climb from the end of a path; None where it came to no end."""
     begin = first.ready.grouping.pose_of(lead[-1])
-    climb = SpatialSearch(first.ready, first.objective, first.stop, first.tell, begin, first.solver, once)
+    climb = SpatialSearch(first.ready, first.objective, first.context, begin, first.solver, once)
     end = climb.run()
     first.work += climb.work
     if not end.good:

@@ -11,30 +11,31 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.findings import asked_goals, question_findings
 from wiggleroom.assembly.statements import given_goals
-from wiggleroom.deadline import Deadline
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
-from wiggleroom.drawing.model import Goal
+from wiggleroom.drawing.model import Drawing, Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.progress import Progress
-from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
+from wiggleroom.sensitivity.allowable_gap import held_gap
 from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.found_motion import verdict_of, verdict_of_carried
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, PlaceDerivatives
-from wiggleroom.sensitivity.gap_trials import AllowableGap
+from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
 from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
+from wiggleroom.spatial.solid_offset import offset_of_faces
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
+from wiggleroom.spatial.solids.joint_faces import JointFaces, TouchedSurface, joint_faces
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion
 from wiggleroom.spatial.spatial_disassembly import check_spatial
-from wiggleroom.spatial.spatial_flex import flex_spatial, spatial_question_findings
-from wiggleroom.spatial.spatial_joint_gains import HoldingCorners, spatial_joint_gains
+from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.verdict import Certainty
 
@@ -47,11 +48,30 @@ ACTIVE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class SpatialStudy:
-    """An assembly in space and what is asked of it."""
+    """An assembly in space and what is asked of it.
 
-    assembly: SpatialAssembly
+    Parameters
+    ----------
+    assembly : Assembly
+    goals : tuple of Goal
+    found : Answer, optional
+    least : bool
+        True where least motions will do, as of parts that are covered by larger pieces; else these are refused.
+    """
+
+    assembly: Assembly
     goals: tuple[Goal, ...]
-    found: Answer[SpatialAssembly] | None = None
+    found: Answer | None = None
+    least: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse covers where more than least motions is asked for."""
+        if self.assembly.overshoot and not self.least:
+            message = (
+                f"{self.assembly.drawing.source or 'the assembly'}: parts are covered by pieces up to {self.assembly.overshoot:.2g} mm "
+                f"larger than they are made at gap {self.assembly.gap:g}, so what stops them is not known; ask flex, check or sweep"
+            )
+            raise InputError(message)
 
     @cached_property
     def ready(self) -> SpatialPrepared:
@@ -67,63 +87,72 @@ class SpatialStudy:
         """The same question with another gap [mm] of the whole assembly."""
         return replace(self, assembly=assemble_spatial(self.assembly.drawing, gap=gap), found=None)
 
+    def made_of(self, drawing: Drawing) -> Self:
+        """The same question of another drawing of the same parts."""
+        return replace(self, assembly=assemble_spatial(drawing), found=None)
+
     def with_inward(self, inward: Floats) -> Self:
         """The same question with all faces of each part moved inward by `inward` (n,) [mm]."""
         return replace(self, assembly=_moved_inward(self.assembly, inward), found=None)
 
-    def answer(self, stop: Stop | None) -> Answer[SpatialAssembly]:
+    def answer(self, context: Context) -> Answer:
         """Largest motion from rest; the one that was found before, where there is one."""
         return self.found or flex_spatial(
-            self.ready if "ready" in vars(self) else self.assembly, self.goals, search=0, stop=stop
+            self.ready if "ready" in vars(self) else self.assembly,
+            self.goals,
+            search=0,
+            context=context.silent,
         )
 
-    def flexed(
-        self,
-        search: int | None,  # noqa: ARG002
-        stop: Stop | None,
-        progress: Callable[[Progress], None] | None,  # noqa: ARG002
-    ) -> Answer[SpatialAssembly]:
-        """Largest motion from rest, without more starts."""
-        return self.answer(stop)
+    def flexed(self, search: int | None, context: Context) -> Answer:
+        """Answer of `wiggleroom.flex`, a bound by cross-sections included, from rest and `search` more starts."""
+        return flex_spatial(self.assembly, self.goals, search=search, bound=True, context=context.silent)
 
-    def bound(self, *_: Any) -> None:
-        """Nothing bounds motions in space."""
+    def with_bound(self, answer: Answer, *_: Any) -> Answer:
+        """The answer as it is: but for cross-sections, which `flexed` looks at, nothing bounds motions in space."""
+        return answer
 
-    def with_assembly(self, answer: Answer[SpatialAssembly]) -> Answer[SpatialAssembly]:
+    def with_assembly(self, answer: Answer) -> Answer:
         """The motion of an answer at a smaller gap, as an answer for this one."""
         return replace(answer, assembly=self.assembly)
 
-    def in_place_of(self, lower: Answer[SpatialAssembly], smaller: Answer[SpatialAssembly]) -> Answer[SpatialAssembly]:
+    def in_place_of(self, lower: Answer, smaller: Answer) -> Answer:
         """The motion of a smaller gap in place of a lower answer of this one; what was proven of larger parts is not of these."""
         verdict = verdict_of_carried(smaller, lower)
         return replace(self.with_assembly(smaller), verdict=verdict, at_most=None, search=None)
 
-    def with_room(self, answer: Answer[SpatialAssembly], *_: Any) -> Answer[SpatialAssembly]:
+    def with_room(self, answer: Answer, *_: Any) -> Answer:
         """The answer as it is: paths in space are not followed."""
         return answer
 
     def followed(self, *_: Any) -> None:
         """None: checking a path in space for larger parts costs as much as looking for one."""
 
-    def can_be_ranked(self, answer: Answer[SpatialAssembly]) -> bool:
+    def can_be_ranked(self, answer: Answer) -> bool:
         """True where the motion ends, with forces that say what each contact is worth."""
         return answer.warm_start is not None and answer.objective is not None and answer.verdict.ends
 
-    def derivatives(self, answer: Answer[SpatialAssembly]) -> GapDerivatives:
+    def derivatives(self, answer: Answer) -> GapDerivatives:
         """Derivatives by the gap of every part and joint."""
         assert answer.warm_start is not None  # see `can_be_ranked`
         return _derivatives(answer.assembly, answer.warm_start)
 
-    def quotients(self, answer: Answer[SpatialAssembly]) -> DifferenceQuotients:
+    def quotients(self, answer: Answer) -> DifferenceQuotients:
         """How derivatives are found by solving again from where the answer's climb began."""
         shared = (self.assembly, answer.goals, answer.lead, answer.objective, self.clearance)
         return DifferenceQuotients(spatial_slope, shared, self.derivatives(answer))
 
-    def moved(self, answer: Answer[SpatialAssembly], inward: Floats, stop: Stop | None) -> Answer[SpatialAssembly]:
+    def moved(self, answer: Answer, inward: Floats, context: Context) -> Answer:
         """Largest motion when all faces of each part move inward by `inward` (n,) [mm], from rest and where the answer's climb began."""
-        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, search=0, lead=answer.lead, stop=stop)
+        return flex_spatial(
+            _moved_inward(self.assembly, inward),
+            answer.goals,
+            search=0,
+            lead=answer.lead,
+            context=context.silent,
+        )
 
-    def draws(self, answer: Answer[SpatialAssembly], stop: Stop | None) -> tuple[Work, Any]:  # noqa: ARG002
+    def draws(self, answer: Answer, context: Context) -> tuple[Work, Any]:  # noqa: ARG002
         """What many such motions need: each is worked out from nothing."""
         return one_spatial_draw, (self.assembly, answer.goals, answer.lead)
 
@@ -136,7 +165,7 @@ class SpatialStudy:
         return np.maximum((np.array(list(room.values())) - aim) / 2, 0.0)
 
 
-def spatial_study_of(assembly: SpatialAssembly, goals: Goal | Sequence[Goal] | None) -> SpatialStudy:
+def spatial_study_of(assembly: Assembly, goals: Goal | Sequence[Goal] | None) -> SpatialStudy:
     """What a study asks of an assembly in space.
 
     Raises
@@ -144,15 +173,11 @@ def spatial_study_of(assembly: SpatialAssembly, goals: Goal | Sequence[Goal] | N
     InputError
         If nothing is fixed or pulled, or a goal names an unknown part.
     """
-    asked = given_goals(goals, assembly.goals)
-    wrong = spatial_question_findings(assembly, asked)
-    if wrong:
-        raise InputError(wrong)
-    return SpatialStudy(assembly, asked)
+    return SpatialStudy(assembly, asked_goals(assembly.drawing, goals))
 
 
 def sweep_spatial(
-    assembly: SpatialAssembly,
+    assembly: Assembly,
     gaps: Sequence[float] | None = None,
     goals: Goal | Sequence[Goal] | None = None,
     *,
@@ -162,46 +187,42 @@ def sweep_spatial(
 ) -> Sweep:
     """Largest motion for several gaps; see `wiggleroom.sweep`."""
     asked = given_goals(goals, assembly.goals)
-    wrong = spatial_question_findings(assembly, asked)
-    return sweep_over(SpatialStudy(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
+    wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
+    context = Context(stop=stop, counted=progress)
+    return sweep_over(SpatialStudy(assembly, asked, least=True), gaps, wrong, each=each, context=context)
 
 
-def spatial_largest_gap(assembly: SpatialAssembly, *, stop: Stop | None = None) -> LargestGap:
+def spatial_largest_gap(assembly: Assembly, *, context: Context = UNLIMITED) -> LargestGap:
     """The gap at which an assembly comes apart; see `wiggleroom.largest_gap`."""
     return largest_gap_over(
         assembly,
-        lambda gap: assemble_spatial(assembly.drawing, gap=gap),
-        lambda made: check_spatial(made, stop=stop, every=False),
-        stop,
+        lambda gap: assemble_spatial(assembly.drawing, gap=gap, stop=context.stop),
+        lambda made: check_spatial(made, every=False, context=context),
+        context,
     )
 
 
 def spatial_allowable_gap(
-    assembly: SpatialAssembly,
-    goals: Goal | Sequence[Goal] | None = None,
+    assembly: Assembly,
+    goals: Goal | Sequence[Goal] | None,
     *,
-    at_most: float | None = None,
-    holds: bool = False,
-    fits: float | None = None,
-    seconds: float | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[Any], None] | None = None,
+    at_most: float | None,
+    fits: float | None,
+    context: Context,
 ) -> AllowableGap:
-    """Gap at which a motion stays below a limit or parts interlock; see `wiggleroom.allowable_gap`.
+    """Gap at which a motion stays below a limit, solids fit or, where neither is asked, interlock; see `wiggleroom.allowable_gap`.
 
     Raises
     ------
     InputError
-        If not one question is asked, or one that belongs to drawings.
+        If nothing is fixed or pulled.
     """
-    check_question(at_most, holds, fits)
     if fits is not None:
-        raise InputError("gap: --fits is for drawings; of an assembly in space ask --at-most or --holds")
-    deadline = Deadline(seconds, stop)
+        return _fitting(assembly, fits, context.stop)
     if at_most is None:
-        found = held_gap(assembly, spatial_largest_gap(assembly, stop=deadline), deadline)
+        found = held_gap(assembly, spatial_largest_gap(assembly, context=context.silent), context)
     else:
-        found = MotionBorder(spatial_study_of(assembly, goals), at_most, deadline, progress).enclose()
+        found = MotionBorder(spatial_study_of(assembly, goals), at_most, context).enclose()
     if not assembly.drawing.gaps or found.certainty is not Certainty.PROVEN:
         return found
     why = "; ".join(
@@ -213,13 +234,42 @@ def spatial_allowable_gap(
     return replace(found, certainty=Certainty.SEARCHED, proven_gap=None, why=why)
 
 
-def _moved_inward(assembly: SpatialAssembly, inward: Floats) -> SpatialAssembly:
+def _fitting(assembly: Assembly, larger: float, stop: Stop | None) -> AllowableGap:
+    """Smallest gap at which parts whose faces lie `larger` further out do not overlap as drawn, not shifted."""
+    found = offset_of_faces(assembly, larger, stop)
+    gap = None if found.offset is None else 2 * (larger - found.offset)
+    why, sure = f"no gap makes room: {found.why}", Certainty.PROVEN
+    if gap is not None:
+        try:
+            made = assemble_spatial(assembly.drawing, gap=gap, stop=stop)
+            why = ""
+            if made.overshoot:
+                sure, why = Certainty.SEARCHED, "parts are covered by larger pieces: a smaller gap may do"
+            elif assembly.drawing.gaps:
+                sure, why = (
+                    Certainty.SEARCHED,
+                    "solids with a gap of a single joint may grow by a sliver as the gap grows",
+                )
+        except InputError as problem:  # faces so much further out may stand a gap that those drawn do not
+            gap, why = None, f"no gap makes room: as drawn, {problem.findings[0]}"
+    trials = [] if gap is None else [Trial(gap, 0.0, "fits", True)]
+    beyond = None
+    if found.beyond is not None and found.beyond[0] <= larger:
+        beyond = 2 * (larger - found.beyond[0])
+        trials.insert(0, Trial(beyond, found.beyond[1], "overlaps", True))
+    return AllowableGap(
+        "fits", larger, assembly, (), gap, None if gap is None else sure, beyond, gap,
+        gap if sure is Certainty.PROVEN else None, tuple(trials), why=why,
+    )  # fmt: skip
+
+
+def _moved_inward(assembly: Assembly, inward: Floats) -> Assembly:
     further = {name: float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
     return assemble_spatial(assembly.drawing, inward=further)
 
 
 def spatial_slope(
-    shared: tuple[SpatialAssembly, tuple[Goal, ...], Floats | None, float, float], task: tuple[int, float]
+    shared: tuple[Assembly, tuple[Goal, ...], Floats | None, float, float], task: tuple[int, float]
 ) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
     assembly, goals, lead, value, clearance = shared
@@ -231,9 +281,7 @@ def spatial_slope(
     return (found.value - value) / extra if np.isfinite(found.value) and found.verdict.ends else np.nan
 
 
-def one_spatial_draw(
-    shared: tuple[SpatialAssembly, tuple[Goal, ...], Floats | None], inward: Floats
-) -> PerturbedObjective:
+def one_spatial_draw(shared: tuple[Assembly, tuple[Goal, ...], Floats | None], inward: Floats) -> PerturbedObjective:
     """Largest objective with other faces, everything worked out anew, from rest and where an answer's climb began."""
     assembly, goals, lead = shared
     try:
@@ -243,7 +291,7 @@ def one_spatial_draw(
     return PerturbedObjective(np.inf if answer.objective is None else answer.objective, answer.verdict)
 
 
-def _derivatives(assembly: SpatialAssembly, held: HeldMotion) -> GapDerivatives:
+def _derivatives(assembly: Assembly, held: HeldMotion) -> GapDerivatives:
     """Derivatives from the forces on the planes.
 
     A corner that moves inward by s gives its row n . s more room, where n points from the corner to the other piece.
@@ -259,7 +307,7 @@ def _derivatives(assembly: SpatialAssembly, held: HeldMotion) -> GapDerivatives:
     gain = np.empty(len(row))
     for k, (part, piece, corner) in enumerate(zip(side.part.tolist(), side.piece.tolist(), side.corner, strict=True)):
         if (part, piece) not in known:
-            known[part, piece] = corner_displacements(assembly.made[part], piece) @ assembly.parts[part].R.T
+            known[part, piece] = corner_displacements(assembly.solids[part], piece) @ assembly.parts[part].R.T
         gain[k] = -side.toward[k] @ known[part, piece][corner]
     columns = np.arange(len(row))
     by_part = sp.csr_matrix((gain / 2, (side.part, columns)), shape=(len(assembly.parts), len(row)))
@@ -313,3 +361,74 @@ def _jacobian(at: LinearisedSeparatingPlanes, row: Ints, plane: Ints, pair: Ints
     keep = column >= 0
     rows = np.repeat(np.arange(len(row)), 15).reshape(column.shape)
     return sp.csr_matrix((value[keep], (rows[keep], column[keep])), shape=(len(row), size + 3 * len(used)))
+
+
+SAME_PLACE = 1e-9
+"""Joints whose parts lie to each other alike, to this share of the assembly's size, are the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class HoldingCorners:
+    """Corners of pieces that planes hold.
+
+    Parameters
+    ----------
+    part, other : (k,) int64
+        Part of the corner, and part across the plane.
+    piece, corner : (k,) int64
+        Which piece of the part, and which corner of the piece.
+    toward : (k, 3) float64
+        Normal of the plane, to the other side, as the corner's body had it at rest.
+    side : (k,) int64
+        Number of the side of the plane that the corner lies on.
+    place : (k, 3) float64 [mm]
+        The corner at rest, in assembly coordinates.
+    """
+
+    part: Ints
+    other: Ints
+    piece: Ints
+    corner: Ints
+    toward: Floats
+    side: Ints
+    place: Floats
+
+
+def spatial_joint_gains(assembly: Assembly, held: HoldingCorners, force: Floats) -> tuple[Ints, sp.csr_matrix]:
+    """Joints (m, 2) that planes hold, and what each of k forces is worth (m, k) per mm of their gaps.
+
+    The corners on one side of a plane touch the other part at their mean, weighted by their forces (k,). It follows the faces it lies on; a
+    plane gains what it moves away.
+    """
+    joints = np.unique(np.sort(np.column_stack([held.part, held.other]), axis=1), axis=0).reshape(-1, 2)
+    of: list[list[tuple[int, JointFaces]]] = [[] for _ in assembly.parts]
+    known: dict[tuple[object, ...], tuple[JointFaces, JointFaces] | None] = {}
+    alone = {name for joint in assembly.drawing.gaps for name in joint.parts}
+    for k, (a, b) in enumerate(joints.tolist()):
+        names = assembly.names[a], assembly.names[b]
+        key = _key(assembly, a, b) if alone.isdisjoint(names) else names
+        if key not in known:
+            known[key] = joint_faces(assembly.drawing, names)
+        for part, faces in zip((a, b), known[key] or (), strict=False):
+            of[part].append((k, faces))
+    value, joint, column = [], [], []
+    for side in np.unique(held.side):
+        rows = np.flatnonzero(held.side == side)
+        part = int(held.part[rows[0]])
+        middle = force[rows] @ held.place[rows] / force[rows].sum()
+        own = assembly.parts[part]
+        touched = TouchedSurface(assembly.solids[part], (middle - own.at) @ own.R)
+        for k, faces in of[part]:
+            value.append(-held.toward[rows] @ own.R @ touched.displacement(faces))
+            joint.append(np.full(len(rows), k))
+            column.append(rows)
+    flat = [np.concatenate(x) if x else np.zeros(0) for x in (value, joint, column)]
+    return joints, sp.csr_matrix((flat[0], (flat[1].astype(int), flat[2].astype(int))), shape=(len(joints), len(force)))
+
+
+def _key(assembly: Assembly, a: int, b: int) -> tuple[object, ...]:
+    """What is alike where two joints are."""
+    one, other = assembly.drawing.parts[a], assembly.drawing.parts[b]
+    size = float(np.abs([p.at for p in assembly.drawing.parts]).max(initial=1.0))
+    place = np.concatenate([np.subtract(other.at, one.at) @ one.R / size, (one.R.T @ other.R).ravel()])
+    return (id(one.solid), id(other.solid), *np.round(place / SAME_PLACE).tolist())

@@ -16,17 +16,22 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.context import Context
 from wiggleroom.spatial.planar_slides import MAX_PAIRS, TranslationSpace
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.convex import distinct_axes
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
-from wiggleroom.spatial.turning_in_place import ACROSS, WIDEST_STEP, common_edges, turn_in_place, turned_by
+from wiggleroom.spatial.turning_in_place import (
+    ACROSS,
+    LEAST_TURN,
+    common_edges,
+    free_turn,
+    turned_by,
+    turns_in_place,
+)
 
 Floats = NDArray[np.float64]
 
-LEAST_TURN = 0.1
-"""A body that can nowhere turn in place by more is taken not to turn [rad]."""
 MAX_ANGLES = 240
 """Of more critical angles every second one, or fewer, is looked at."""
 MAX_TARGETS = 4
@@ -58,13 +63,12 @@ class TurnRoadmap:
     ready : SpatialPrepared
     axes : (k, 3) float64
         Directions of most faces.
-    stop : optional
-        Anything with `is_set()`.
+    context : Context
     """
 
     ready: SpatialPrepared
     axes: Floats
-    stop: Stop | None
+    context: Context
     work: int = 0
     turns: bool = False
     """True once a body was found that can turn in place."""
@@ -100,7 +104,7 @@ class TurnRoadmap:
 
     def _add(self, motion: Floats, body: int) -> int:
         """Number of the translations of a body from a motion, known from then on."""
-        space = TranslationSpace(self.ready, motion, body, self.stop, axes=self.axes)
+        space = TranslationSpace(self.ready, motion, body, axes=self.axes, context=self.context)
         self.work += space.pairs
         self._known.append((body, motion, self.ready.grouping.pose_of(motion).R[body], space))
         return len(self._known) - 1
@@ -165,8 +169,8 @@ class TurnRoadmap:
         """Translations (3,) [mm] after which the body is free at angles up to one about an axis: those with the most room."""
         count = int(np.ceil(abs(angle) / SAMPLE))
         turns = exponential(axis * angle * np.linspace(0, 1, count + 1)[:, None])
-        room = TranslationSpace(self.ready, motion, body, self.stop, turns)
-        if room.pairs > MAX_PAIRS or self.spent or (self.stop is not None and self.stop.is_set()):
+        room = TranslationSpace(self.ready, motion, body, turns, context=self.context)
+        if room.pairs > MAX_PAIRS or self.spent or self.context.stopped:
             self.skipped |= room.pairs > MAX_PAIRS
             return []
         self.work += room.pairs
@@ -174,15 +178,8 @@ class TurnRoadmap:
 
     def _turned_path(self, motion: Floats, body: int, axis: Floats, angle: float) -> Floats | None:
         """Motions (k, n, 6) by which the body turns about an axis through its reference point; None where that is not free."""
-        ready, steps = self.ready, int(np.ceil(abs(angle) / WIDEST_STEP))
-        mine = np.flatnonzero(ready.grouping.body_of == body).tolist()
-        path = [
-            motion,
-            *(turned_by(ready, motion, body, axis, np.zeros(3), angle * k / steps) for k in range(1, steps + 1)),
-        ]
-        if any(ready.checker.doubtful(a, b, first=True, only=mine) for a, b in itertools.pairwise(path)):
-            return None
-        return np.array(path)
+        turn = free_turn(self.ready, motion, body, np.sign(angle) * axis, np.zeros(3), abs(angle))
+        return turn.path if turn.angle > abs(angle) - turn.step / 2 else None
 
     def turned_in_place(self, motion: Floats, body: int) -> Iterator[tuple[Floats, Floats, bool]]:
         """Paths (k, n, 6) by which a body turns where it is to critical angles, and the axis (3,) of each.
@@ -194,12 +191,9 @@ class TurnRoadmap:
         for edge in common_edges(ready, body):
             if _circle(motion, body, R @ edge) in self._circles:
                 continue
-            for axis in (R @ edge, -R @ edge):
-                turn = turn_in_place(ready, motion, body, axis)
-                if turn is None or turn.angle < LEAST_TURN:
-                    continue
+            for turn in turns_in_place(ready, motion, body, [R @ edge]):
                 self.turns = True
-                angles, count = _critical_angles(ready, motion, body, axis)
+                angles, count = _critical_angles(ready, motion, body, turn.axis)
                 many = np.zeros(len(angles), dtype=np.bool_)
                 many[np.lexsort((angles, -count))[:MAX_TURNED]] = True
                 for angle, kept in zip(angles.tolist(), many.tolist(), strict=True):
@@ -207,10 +201,8 @@ class TurnRoadmap:
                     if done + 1 < len(turn.path):
                         end = turned_by(ready, motion, body, turn.axis, turn.arm, angle)
                         if not ready.checker.overlaps(turn.path[done], end):
-                            self._circles.add(_circle(end, body, axis))
+                            self._circles.add(_circle(end, body, R @ edge))
                             yield np.concatenate([turn.path[: done + 1], end[None]]), turn.axis, kept
-                if turn.endless:
-                    break
 
     def _turn_axes(self, motion: Floats, body: int) -> Floats:
         """Axes (k, 3) of the body's edges, and those about which a face that leans against one of others comes to be parallel to it."""

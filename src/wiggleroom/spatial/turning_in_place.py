@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +13,7 @@ from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.spatial_path_check import MAX_STRAIN
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.straight_departure import StraightDeparture
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +31,8 @@ MAX_AXES = 3
 """A body is turned about the directions of most of its edges, at most so many."""
 WIDEST_STEP, LEAST_STEP = 0.2, 0.005
 """And turns by at most, and at least, so much [rad]."""
+LEAST_TURN = 0.1
+"""A body that can nowhere turn in place by more is taken not to turn [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,26 +91,39 @@ def turn_in_place(ready: SpatialPrepared, motion: Floats, body: int, axis: Float
     arms = [np.zeros(3)]
     if (free[:3] | (1 - np.abs(axis) < ACROSS)).all():
         arms += [R @ arm for arm in round_centres(ready, body, R.T @ axis)]
-    turns = [_turned(ready, motion, body, axis, arm) for arm in arms]
+    turns = [free_turn(ready, motion, body, axis, arm) for arm in arms]
     return max(turns, key=lambda turn: turn.angle)
 
 
-def _turned(ready: SpatialPrepared, motion: Floats, body: int, axis: Floats, arm: Floats) -> TurnInPlace:
-    """The turn about the line through the reference point and an arm (3,) [mm], as far as it is free."""
+def turns_in_place(ready: SpatialPrepared, motion: Floats, body: int, axes: Iterable[Floats]) -> Iterator[TurnInPlace]:
+    """Turns of a body about axes, each either way, by at least the least turn; a whole turn ahead stands for the one back, too."""
+    for axis in axes:
+        for direction in (axis, -axis):
+            turn = turn_in_place(ready, motion, body, direction)
+            if turn is not None and turn.angle >= LEAST_TURN:
+                yield turn
+                if turn.endless:
+                    break
+
+
+def free_turn(
+    ready: SpatialPrepared, motion: Floats, body: int, axis: Floats, arm: Floats, angle: float = 2 * np.pi
+) -> TurnInPlace:
+    """The turn by an angle [rad] about the line through the reference point and an arm (3,) [mm], as far as it is free."""
     group = ready.grouping
     mine = np.flatnonzero(group.body_of == body)
     across = float(np.linalg.norm(arm - (arm @ axis) * axis))
     step = min(WIDEST_STEP, np.sqrt(8 * CHORD * ready.clearance / across)) if across > 0 else WIDEST_STEP
-    count = int(np.ceil(2 * np.pi / max(step, LEAST_STEP)))
-    while group.strain(motion, turned_by(ready, motion, body, axis, arm, 2 * np.pi / count)) > MAX_STRAIN * ready.size:
+    count = int(np.ceil(angle / max(step, LEAST_STEP)))
+    while group.strain(motion, turned_by(ready, motion, body, axis, arm, angle / count)) > MAX_STRAIN * ready.size:
         count *= 2
     path = [motion]
     for k in range(1, count + 1):
-        ahead = turned_by(ready, motion, body, axis, arm, 2 * np.pi * k / count)
+        ahead = turned_by(ready, motion, body, axis, arm, angle * k / count)
         if ready.checker.doubtful(path[-1], ahead, first=True, only=mine.tolist()):
             break
         path.append(ahead)
-    return TurnInPlace(body, axis, arm, np.array(path), 2 * np.pi / count)
+    return TurnInPlace(body, axis, arm, np.array(path), angle / count)
 
 
 def common_edges(ready: SpatialPrepared, body: int) -> list[Floats]:
@@ -164,3 +182,42 @@ def round_centres(ready: SpatialPrepared, body: int, axis: Floats) -> list[Float
     on = np.abs(off) < ON_AXIS * ready.size
     best = int(on.sum(axis=1).argmax())
     return [met[best]] if on[best].sum() >= LEAST_FACES else []
+
+
+LATTICE = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)])
+"""Directions to the neighbours of a place in a cubic lattice (26, 3)."""
+
+MAX_PLACES = 40
+"""It is turned at so many waypoints, or a few more."""
+
+
+def endless_turn(ready: SpatialPrepared, path: Floats, body: int, axis: Floats) -> Floats | None:
+    """Path (m, n, 6) [mm, rad] along another one, or a part of it, and on by a whole turn of a body in place; None where none is found.
+
+    It turns at some waypoint, or once it has left the others straight from the last one: along its edges, the axes of the world or between
+    them, with what it pushes ahead.
+
+    Parameters
+    ----------
+    path : (k, n, 6) float64 [mm, rad]
+        Motions of the parts, free of overlap.
+    axis : (3,) float64
+        Unit vector in the world, right hand.
+    """
+    for k in range(len(path) - 1, -1, -max(1, len(path) // MAX_PLACES)):
+        turn = turn_in_place(ready, path[k], body, axis)
+        if turn is None:
+            return None
+        if turn.endless:
+            return np.concatenate([path[:k], turn.path])
+    motion = path[-1]
+    R = ready.grouping.pose_of(motion).R[body]
+    edges = np.array([sign * (R @ e) for e in common_edges(ready, body) for sign in (1.0, -1.0)])
+    for direction in np.vstack([edges, LATTICE / np.linalg.norm(LATTICE, axis=1)[:, None]]):
+        departure = StraightDeparture(ready, motion, direction)
+        leaving = departure.parts_with([body])
+        if leaving:
+            turn = turn_in_place(ready, departure.end(leaving), body, axis)
+            if turn is not None and turn.endless:
+                return np.concatenate([path, turn.path])
+    return None

@@ -6,6 +6,7 @@ its range, every index must name something, no name may stand twice.
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
 import math
@@ -44,6 +45,12 @@ def read_certificate(text: str) -> dict[str, Any]:
         )
     except RecursionError:
         raise Refused("brackets are nested too deeply") from None
+
+
+def check_unchanged(content: dict[str, Any]) -> None:
+    """Refuse a certificate that is not what its digest was made of."""
+    rest = json.dumps({k: v for k, v in content.items() if k != "sha256"})
+    need(hashlib.sha256(rest.encode()).hexdigest() == content["sha256"], CHANGED)
 
 
 def _as_written(digits: str) -> float:

@@ -1,14 +1,13 @@
 """Whether a certificate proves what it says.
 
 Read this file, then `certificate_structure`, `caging_check`, `chord_check`, `known_ranges`, `ball_bounds`, `claim` and
-`ball_arithmetic`: that is all. What they rest on: python-flint (ball arithmetic), numpy, that coordinates are as given in the file,
+`ball_arithmetic`: that is all. Of a certificate in space read `space_checker`, `space_claim` and `ball_arithmetic`.
+What they rest on: python-flint (ball arithmetic), numpy, that coordinates are as given in the file,
 and that parts are rigid. Nothing is shared with the code that found the proof.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -18,10 +17,12 @@ from flint import arb, ctx
 from wiggleroom.verify.ball_arithmetic import Point, Refused, exact, less, need, point, size, turned
 from wiggleroom.verify.ball_bounds import RangedCase
 from wiggleroom.verify.caging_check import check_caging_surface
-from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read_certificate
+from wiggleroom.verify.certificate_structure import check_structure, check_unchanged, read_certificate
 from wiggleroom.verify.chord_check import Material
 from wiggleroom.verify.claim import Claim, claim_of, sentence
 from wiggleroom.verify.known_ranges import Case, Enclosure
+from wiggleroom.verify.space_checker import SpatialClaim, in_space, verify_spatial
+from wiggleroom.verify.space_claim import spatial_sentence
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
 __all__ = ["Refused", "Verified", "read_certificate", "verify"]
@@ -43,7 +44,8 @@ class Verified:
         What is stated, in radians where a turn is asked for; nothing where it is not proven.
     bodies, pairs, chords, programs : int
         How much there was to check.
-    claim : Claim or None
+        In space: bodies, convex pieces, points and linear programs.
+    claim : Claim or SpatialClaim or None
         All that is claimed; None where it is not proven.
     """
 
@@ -54,11 +56,14 @@ class Verified:
     pairs: int = 0
     chords: int = 0
     programs: int = 0
-    claim: Claim | None = None
+    claim: Claim | SpatialClaim | None = None
 
     def __str__(self) -> str:
         """What is proven, in a sentence, or why nothing is."""
-        return f"not verified: {self.why}" if self.claim is None else f"verified: {sentence(self.claim)}"
+        if self.claim is None:
+            return f"not verified: {self.why}"
+        said = spatial_sentence(self.claim) if isinstance(self.claim, SpatialClaim) else sentence(self.claim)
+        return f"verified: {said}"
 
 
 def verify(content: Any) -> Verified:
@@ -86,9 +91,11 @@ def verify(content: Any) -> Verified:
 
 
 def _verify(content: Any) -> Verified:
+    if in_space(content):
+        claim, counts = verify_spatial(content)
+        return Verified(True, "", claim.at_most, 2, counts.pieces, counts.points, counts.programs, claim)
     work = WorkLimit(check_structure(content))
-    rest = json.dumps({k: v for k, v in content.items() if k != "sha256"})
-    need(hashlib.sha256(rest.encode()).hexdigest() == content["sha256"], CHANGED)
+    check_unchanged(content)
     for region in content["regions"]:
         check_caging_surface(region)
     chords = _check_chords(content, work)
@@ -113,8 +120,8 @@ def _verify(content: Any) -> Verified:
         bool(worked_out <= stated),
         f"the multipliers prove {float(worked_out):.9g} only, not {float(stated):.9g}",
     )
-    claim = claim_of(content)
-    return Verified(True, "", float(stated), len(content["bodies"]), len(content["pairs"]), chords, counted[0], claim)
+    planar = claim_of(content)
+    return Verified(True, "", float(stated), len(content["bodies"]), len(content["pairs"]), chords, counted[0], planar)
 
 
 def _check_chords(content: dict[str, Any], work: WorkLimit) -> int:

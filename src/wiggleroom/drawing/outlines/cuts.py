@@ -38,7 +38,7 @@ class Claims:
     marked : list of bool
         It looks like a part: filled, labelled, named by a text.
     cut : list of str
-        It is a cut, and who says so: "option", "all", "layer", "name"; or nothing.
+        It is a cut, and who says so: "option", "all", "layer", or a name as `cut_by` knows them; or nothing.
     named : list of bool
         A person gave it a name of its own.
     face : list of bool

@@ -15,6 +15,7 @@ from wiggleroom.drawing.outlines.nesting import direct_parents
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import name_of
 from wiggleroom.drawing.strokes.elements import Stroke
+from wiggleroom.drawing.strokes.layers import says_cut
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 
 _SMALL, _SMALL_OUTSIDE = 0.25, 0.1
@@ -43,6 +44,12 @@ _FONT_HEIGHT, _FONT_STEM = 1.5, 1.4
 """A single letter is like those of a word elsewhere where height and thickness of its strokes differ by no more than these factors."""
 _PICTURE, _NESTED = 0.5, 0.3
 """An outline of a picture takes no more than this share of the part that it is on, and at least this share of them are in each other."""
+_MOSTLY = 0.5
+"""A colour is lettering where at least this share of its outlines are letters."""
+_JOINED, _ON_PARTS = 0.2, 0.95
+"""Lines are scored where no more than this share of their ends meet other lines, and this share of their length lies on parts."""
+_RED = ("#ff0000", "#ed1c24")
+"""Lines that lasers cut where other lines are of other colours."""
 _FIT = 0.05
 """An outline that lies nowhere further from the hole round it than this share of the hole's width is a part in it."""
 
@@ -140,33 +147,150 @@ def without_lettering(found: Traced, lines: NDArray[np.object_], options: ReadOp
     return lines[[row for row in range(len(lines)) if row not in used]]
 
 
-def without_annotation(found: Traced, lines: Sequence[OpenLine], options: ReadOptions) -> list[OpenLine]:
-    """Leave out lines in a colour in which letters are drawn and nothing that is larger and closed: dimensions, arrows, legends."""
-    kept = list(lines)
-    large = [outline.polygon for outline in found.outlines]
-    if options.only or not lines:
+def without_engraved_styles(
+    found: Traced, options: ReadOptions, lines: Sequence[OpenLine] | None = None
+) -> list[OpenLine]:
+    """Leave out the outlines of a colour that is engraved or scored, and return the lines without those of it.
+
+    A colour is decided as a whole; what bounds a part is cut. Another one is engraved where it is lettering; where it is only
+    straight lines on parts that join nothing; or, once the net of lines is known (`lines` is None), where it is a picture:
+    outlines in parts that hold others, which would fall out. Pieces that fit the hole around them, and red lines, are cut.
+    """
+    kept = list(lines or ())
+    if options.only or options.skip or "all" in options.solid or "all" in options.hole or not found.outlines:
         return kept
-    drawn = np.array([shapely.LineString(line.corners) for line in lines], dtype=object)
-    total = shapely.total_bounds([*large, *drawn])
+    layered = lines is None
+    styles = [_style(outline.stroke, layered) for outline in found.outlines]
+    of_lines = [_style(line.stroke, layered) for line in kept]
+    if len({*styles, *of_lines}) < 2:
+        return kept
+    polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
+    drawn = np.array([shapely.LineString(line.corners) for line in kept], dtype=object)
+    total = shapely.total_bounds([*polygons, *drawn])
     least = _SMALL_OUTSIDE * float((total[2:] - total[:2]).max())
-    parts = {o.stroke.colour for o in found.outlines if np.ptp(o.region.outer, axis=0).max() > least}
-    colours = {line.stroke.colour for line in lines}
-    for colour in sorted(colours - parts if len(colours | parts) > 1 else ()):
-        own = [o for o in found.outlines if o.stroke.colour == colour]
-        mine = np.array([line.stroke.colour == colour for line in lines])
-        glyphs = _glyphs(own, drawn[mine], least, options)
-        word = _words(glyphs)
-        if not any(glyphs.lines[k] for k in np.flatnonzero(word >= 0).tolist()):
+    parents = direct_parents(polygons)
+    names, asked = asked_for((*options.solid, *options.hole), polygons)
+    told = {row for row, o in enumerate(found.outlines) if row in asked or _told(o.stroke, names)}
+    large = np.ptp(shapely.bounds(polygons).reshape(-1, 2, 2), axis=1).max(axis=1) > least
+    several = sum(row not in parents for row in range(len(polygons))) > 1  # else it may be a sheet with parts
+    bounding = {
+        styles[row] for row in range(len(polygons)) if large[row] and not ((layered or several) and row in parents)
+    }
+    pictures = _pictures(found.outlines, polygons, parents, styles, told, several) if layered else set()
+    scores = _scores(kept, drawn, polygons, of_lines, bounding) if several else set()
+    gone: set[_Style] = set()
+    for style in sorted({*styles, *of_lines} - bounding if layered or bounding else ()):
+        own = [row for row, other in enumerate(styles) if other == style]
+        mine = [row for row, other in enumerate(of_lines) if other == style]
+        if told.intersection(own) or says_cut(style[1]):
             continue
-        count = int(mine.sum()) + len(own)
-        found.note(
-            f"{count} lines in {name_of(colour)}, some of which are letters and none of which bounds a part, are taken as dimensions or "
-            f"notes, and left out; --only {','.join(sorted(name_of(c) for c in colours | parts))} reads them"
+        what = (
+            "with letters among them, none of which bounds a part: taken as dimensions or notes"
+            if _are_letters(found.outlines, own, drawn[mine], least, options)
+            else "inside parts, one in another: taken as an engraved picture"
+            if style in pictures
+            else "on parts, which bound none: taken as scored"
+            if style in scores
+            else ""
         )
-        found.remarks.append(Remark("left out", tuple(line.corners for line in kept if line.stroke.colour == colour)))
-        found.outlines = [o for o in found.outlines if o.stroke.colour != colour]
-        kept = [line for line in kept if line.stroke.colour != colour]
-    return kept
+        if not what:
+            continue
+        gone.add(style)
+        colour = f"in {name_of(style[0])}" if style[0] else f"on layer {style[1]}"
+        kind = "line" if mine else "outline"
+        count = len(own) + len(mine)
+        many = f"1 {kind}" if count == 1 else f"{count} {kind}s"
+        only = ",".join(name_of(c) for c in sorted({c for c, _ in {*styles, *of_lines}}) if c) if mine else ""
+        remedy = f"--only {only} reads them" if only else "--solid all reads them"
+        found.note(f"{many} {colour} {what}, and left out; {remedy}")
+        rest = (*(found.outlines[row].region.outer for row in own), *(kept[row].corners for row in mine))
+        found.remarks.append(Remark("left out", rest))
+    found.outlines = [outline for outline, style in zip(found.outlines, styles, strict=True) if style not in gone]
+    return [line for line, style in zip(kept, of_lines, strict=True) if style not in gone]
+
+
+_Style = tuple[str, str]
+
+
+def _style(stroke: Stroke, layered: bool) -> _Style:
+    """Colour of a stroke, and its layer where those count."""
+    return stroke.colour or stroke.fill, stroke.layer if layered else ""
+
+
+def _are_letters(
+    outlines: Sequence[Outline], own: Sequence[int], drawn: NDArray[np.object_], least: float, options: ReadOptions
+) -> bool:
+    """Whether outlines and lines of one style are lettering: lines among which are letters, or outlines most of which are."""
+    if any(np.ptp(outlines[row].region.outer, axis=0).max() > least for row in own):
+        return False
+    glyphs = _glyphs([outlines[row] for row in own], drawn, least, options)
+    letters = np.flatnonzero(_words(glyphs) >= 0).tolist()
+    rows = {row for k in letters for row in glyphs.rows[k]}
+    return any(glyphs.lines[k] for k in letters) or (len(rows) >= _MOSTLY * len(own) > 0 and not len(drawn))
+
+
+def _pictures(
+    outlines: Sequence[Outline],
+    polygons: NDArray[np.object_],
+    parents: dict[int, int],
+    styles: Sequence[_Style],
+    told: set[int],
+    several: bool,
+) -> set[_Style]:
+    """Styles all of whose outlines lie in parts, and many of which hold others, which would fall out."""
+    area = shapely.area(polygons)
+    depth: dict[int, int] = {}
+    for row in np.argsort(-area, kind="stable").tolist():
+        depth[row] = depth[parents[row]] + 1 if row in parents else 0
+    in_part = [depth[row] % 2 == 1 for row in range(len(polygons))]  # not in a hole of one
+    inner: dict[int, list[int]] = {}
+    for row, around in parents.items():
+        inner.setdefault(around, []).append(row)
+    nested = {row for row, o in enumerate(outlines) if in_part[row] and o.region.holes}
+    fitting: set[_Style] = set()
+    for row, rows in inner.items():
+        if not in_part[row]:
+            continue
+        if told.intersection(rows) or any(_fits(polygons[k], polygons[row]) for k in rows):
+            fitting.add(styles[row])
+            fitting |= {styles[k] for k in rows}
+        alike = [k for k in rows if styles[k] == styles[row]]
+        nested |= {row, *alike} if several or alike else set()
+    found = set()
+    for style in {styles[row] for row in nested} - fitting:
+        rows = [row for row, other in enumerate(styles) if other == style]
+        large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
+        if all(row in parents for row in rows) and not large and len(nested & set(rows)) >= _NESTED * len(rows):
+            found.add(style)
+    return found
+
+
+def _scores(
+    lines: Sequence[OpenLine],
+    drawn: NDArray[np.object_],
+    polygons: NDArray[np.object_],
+    styles: Sequence[_Style],
+    bounding: set[_Style],
+) -> set[_Style]:
+    """Styles of lines on parts that no other line of the drawing continues."""
+    if not len(drawn):
+        return set()
+    sheet = shapely.union_all(shapely.make_valid(polygons))
+    ends = shapely.points(np.array([line.corners[k] for line in lines for k in (0, -1)]))
+    near = 1e-4 * float(np.ptp(shapely.total_bounds(polygons).reshape(2, 2), axis=0).max())
+    first, second = shapely.STRtree(ends).query(ends, predicate="dwithin", distance=near)
+    joined = np.unique(first[first // 2 != second // 2])
+    met = np.bincount(joined // 2, minlength=len(lines))
+    inside = shapely.length(shapely.intersection(drawn, shapely.buffer(sheet, near)))
+    length = shapely.length(drawn)
+    found = set()
+    for style in set(styles) - bounding:
+        rows = np.array([other == style for other in styles])
+        straight = met[rows].sum() <= _JOINED * 2 * rows.sum()
+        red = style[0] in _RED and not any(other[0] in _RED for other in bounding)
+        if straight and not red and style[0] and inside[rows].sum() >= _ON_PARTS * length[rows].sum():
+            found.add(style)
+    return found
 
 
 def _glyphs(
@@ -344,41 +468,6 @@ def _with_their_font(glyphs: _Glyphs, chosen: Sequence[int]) -> list[int]:
     first, second = (np.searchsorted(found, side[np.isin(glyphs.near, found).all(axis=0)]) for side in glyphs.near)
     label = components(len(found), first, second)
     return sorted({j for key in np.unique(label) for j in _with_marks(glyphs, beside, found[label == key].tolist())})
-
-
-def without_pictures(found: Traced, options: ReadOptions) -> None:
-    """Leave out pictures: outlines inside parts in a colour or layer of their own, one of which holds another, which would fall out."""
-    if options.only or options.skip or "all" in options.solid or "all" in options.hole or not found.outlines:
-        return
-    polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
-    parents, area = direct_parents(polygons), shapely.area(polygons)
-    styles = [(outline.stroke.colour or outline.stroke.fill, outline.stroke.layer) for outline in found.outlines]
-    in_part = []  # whether what is around each is a part, not a hole in one
-    for row in range(len(polygons)):
-        depth, up = 0, row
-        while up in parents:
-            depth, up = depth + 1, parents[up]
-        in_part.append(depth % 2 == 1)
-    nested = {row for row, o in enumerate(found.outlines) if in_part[row] and o.region.holes}
-    nested |= {row for i, j in parents.items() if in_part[j] and styles[i] == styles[j] for row in (i, j)}
-    of_parts = {styles[row] for row in range(len(polygons)) if row not in parents}
-    fitting = {styles[i] for i, j in parents.items() if in_part[j] and _fits(polygons[i], polygons[j])}
-    names, asked = asked_for((*options.solid, *options.hole), polygons)
-    gone: set[int] = set()
-    for style in sorted({styles[row] for row in nested} - of_parts - fitting):
-        rows = [row for row in range(len(polygons)) if styles[row] == style]
-        few = len(nested & set(rows)) < _NESTED * len(rows)
-        large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
-        if few or large or any(row in asked or _told(found.outlines[row].stroke, names) for row in rows):
-            continue
-        gone |= set(rows)
-        colour = f"in {name_of(style[0])}" if style[0] else f"on layer {style[1]}"
-        found.note(
-            f"{len(rows)} outlines {colour} inside parts, one in another, are taken as an engraved picture, and left out; "
-            "--solid all reads them"
-        )
-        found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in rows)))
-    found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in gone]
 
 
 def _fits(inner: shapely.Polygon, hole: shapely.Polygon) -> bool:

@@ -136,16 +136,18 @@ def _pairs_alone(
 ) -> list[tuple[int, int, float]]:
     """Labels of two loose ends with no other end near, and how far they are apart [mm]."""
     rows = np.flatnonzero(loose[label])
-    reach = np.maximum(BEAM, CLOSING_SHARE * lengths)
+    reach = np.maximum(BEAM, CLOSING_SHARE * lengths)[rows]
+    k, there = tree.query(shapely.points(ends[rows]), predicate="dwithin", distance=ALONE * reach)
+    away = np.hypot(*(ends[there] - ends[rows[k]]).T)
+    order = np.lexsort((there, away, k))
+    there, away = there[order], away[order]
+    stops = np.cumsum(np.bincount(k, minlength=len(rows))).tolist()
     found = []
-    for row in rows.tolist():
-        near = tree.query(shapely.Point(ends[row]), predicate="dwithin", distance=ALONE * reach[row])
-        apart = np.hypot(*(ends[near] - ends[row]).T)
-        order = np.argsort(apart, kind="stable")
-        near, apart = near[order], apart[order]
+    for row, start, stop in zip(rows.tolist(), [0, *stops], stops, strict=False):
+        near = there[start:stop]
         if len(near) < 2 or near[1] < row or not loose[label[near[1]]]:
             continue
-        other, gap = int(near[1]), float(apart[1])
+        other, gap = int(near[1]), float(away[start + 1])
         closing = other // 2 == row // 2
         most = CLOSING_SHARE * lengths[row] if closing else min(BEAM, PAIR_SHARE * lengths[[row, other]].min())
         third = (

@@ -25,7 +25,9 @@ _NEAR_SHARE, _NEARLY = 0.01, 1.0
 _CRUMB = 0.01
 """Faces that are smaller than this share of the one beside them, ..."""
 _ALIKE = 0.02
-"""... and whose size differs by no more than this share from that of another such face, are slots over an edge."""
+"""... and whose size differs by no more than this share from that of another such face, are slots over an edge, ..."""
+_SPLINTER = 1e-3
+"""... and so are single ones smaller than this share."""
 
 _GAP, _CLOSED_IN = 0.1, 0.6
 """A face between parts is waste where it is smaller than this share of two beside it, with which it shares this share of its edge."""
@@ -111,7 +113,7 @@ def net_of_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: Vi
     if gaps:
         at = faces[gaps[0]].representative_point()
         found.note(
-            f"{_many(len(gaps), 'small face')} between outlines that share their edges taken as waste, and left out "
+            f"{_many(len(gaps), 'small face')} beside outlines whose edges they share taken as waste, and left out "
             f"(the first at ({at.x:.6g}, {at.y:.6g}) mm); close them if they are parts"
         )
         found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(faces[f].exterior) for f in gaps)))
@@ -187,12 +189,12 @@ def _owners(
 def _without_slots(faces: Sequence[shapely.Polygon]) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
     """Faces of an outline without what falls out where lines cut slots over its edge, and these slots.
 
-    A slot is small beside its only neighbour, and one of several that are alike; a part that was cut off is not.
+    A slot is small beside its only neighbour, and tiny or one of several that are alike; a part that was cut off is not.
     """
     all_faces = np.array(faces, dtype=object)
     area = shapely.area(all_faces)
     small = np.flatnonzero(area < _CRUMB * area.max())
-    if len(small) < 2:
+    if not len(small):
         return list(faces), []
     first, second = shapely.STRtree(all_faces).query(all_faces[small], predicate="intersects")
     first = small[first]
@@ -203,12 +205,16 @@ def _without_slots(faces: Sequence[shapely.Polygon]) -> tuple[list[shapely.Polyg
     single = np.array([k for k in single.tolist() if area[k] < _CRUMB * area[beside[k]]], dtype=int)
     size = np.column_stack([area, shapely.length(all_faces)])[single]
     near = (np.abs(size[:, None] - size) <= _ALIKE * size[:, None]).all(axis=2).sum(axis=1) > 1
-    slots = set(single[near].tolist())
+    tiny = np.array([area[k] < _SPLINTER * area[beside[k]] for k in single.tolist()], dtype=bool)
+    slots = set(single[near | tiny].tolist())
     return [face for k, face in enumerate(faces) if k not in slots], [faces[k] for k in sorted(slots)]
 
 
 def _gaps(faces: NDArray[np.object_], outside: Sequence[int]) -> list[int]:
-    """Faces in no outline, small beside at least two others, one in a closed outline, that share most of their edge with them."""
+    """Faces in no outline that are no parts: splinters beside another one, and small ones between others.
+
+    These are small beside at least two, one in a closed outline, that share most of their edge with them.
+    """
     if not outside:
         return []
     area, edges = shapely.area(faces), shapely.boundary(faces)
@@ -222,6 +228,7 @@ def _gaps(faces: NDArray[np.object_], outside: Sequence[int]) -> list[int]:
     total = np.bincount(first, shared, minlength=len(faces))
     closed = (total >= _CLOSED_IN * shapely.length(edges)) & (np.bincount(first, minlength=len(faces)) > 1)
     closed &= np.bincount(first, ~np.isin(second, own), minlength=len(faces)) > 0
+    closed[first[area[first] < _SPLINTER * area[second]]] = True
     return np.flatnonzero(closed).tolist()
 
 

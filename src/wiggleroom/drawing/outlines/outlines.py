@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import shapely
 
 from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
-from wiggleroom.drawing.model import Points
-from wiggleroom.drawing.outlines.engraving import without_annotation, without_lettering
+from wiggleroom.drawing.model import Points, Region
+from wiggleroom.drawing.outlines.engraving import without_engraved_styles, without_lettering
 from wiggleroom.drawing.outlines.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.outlines.open_lines import joined_lines, net_of_lines, say_dangles
 from wiggleroom.drawing.outlines.rings import COINCIDENT_CORNERS, extents
@@ -100,7 +101,7 @@ def traced(
         go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
     lines = joined_lines(found, lines, size)
-    lines = without_annotation(found, lines, options)
+    lines = without_engraved_styles(found, options, lines)
     loose = net_of_lines(found, lines, size, view) if lines else np.empty(0, dtype=object)
     say_dangles(found, lines, without_lettering(found, loose, options))
     found.outlines.sort(key=lambda outline: outline.row)
@@ -176,25 +177,36 @@ def _chord_error(
 
 
 def _without_thick_lines(found: Traced) -> None:
-    """Leave out outlines in no other one that are as thin as a line: the edges of a line that is drawn with its thickness."""
-    if len(found.outlines) < 2:
+    """Outlines as thin as a line are the edges of a line that is drawn with its thickness: rings become what they run round."""
+    drawn = found.outlines
+    if not drawn:
         return
-    polygons = np.array([outline.polygon for outline in found.outlines], dtype=object)
-    wide = 2 * shapely.area(polygons) / shapely.length(polygons)
-    long = np.ptp(shapely.bounds(polygons).reshape(-1, 2, 2), axis=1).max(axis=1)
-    thin = np.flatnonzero((wide <= _LINE) & (wide <= _LINE_SHARE * long))
-    inner, _ = shapely.STRtree(polygons).query(polygons[thin], predicate="within")
+    material = np.array([outline.polygon for outline in drawn], dtype=object)
+    inks = [
+        shapely.Polygon(o.region.outer, o.region.holes) if o.region.holes else material[k] for k, o in enumerate(drawn)
+    ]
+    wide = 2 * shapely.area(inks) / np.maximum(shapely.length(inks), 1e-300)
+    long = np.ptp(shapely.bounds(material).reshape(-1, 2, 2), axis=1).max(axis=1)
+    thin = (wide <= _LINE) & (wide <= _LINE_SHARE * long)
+    rings = [k for k in np.flatnonzero(thin).tolist() if len(drawn[k].region.holes) == 1]
+    for k in rings:
+        line = replace(drawn[k].stroke, colour=drawn[k].stroke.colour or drawn[k].stroke.fill, fill="")
+        drawn[k] = replace(drawn[k], region=Region(drawn[k].region.outer), stroke=line)
+    if rings:
+        found.note(f"{len(rings)} outlines drawn with the thickness of their line: the outer edge is read")
+    thin = np.flatnonzero(thin & ~np.isin(np.arange(len(drawn)), rings))
+    inner, _ = shapely.STRtree(material).query(material[thin], predicate="within")
     alone = np.bincount(inner, minlength=len(thin)) == 1
     gone = set(thin[alone].tolist())
-    if not gone or len(gone) == len(polygons):
+    if not gone or len(gone) == len(drawn):
         return
-    x, y = found.outlines[min(gone)].region.outer[0]
+    x, y = drawn[min(gone)].region.outer[0]
     many = (
         "1 outline is as thin as a line, and" if len(gone) == 1 else f"{len(gone)} outlines are as thin as a line, and"
     )
     found.note(f"{many} left out, the first at ({x:.6g}, {y:.6g}) mm")
-    found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in sorted(gone))))
-    found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in gone]
+    found.remarks.append(Remark("left out", tuple(drawn[row].region.outer for row in sorted(gone))))
+    found.outlines = [outline for row, outline in enumerate(drawn) if row not in gone]
 
 
 def _without_copies(found: Traced) -> None:

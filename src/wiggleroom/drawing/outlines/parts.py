@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.model import Drawing, Flattening, Part, Region
-from wiggleroom.drawing.outlines.cuts import Claims, Cuts, crossings, cuts_of
-from wiggleroom.drawing.outlines.engraving import without_pictures
+from wiggleroom.drawing.outlines.cuts import SMALL, Claims, Cuts, crossings, cuts_of
+from wiggleroom.drawing.outlines.engraving import without_engraved_styles
 from wiggleroom.drawing.outlines.file_reading import Reading
 from wiggleroom.drawing.outlines.naming import aliases_of, asked_for, given_names, texts_inside, unique_names
 from wiggleroom.drawing.outlines.nesting import cut_nested, direct_parents, shares_in_material
@@ -23,7 +23,7 @@ from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_light
 from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork, Stroke
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.layers import PAGE, cut_strokes, has_own_name, is_cut
+from wiggleroom.drawing.strokes.layers import PAGE, cut_by, cut_strokes, has_own_name
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import go_on
 
@@ -38,8 +38,10 @@ _SAME = 1e-9
 _CRUMB = 0.01
 """What a cut leaves loose of a part falls out where it is smaller than this share of the largest piece."""
 
-_LETTER, _LETTERS = 2e-3, 3
-"""So many parts, each smaller than this share of the largest one, are letters or marks, perhaps."""
+_SET_IN = 0.5
+"""A small face that shares this much of its edge with one other alone may be a notch there."""
+_LETTER = 1e-3
+"""Parts smaller than this share of the largest one are letters, marks or scraps, perhaps."""
 
 
 def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None, gap: float | None) -> Reading:
@@ -67,7 +69,7 @@ def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None,
     found.remarks += _left_out(left_out, found.tolerance)
     _layer_holes(found)
     leave_out_frames(found, artwork.view, options)
-    without_pictures(found, options)
+    without_engraved_styles(found, options)
     if not found.outlines:
         if not found.findings:
             drawn = f", but {found.open_lines} open" if found.open_lines else ""
@@ -113,6 +115,15 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
         found.note(f"outlines that others inside them fill are left out: {listed}")
         found.remarks.append(Remark("left out", tuple(outlines[row].region.outer for row in filled)))
     material = {row: pieces for row, pieces in material.items() if pieces}
+    scraps = _scraps(polygons, in_material, cuts, claims, material)
+    if scraps:
+        x, y = polygons[scraps[0]].representative_point().coords[0]
+        found.note(
+            f"{'1 scrap' if len(scraps) == 1 else f'{len(scraps)} scraps'} in holes left out, the first at ({x:.6g}, {y:.6g}) mm; "
+            "--solid NAME, @x,y or all makes parts of them"
+        )
+        found.remarks.append(Remark("left out", tuple(outlines[row].region.outer for row in scraps)))
+    material = {row: pieces for row, pieces in material.items() if row not in scraps}
     _say_loose(found, cuts, claims)
     divided = _divided(found, material, in_material, cuts)
     groups = _pieces(outlines, material)
@@ -128,7 +139,7 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
         [strokes[row] for row in first], [inside[row] for row in first], [not outlines[row].face for row in first]
     )
     names = unique_names(final)
-    _say_faces(found, first)
+    _say_faces(found, first, names)
     _say_nesting(found, names, first, in_material, cuts)
     _say_divided(found, dict(reversed([*zip(first, names, strict=True)])), divided, claims, given)
     _say_pieces(found, outlines, groups)
@@ -231,6 +242,7 @@ def _claims(
     unknown = hole_names - {"all"}
     inner = [(around[i], o.stroke.label) for i, o in enumerate(found.outlines) if i in around and o.stroke.label]
     kinds = {parent for (parent, _), n in Counter(inner).items() if n > 1}  # labels in these are no names: "M4", "M4"
+    hollow = _hollow(found.outlines, around, polygons)
     for i, outline in enumerate(found.outlines):
         stroke = outline.stroke
         parent = found.outlines[around[i]].stroke if i in around else None
@@ -238,7 +250,7 @@ def _claims(
         white = is_light(stroke.fill) and parent is not None and parent.fill and not is_light(parent.fill)
         # One label on an outline and on what is in it says nothing, nor does a text in both.
         named = inside[i] and parent is not None and given[around[i]] not in ("", given[i])
-        filled = stroke.fill and not white and (stroke.styled or has_own_name(stroke))
+        filled = stroke.fill and not white and i not in hollow and (stroke.styled or has_own_name(stroke))
         labelled = stroke.label and around.get(i) not in kinds and (parent is None or stroke.label != parent.label)
         words = {word.casefold() for word in (given[i], stroke.name) if word}
         marks = {word.casefold() for word in (stroke.label, stroke.name, stroke.layer, *_group_marks(stroke)) if word}
@@ -253,7 +265,7 @@ def _claims(
             "option" if chosen
             else "layer" if stroke.hole
             else "all" if not outline.face and ("all" in hole_names or hole_names & marks)
-            else "name" if not told and not outline.face and is_cut(stroke)
+            else cut_by(stroke) if not told and not outline.face
             else ""
         )  # fmt: skip
         claims.named.append(own and not outline.face and has_own_name(stroke))
@@ -266,6 +278,37 @@ def _claims(
             f"{found.file}: --hole {listed}: no outline is called so; name one, or a point in it as @x,y"
         )
     return claims
+
+
+def _scraps(
+    polygons: np.ndarray, parents: dict[int, int], cuts: Cuts, claims: Claims, rows: Collection[int]
+) -> list[int]:
+    """Outlines without a name in holes that are tiny beside the part around: a hole in the seat of a nut, not a piece of a puzzle."""
+    area = shapely.area(polygons)
+    found = []
+    for row in rows:
+        hole = parents.get(row, -1)
+        around = parents.get(hole, -1)
+        tiny = hole in cuts.rows and around >= 0 and area[row] < _LETTER * area[around]
+        if tiny and not (claims.is_part(row) or claims.named[row] or claims.face[row]):
+            found.append(row)
+    return found
+
+
+def _hollow(outlines: Sequence[Outline], around: dict[int, int], polygons: np.ndarray) -> set[int]:
+    """Small outlines without a name in filled parts, in colours that stand inside parts alone: colours of holes."""
+    strokes = [outline.stroke for outline in outlines]
+    outside = {stroke.fill for i, stroke in enumerate(strokes) if i not in around}
+    inner = [
+        i
+        for i, parent in around.items()
+        if strokes[i].fill and strokes[i].fill not in outside and strokes[parent].fill and not strokes[i].fixed
+        and not strokes[i].label and not has_own_name(strokes[i])
+    ]  # fmt: skip
+    taken: Counter[int] = Counter()
+    for i in inner:
+        taken[around[i]] += polygons[i].area
+    return {i for i in inner if taken[around[i]] <= SMALL * polygons[around[i]].area}
 
 
 def _group_marks(stroke: Stroke) -> list[str]:
@@ -353,12 +396,31 @@ def _pieces(outlines: Sequence[Outline], material: dict[int, list[Region]]) -> l
     return list(groups.values())
 
 
-def _say_faces(found: Traced, first: Sequence[int]) -> None:
-    """Note parts that open lines bound or cut."""
-    faces = sum(found.outlines[row].face or found.outlines[row].of_lines for row in first)
-    if faces:
-        cut = f"{'1 outline' if found.divided == 1 else f'{found.divided} outlines'} cut, " if found.divided else ""
-        found.note(f"{cut}{'1 face' if faces == 1 else f'{faces} faces'} of open lines taken as parts")
+def _say_faces(found: Traced, first: Sequence[int], names: Sequence[str]) -> None:
+    """Note parts that open lines bound or cut, and those of them that may be notches in the edge of another one."""
+    faces = [k for k, row in enumerate(first) if found.outlines[row].face or found.outlines[row].of_lines]
+    if not faces:
+        return
+    cut = f"{'1 outline' if found.divided == 1 else f'{found.divided} outlines'} cut, " if found.divided else ""
+    found.note(f"{cut}{'1 face' if len(faces) == 1 else f'{len(faces)} faces'} of open lines taken as parts")
+    polygons = np.array([found.outlines[row].polygon for row in first], dtype=object)
+    edges, area = shapely.boundary(polygons), shapely.area(polygons)
+    k, other = shapely.STRtree(polygons).query(polygons[faces], predicate="intersects")
+    k = np.array(faces)[k]
+    shared = shapely.length(shapely.intersection(edges[k], edges[other]))
+    beside = (k != other) & (shared > 0)
+    k, other, shared = k[beside], other[beside], shared[beside]
+    set_in = (shared >= _SET_IN * shapely.length(edges[k])) & (area[k] <= SMALL * area[other])
+    set_in &= np.bincount(k, minlength=len(first))[k] == 1
+    if set_in.any():
+        where = [polygons[row].representative_point() for row in k[set_in].tolist()]
+        listed = ", ".join(
+            f"{names[row]} in {names[j]}" for row, j in zip(k[set_in][:4], other[set_in][:4], strict=True)
+        )
+        points = ",".join(f"@{point.x:.6g},{point.y:.6g}" for point in where[:4])
+        found.note(
+            f"{listed}{', ...' if len(where) > 4 else ''}: parts in the edge of others; if notches, --skip {points}"
+        )
 
 
 def _say_nesting(
@@ -374,7 +436,11 @@ def _say_nesting(
         found.remarks.append(Remark("hole", tuple(found.outlines[i].region.outer for i in sorted(cuts.rows))))
     over = {i: j for j, rows in cuts.across.items() for i in rows}
     for rows, one, many in (
-        (sorted(cuts.rows - over.keys()), "1 outline inside another is a hole", "outlines inside others are holes"),
+        (
+            sorted(cuts.rows - over.keys()),
+            "1 outline inside another is a hole",
+            "outlines inside others are holes",
+        ),
         (sorted(over), "1 outline across the edge of a part cuts it", "outlines across the edges of parts cut them"),
     ):
         if not rows:
@@ -483,13 +549,15 @@ def _say_mended(found: Traced) -> None:
 
 
 def _say_tiny(found: Traced, names: Sequence[str], bodies: Sequence[tuple[list[int], list[Region]]]) -> None:
-    """Note parts that are tiny beside the largest one: letters, perhaps, that are drawn as outlines."""
+    """Note parts that are tiny beside the largest one: letters that are drawn as outlines, perhaps, or scraps."""
     areas = np.array([sum(shapely.Polygon(region.outer).area for region in own) for _, own in bodies])
     tiny = [name for name, area in zip(names, areas, strict=True) if area < _LETTER * areas.max()]
-    if len(tiny) >= _LETTERS:
+    if tiny:
+        many = "1 part is" if len(tiny) == 1 else f"{len(tiny)} parts are"
+        listed = ", ".join(tiny[:3]) + (", ..." if len(tiny) > 3 else "")
         found.note(
-            f"{len(tiny)} parts are tiny beside the largest one ({', '.join(tiny[:3])}, ...); if they are letters or marks, "
-            "--skip them by a point in each, or by their layer or colour"
+            f"{many} tiny beside the largest one ({listed}); letters, marks and scraps are left out with --skip, "
+            "by a point in each, or by their layer or colour"
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -147,11 +148,12 @@ def _without_repeats(ring: Points, least: float) -> Points:
     near = np.hypot(*_edges(ring).T) <= least
     if not near.any():
         return ring
-    kept = [ring[0]]
-    for point in ring[1:]:
-        if np.hypot(*(point - kept[-1])) > least:
+    start, *rest = ring.tolist()
+    kept = [start]
+    for point in rest:
+        if math.dist(point, kept[-1]) > least:
             kept.append(point)
-    while len(kept) > 1 and np.hypot(*(kept[-1] - kept[0])) <= least:
+    while len(kept) > 1 and math.dist(kept[-1], start) <= least:
         kept.pop()
     return np.array(kept)
 

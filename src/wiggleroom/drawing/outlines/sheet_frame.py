@@ -15,7 +15,7 @@ from wiggleroom.drawing.outlines.nesting import direct_parents
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_grey, is_light, name_of
 from wiggleroom.drawing.strokes.elements import Stroke
-from wiggleroom.drawing.strokes.layers import PAGE, has_own_name, is_outside_layer, may_be_sheet, names_sheet
+from wiggleroom.drawing.strokes.layers import PAGE, has_own_name, is_cut, is_outside_layer, may_be_sheet, names_sheet
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 
 View = tuple[float, float, float, float]
@@ -107,7 +107,28 @@ def leave_out_frames(found: Traced, view: View | None, options: ReadOptions) -> 
         at = sheet.free_point(min(rows))
         what = "rectangle round everything is" if len(rows) == 1 else "rectangles round everything are"
         found.note(f"{len(rows)} {what} left out as the sheet ({why}); --solid {at} makes it a part")
+        _doubt_size(found, max(rows, key=lambda row: found.outlines[row].polygon.area))
         _leave_out(found, rows)
+
+
+def _doubt_size(found: Traced, row: int) -> None:
+    """Note that the sides of a sheet are round in another unit, and neither in millimetres nor in inches."""
+    sides = np.ptp(found.outlines[row].region.outer, axis=0)
+
+    def are_round(scale: float, step: float) -> bool:
+        steps = sides * scale / step
+        return bool((np.abs(steps - np.round(steps)) <= _ROUND * steps).all() and (np.round(steps) >= 1).all())
+
+    if are_round(1.0, 1.0) or are_round(1 / 25.4, 0.25):
+        return
+    for dpi in (96.0, 90.0, 72.0):
+        if are_round(dpi / 25.4, 10.0):
+            width, height = np.round(sides * dpi / 25.4)
+            found.note(
+                f"the sheet is {sides[0]:.6g} x {sides[1]:.6g} mm, but {width:g} x {height:g} pixels of 1/{dpi:g} inch; if those are mm, "
+                f"everything is {dpi / 25.4:.4g} times as large; --unit says so"
+            )
+            return
 
 
 def _say_cut_outs(found: Traced) -> None:
@@ -128,6 +149,10 @@ def _leave_out(found: Traced, rows: set[int]) -> None:
     if rows:
         found.remarks.append(Remark("left out", tuple(found.outlines[row].region.outer for row in sorted(rows))))
         found.outlines = [outline for row, outline in enumerate(found.outlines) if row not in rows]
+
+
+_ROUND = 1e-5
+"""Sides that differ from round ones by no more than this share are round."""
 
 
 @dataclass(frozen=True)
@@ -197,7 +222,8 @@ class _Sheet:
         if sheet:
             return rows, f'called "{sheet}"'
         seen = self._evidence(inner or rows)
-        if not seen.apart:
+        cut = all(is_cut(self.found.outlines[k].stroke) for row in inner or rows for k in self.inside[row])
+        if cut or not seen.apart:
             return set(), ""
         perhaps = next((word for said in own for word in said if may_be_sheet(word)), "")
         if perhaps and (inner or self._count(rows) > 1) and (seen.page or seen.panels or seen.covered):

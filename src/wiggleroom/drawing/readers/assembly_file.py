@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
-from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
+from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Turn, W
 from wiggleroom.drawing.outlines.naming import is_printable
 from wiggleroom.drawing.outlines.rings import are_clean, clean_ring, extents
 from wiggleroom.drawing.readers.assembly_schema import (
@@ -27,12 +27,10 @@ from wiggleroom.drawing.readers.assembly_schema import (
     PullEntry,
     ShapeEntry,
     SoundFileEntry,
-    ToleranceEntry,
     convert,
 )
 from wiggleroom.drawing.readers.entry_reader import EntryReader, entry_of, name_of
 from wiggleroom.drawing.readers.source import load
-from wiggleroom.drawing.readers.tolerances import tolerance_findings
 from wiggleroom.errors import InputError
 
 
@@ -103,7 +101,7 @@ class _PlanarReader(EntryReader[FileEntry]):
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
         gaps = tuple(found for i, value in enumerate(entry.gaps) if (found := self._gap(i, value)))
         self._check_repeated(gaps)
-        tolerances = tuple(one for i, value in enumerate(entry.tolerances) if (one := self._tolerance(i, value)))
+        tolerances = self._tolerances()
         goals: tuple[Goal, ...] = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
         if entry.objective in WHOLE:
             goals = (WHOLE[entry.objective](),)
@@ -231,22 +229,6 @@ class _PlanarReader(EntryReader[FileEntry]):
         if entry is None:
             return None
         return JointGap(self._pair(where, entry.parts), self._length(entry.gap, where, "gap", least=0.0))
-
-    def _tolerance(self, i: int, value: Any) -> Tolerance | None:
-        where = f"tolerances[{i}]"
-        entry = convert(value, ToleranceEntry, f"{self._file}: {where}", self._findings)
-        if entry is None:
-            return None
-        wrong = tolerance_findings(entry)
-        for line in wrong:
-            self._say(where, line)
-        if wrong:
-            return None
-        names = self._pair(where, entry.parts) if entry.parts else (entry.part or "",)
-        self._known(where, names)
-        plus, minus = (self._length(number, where, "tolerance", least=0.0) for number in (entry.plus, entry.minus))
-        nominal = None if entry.nominal is None else self._length(entry.nominal, where, "nominal")
-        return Tolerance(names, plus, minus, nominal, entry.outline)
 
     def _goal(self, i: int, value: Any) -> Goal | None:
         where = f"pull[{i}]"

@@ -68,7 +68,7 @@ class ToleranceEntry(Entry, omit_defaults=True):
     minus: float
     part: str | None = None
     parts: tuple[str, str] | None = None
-    outline: int | None = None
+    outline: int | Literal["thickness"] | None = None
     nominal: float | None = None
 
 
@@ -93,6 +93,7 @@ class HeadEntry(Entry):
     glue: list[Any] = []
     ignore: list[Any] = []
     gaps: list[Any] = []
+    tolerances: list[Any] = []
     pull: list[Any] = []
 
 
@@ -100,7 +101,6 @@ class FileEntry(HeadEntry):
     """The whole file in the plane."""
 
     shapes: dict[str, Any] = {}
-    tolerances: list[Any] = []
     objective: str | None = None
 
 

@@ -21,6 +21,10 @@ _UNITS = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 25.4e-3,
 INCHES = (12.0, 96.0, 2.0)
 """An imperial drawing no larger than the first is in inches; so is one no larger than the second, half of whose elements are
 smaller than the third."""
+_CUTTABLE = (1.0, 2500.0)
+"""No laser or router cuts what is smaller or larger than this [mm]: the unit of a file that says so is that of a template."""
+_IMPERIAL = (1, 2, 8, 9, 10)
+"""Inches, feet, microinches, mils and yards as $INSUNITS."""
 
 
 @dataclass(frozen=True)
@@ -125,12 +129,19 @@ def scale_of(file: DxfFile, unit: str | None, sizes: Callable[[], Sequence[float
         except InputError as error:
             message = f"{file.name}: {error}"
             raise InputError(message) from None
-    if file.unit in _UNITS:
-        return _UNITS[file.unit], ()
     which = f"says no unit that is known here ($INSUNITS {file.unit})" if file.unit else "says no unit"
-    if file.imperial and _are_inches(sizes()):
+    imperial = "that it is imperial ($MEASUREMENT 0)" if file.imperial else ""
+    if file.unit in _UNITS:
+        scale = _UNITS[file.unit]
+        size = scale * sizes()[0]
+        if scale == UNITS["mm"] or _CUTTABLE[0] <= size <= _CUTTABLE[1]:
+            return scale, ()
+        long = f"{size:.3g} mm" if size < _CUTTABLE[0] else f"{size / 1000:.3g} m"
+        which = f"would be {long} large in its unit ($INSUNITS {file.unit}), which is taken as none"
+        imperial = "the unit is imperial" if file.unit in _IMPERIAL else ""
+    if imperial and _are_inches(sizes()):
         return UNITS["in"], (
-            f"{file.name}: {which}, but that it is imperial ($MEASUREMENT 0), and its numbers are small; "
+            f"{file.name}: {which}, but {imperial}, and its numbers are small; "
             "1 unit is taken as 1 inch (--unit says otherwise)",
         )
     return UNITS["mm"], (f"{file.name}: {which}; 1 unit is taken as 1 mm (--unit says otherwise)",)
@@ -153,7 +164,7 @@ def _check(raw: bytes, name: str) -> None:
     elif raw.startswith(_DWG):
         wrong = "is a DWG drawing, not a DXF; export it as DXF"
     else:
-        first = raw.removeprefix(b"\xef\xbb\xbf")[:4000].split(b"\n")
+        first = raw.removeprefix(b"\xef\xbb\xbf")[:4000].splitlines()
         lines = [line.strip() for line in first]
         lines = lines[next((i for i in range(0, len(lines) - 1, 2) if lines[i] != b"999"), 0) :]
         if lines[:2] != [b"0", b"SECTION"]:

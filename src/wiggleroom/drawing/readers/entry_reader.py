@@ -7,9 +7,17 @@ from collections.abc import Iterable
 from typing import Any, Generic, TypeVar
 
 from wiggleroom.drawing.limits import LARGEST
-from wiggleroom.drawing.model import JointGap
-from wiggleroom.drawing.readers.assembly_schema import HeadEntry, convert, decode_json, decode_sound, repeated_fields
+from wiggleroom.drawing.model import JointGap, Tolerance
+from wiggleroom.drawing.readers.assembly_schema import (
+    HeadEntry,
+    ToleranceEntry,
+    convert,
+    decode_json,
+    decode_sound,
+    repeated_fields,
+)
 from wiggleroom.drawing.readers.source import Source
+from wiggleroom.drawing.readers.tolerances import tolerance_findings
 from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
 
@@ -137,3 +145,23 @@ class EntryReader(Generic[E]):
         if names[0] == names[1]:
             self._say(where, "must name two different parts")
         return names
+
+    def _tolerances(self) -> tuple[Tolerance, ...]:
+        """All tolerances of the file."""
+        return tuple(one for i, value in enumerate(self._entry.tolerances) if (one := self._tolerance(i, value)))
+
+    def _tolerance(self, i: int, value: Any) -> Tolerance | None:
+        where = f"tolerances[{i}]"
+        entry = convert(value, ToleranceEntry, f"{self._file}: {where}", self._findings)
+        if entry is None:
+            return None
+        wrong = tolerance_findings(entry)
+        for line in wrong:
+            self._say(where, line)
+        if wrong:
+            return None
+        names = self._pair(where, entry.parts) if entry.parts else (entry.part or "",)
+        self._known(where, names)
+        plus, minus = (self._length(number, where, "tolerance", least=0.0) for number in (entry.plus, entry.minus))
+        nominal = None if entry.nominal is None else self._length(entry.nominal, where, "nominal")
+        return Tolerance(names, plus, minus, nominal, entry.outline)

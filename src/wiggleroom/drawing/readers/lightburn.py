@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wiggleroom.drawing.limits import LARGEST
-from wiggleroom.drawing.readers.source import load
+from wiggleroom.drawing.readers.source import Source, load
 from wiggleroom.drawing.readers.xmltree import Element, parse_xml
 from wiggleroom.drawing.strokes.elements import MAX_ELEMENTS, NO_SIZE, Artwork, Group, Lettering, Stroke
 from wiggleroom.drawing.strokes.layers import is_hole_layer
@@ -51,7 +51,13 @@ def lightburn_artwork(path: str | Path, unit: str | None = None, stop: Stop | No
     InputError
         If the file is no LightBurn project.
     """
-    source = load(path, opening="<", name="drawing")
+    return walked_lightburn(load(path, opening="<", name="drawing"), unit, stop)[1]
+
+
+def walked_lightburn(
+    source: Source, unit: str | None = None, stop: Stop | None = None
+) -> tuple[LightburnWalk, Artwork]:
+    """The same with where in the text every stroke comes from; see `lightburn_artwork`."""
     root = parse_xml(source)
     if root.tag != "LightBurnProject":
         message = f"{source.name}: is not a LightBurn project; its outermost element must be LightBurnProject"
@@ -61,26 +67,29 @@ def lightburn_artwork(path: str | Path, unit: str | None = None, stop: Stop | No
     except InputError as error:
         message = f"{source.name}: {error}"
         raise InputError(message) from None
-    walk = _LightburnWalk(source.name, root, stop)
+    walk = LightburnWalk(source.name, root, stop)
     # What was drawn on a machine whose origin is at the right or in the back is mirrored on the screen.
     mirror = [-1.0 if root.attributes.get(key, "").lower() == "true" else 1.0 for key in ("MirrorX", "MirrorY")]
     walk.shapes(root, Affine(scale * mirror[0], 0.0, 0.0, scale * mirror[1]), (), 0)
-    return Artwork(
+    artwork = Artwork(
         file=source.name,
         strokes=tuple(walk.strokes),
         texts=tuple(walk.texts),
         findings=tuple(walk.findings),
         left_out=tuple(walk.left_out.items()),
     )
+    return walk, artwork
 
 
-class _LightburnWalk:
-    """Shapes of a project, with what is wrong with them."""
+class LightburnWalk:
+    """Shapes of a project, with what is wrong with them; `origins` are the element of each stroke and the map from it to the page."""
 
     def __init__(self, file: str, root: Element, stop: Stop | None) -> None:
         self.file = file
+        self.root = root
         self.stop = stop
         self.strokes: list[Stroke] = []
+        self.origins: list[tuple[Element, Affine]] = []
         self.texts: list[Lettering] = []
         self.findings: list[str] = []
         self.left_out: Counter[str] = Counter()
@@ -162,6 +171,7 @@ class _LightburnWalk:
         if any(not largest_coordinate(path) <= LARGEST for path in paths):
             message = f"has coordinates beyond {LARGEST:g} mm; move or scale it"
             raise ValueError(message)
+        self.origins.append((element, matrix))
         self.strokes.append(
             Stroke(
                 tag=kind,

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from wiggleroom.drawing.readers.svg_program import program_of
 from wiggleroom.drawing.readers.xmltree import Element
-from wiggleroom.drawing.strokes.transforms import SVG_UNITS, Affine, Box, parse_length, parse_view_box
+from wiggleroom.drawing.strokes.transforms import (
+    SVG_UNITS,
+    Affine,
+    Box,
+    is_empty_view_box,
+    parse_length,
+    parse_view_box,
+)
 from wiggleroom.drawing.units import millimetres
 from wiggleroom.errors import InputError
 
@@ -41,7 +48,8 @@ def page_map(root: Element, unit: str | None, file: str, text: str = "") -> tupl
     """
     try:
         width, height = (_user_length(root.attributes.get(key, "")) for key in ("width", "height"))
-        view = parse_view_box(root.attributes["viewBox"]) if "viewBox" in root.attributes else None
+        said = root.attributes.get("viewBox", "")
+        view = parse_view_box(said) if said and not is_empty_view_box(said) else None
         fixed = millimetres(unit) if unit is not None else None
     except (ValueError, InputError) as error:
         message = f"{file}: {error}" if isinstance(error, InputError) else f"{file}: svg in line {root.line}: {error}"
@@ -51,16 +59,18 @@ def page_map(root: Element, unit: str | None, file: str, text: str = "") -> tupl
     up = height if _is_physical(root.attributes.get("height", "")) else None
     program = program_of(root, text, box)
     notes: tuple[str, ...] = ()
+    if said and view is None:
+        notes = (f'{file}: the viewBox "{said}" has no size, and is ignored',)
     if fixed is not None:
         x = y = fixed
     elif (across or up) and (view or program is None):
         x, y = _scales(view, across, up, root.attributes.get("preserveAspectRatio", "").strip())
     elif program is not None:
         x = y = program.unit * (_pixels(view, width, height) if program.of_page else 1.0)
-        notes = (f"{file}: {program.said}; --unit and --dpi say otherwise",)
+        notes += (f"{file}: {program.said}; --unit and --dpi say otherwise",)
     else:
         x = y = 1.0
-        notes = (f"{file}: has no physical size; 1 user unit is taken as 1 mm (--unit and --dpi say otherwise)",)
+        notes += (f"{file}: has no physical size; 1 user unit is taken as 1 mm (--unit and --dpi say otherwise)",)
     return Affine(x, 0.0, 0.0, -y, -x * box.x, y * (box.y + box.height)), box, notes
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from pathlib import Path
+from typing import Literal
 
 from wiggleroom.drawing.model import Tolerance
 from wiggleroom.drawing.readers.assembly_schema import ToleranceEntry
@@ -29,7 +30,7 @@ def tolerance_findings(entry: ToleranceEntry) -> list[str]:
     for word, value in (("plus", entry.plus), ("minus", entry.minus)):
         if not value >= 0:
             found.append(f"{word} is {value:g}; it must be 0 or more, as the sign is in the word")
-    if entry.outline is not None and (entry.parts is not None or entry.outline < 1):
+    if entry.outline is not None and (entry.parts is not None or (entry.outline != "thickness" and entry.outline < 1)):
         found.append("outline counts from 1, through the outlines of one part")
     if entry.parts is not None and entry.nominal is not None and entry.nominal < 0:
         found.append(f"nominal is {entry.nominal:g}; the gap of a joint must be 0 or more")
@@ -39,8 +40,8 @@ def tolerance_findings(entry: ToleranceEntry) -> list[str]:
 def read_tolerances(path: str | Path) -> tuple[Tolerance, ...]:
     r"""Tolerances [mm] from a table with a head: part, other, outline, nominal, plus, minus.
 
-    `other` makes a joint of a part and another one; `outline` is the number of one outline. What is not given is left empty; a
-    tolerance with plus alone, or minus alone, has none to the other side.
+    `other` makes a joint of a part and another one; `outline` is the number of one outline, or the word thickness. What is not given
+    is left empty; a tolerance with plus alone, or minus alone, has none to the other side.
 
     Raises
     ------
@@ -76,6 +77,9 @@ def read_tolerances(path: str | Path) -> tuple[Tolerance, ...]:
         cells = {head: (row.get(head) or "").strip() for head in COLUMNS}
         if not any(cells.values()):
             continue
+        thick = cells["outline"].lower() == "thickness"
+        if thick:
+            cells["outline"] = ""
         numbers = {word: _number(cells[word]) for word in ("outline", "nominal", "plus", "minus")}
         wrong = [
             f"{word} is {cells[word]}; it must be a number"
@@ -87,7 +91,11 @@ def read_tolerances(path: str | Path) -> tuple[Tolerance, ...]:
         if not cells["part"]:
             wrong.append("part is missing")
         names = (cells["part"], cells["other"]) if cells["other"] else (cells["part"],)
-        outline = None if numbers["outline"] is None else int(numbers["outline"])
+        outline: int | Literal["thickness"] | None = None
+        if thick:
+            outline = "thickness"
+        elif numbers["outline"] is not None:
+            outline = int(numbers["outline"])
         pair = names if len(names) == 2 else None
         entry = ToleranceEntry(
             numbers["plus"] or 0.0,

@@ -1,8 +1,9 @@
-"""XML text to a tree of plain elements; entities are refused before anything is expanded."""
+"""XML text to a tree of plain elements; entities other than short plain texts are refused before anything is expanded."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
@@ -10,9 +11,13 @@ from wiggleroom.drawing.readers.source import Source
 from wiggleroom.errors import InputError
 
 _SVG = "http://www.w3.org/2000/svg"
+TAG = re.compile(r"<[^>\"']*(?:\"[^\"]*\"[^>\"']*|'[^']*'[^>\"']*)*>")
+"""A tag, whatever its attributes hold."""
 _COMMENT = re.compile(r"<!--|<!\[CDATA\[")
 _INK = re.compile(r"[^\n]")
 _ENTITY = re.compile(r"<!ENTITY\s+(?:%\s*)?([^\s>\"']*)", re.IGNORECASE)
+_PLAIN_ENTITY = re.compile(r"<!ENTITY\s+[^\s>\"'%]+\s+(?:\"[^\"&%<]{0,80}\"|'[^'&%<]{0,80}')\s*>")
+"""A name for a short text without further entities, such as a namespace of Adobe Illustrator: it cannot grow."""
 
 
 @dataclass(eq=False, slots=True)
@@ -36,31 +41,53 @@ def parse_xml(source: Source) -> Element:
     Raises
     ------
     InputError
-        If the text is not well-formed, or its DOCTYPE declares entities.
+        If the text is not well-formed, or its DOCTYPE declares entities that are no short plain texts.
 
     Examples
     --------
     >>> parse_xml(Source("a.svg", "<svg><path id='a'/></svg>")).children[0].attributes
     {'id': 'a'}
     """
-    entity = _ENTITY.search(source.text)
+    text = _without_comments(source.text)
+    entity = next((e for e in _ENTITY.finditer(text) if not _PLAIN_ENTITY.match(text, e.start())), None)
     if entity:
         message = (
             f'{source.name}: the DOCTYPE declares the entity "{entity.group(1)[:40]}"; '
-            "entities are not read, save the drawing as plain SVG"
+            "only short plain texts are read as entities, save the drawing as plain SVG"
         )
         raise InputError(message)
-    text = _without_comments(source.text)
     builder = _Builder(text)
     try:
         builder.parser.Parse(text, True)
     except expat.ExpatError as error:
+        again = "the project" if source.name.lower().endswith(".xmpuzzle") else "the drawing as plain SVG"
         message = (
             f"{source.name}: line {error.lineno}, column {error.offset + 1}: "
-            f"is not well-formed XML ({expat.ErrorString(error.code)}); save the drawing as plain SVG again"
+            f"is not well-formed XML ({expat.ErrorString(error.code)}); save {again} again"
         )
         raise InputError(message) from None
     return builder.root.children[0]
+
+
+def spliced(text: str, new: Iterable[tuple[int, int, str]]) -> str:
+    """The text with other words from one place to another, each in turn.
+
+    >>> spliced("one two three", [(0, 3, "1"), (8, 13, "3")])
+    '1 two 3'
+    """
+    pieces, end = [], 0
+    for begin, after, words in new:
+        pieces += [text[end:begin], words]
+        end = after
+    return "".join([*pieces, text[end:]])
+
+
+def element_span(text: str, element: Element) -> tuple[int, int]:
+    """Where an element begins and ends in the text."""
+    tag = TAG.match(text, element.at)
+    if tag is not None and tag.group().endswith("/>"):
+        return element.at, tag.end()
+    return element.at, text.index(">", element.end) + 1
 
 
 def _without_comments(text: str) -> str:

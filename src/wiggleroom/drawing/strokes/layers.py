@@ -5,14 +5,16 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import lru_cache
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from wiggleroom.drawing.strokes.colours import colour_of, name_of
+from wiggleroom.drawing.strokes.colours import colour_of, is_light, name_of
 from wiggleroom.drawing.strokes.elements import Artwork, Stroke
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.drawing.strokes.strokes import trace
@@ -102,9 +104,11 @@ FRAME_WORDS = {
     "테두리",
 }  # fmt: skip
 """Words for what may be the sheet's edge, or a frame that is a part."""
-SHEET_BESIDE = {"size", "outline", "edge", "area", "work", "working", "cutting", "cut", "laser", "limit", "limits", "rect", "mm",
-                "layer", "the", "of", "guide", "ebene", "calque", "capa", "livello", "laag", "zone", "travail", "trabajo", "di",
-                "de", "lavoro", "trabalho", "x", "a"} | FRAME_WORDS  # fmt: skip
+SHEET_BESIDE = {
+    "size", "outline", "edge", "area", "work", "working", "cutting", "cut", "laser", "limit", "limits", "rect", "mm",
+    "layer", "the", "of", "guide", "iso", "din", "ansi", "jis", "ebene", "calque", "capa", "livello", "laag", "zone",
+    "travail", "trabajo", "di", "de", "lavoro", "trabalho", "x", "a",
+} | FRAME_WORDS  # fmt: skip
 """Words that stand beside those and change nothing."""
 SHEET_PHRASES = re.compile(
     r"\b(?:work(?:ing)? area|cutting area|area de trabajo|area de trabalho|area di lavoro|zone de travail)\b"
@@ -123,7 +127,11 @@ OUTSIDE_WORDS = (
 )
 """How words for lines begin that are cut on their outside."""
 POCKET_WORDS = {"pocket", "pockets", "pocketing", "tasche", "taschen", "poche", "poches", "vcarve", "halftone"}
-"""Words for what is milled, but not through."""
+"""Words for what is milled, but not through, ..."""
+COUNTERSINK = re.compile(
+    r"\bcounter ?(?:sink|sunk|bore)|\bc ?(?:sink|bore)|\bcsk\b|\bsenk(?:ung|er)|\bansenk|\bfraisur|\bavellan|\bsvasat"
+)
+"""... and for the wider part of holes for screws."""
 PAGE = "page"
 """What `--skip` calls the edge of the page."""
 _REFERENCE = re.compile(r"burn:\s*[\d.]+\s*mm")
@@ -182,6 +190,7 @@ def is_engraved(word: str) -> bool:
     return any(token.startswith(ENGRAVING_WORDS) for token in _tokens(word))
 
 
+@lru_cache(4096)
 def is_auxiliary_layer(word: str) -> bool:
     """Whether a layer of this name holds what is not cut.
 
@@ -198,9 +207,21 @@ def is_auxiliary_layer(word: str) -> bool:
         return False
     return (
         bool(set(tokens) & POCKET_WORDS)
+        or bool(COUNTERSINK.search(phrase))
         or is_engraved(word)
         or any(token.startswith(_BEGINNINGS) or token in _WORDS for token in (*tokens, phrase))
     )
+
+
+def says_cut(word: str) -> bool:
+    """Whether the name of a layer says that it is cut.
+
+    Examples
+    --------
+    >>> says_cut("Cut 2"), says_cut("Layer 2")
+    (True, False)
+    """
+    return bool(set(_tokens(word)) & set(CUT_WORDS)) or is_cut_name(word)
 
 
 def is_hole_layer(word: str) -> bool:
@@ -251,6 +272,7 @@ def is_outside_layer(word: str) -> bool:
     return any(token.startswith(OUTSIDE_WORDS) for token in _tokens(word))
 
 
+@lru_cache(4096)
 def is_cut_name(word: str) -> bool:
     """Whether a name is one of a hole, slot or notch.
 
@@ -272,16 +294,25 @@ def is_cut_name(word: str) -> bool:
 
 def is_cut(stroke: Stroke) -> bool:
     """Whether the names of a stroke, or of what it stands in, say that it is cut out of a part."""
-    own = (stroke.label, stroke.name, *stroke.marks, stroke.layer)
+    return bool(cut_by(stroke))
+
+
+def cut_by(stroke: Stroke) -> str:
+    """What says that a stroke is cut out of a part: a "hole" in a name of it or of what it stands in, another "name", or nothing."""
     around = (mark for group in stroke.groups for mark in (group.name, *group.marks))
-    return any(map(is_cut_name, (*own, *around)))
+    names = [stroke.label, stroke.name, *stroke.marks, stroke.layer, *around]
+    said = [name for name in names if is_cut_name(name)]
+    if any(token.startswith(HOLE_WORDS) for name in said for token in _tokens(name)):
+        return "hole"
+    return "name" if said else ""
 
 
-def _tokens(word: str) -> list[str]:
+@lru_cache(4096)
+def _tokens(word: str) -> tuple[str, ...]:
     """Words in small letters without accents; numbers part them."""
     plain = unicodedata.normalize("NFKD", word.lower().replace("ß", "ss").replace("ø", "o"))
     bare = "".join(letter for letter in plain if not unicodedata.combining(letter))
-    return re.findall(r"[^\W\d_]+", bare)
+    return tuple(re.findall(r"[^\W\d_]+", bare))
 
 
 def _words(stroke: Stroke) -> set[str]:
@@ -350,6 +381,10 @@ _PONOKO, _PONOKO_CUT = "#f6921e", "#0000ff"
 """The frame and the notes of a template of Ponoko, and the lines that are cut on it."""
 
 
+_MEET = 1e-3
+"""Boxes of strokes nearer than this share of the drawing meet."""
+
+
 def _reference_lines(artwork: Artwork, reasons: list[str]) -> None:
     """Leave out centre lines and hidden edges by their line type, where lines without gaps are there to be cut."""
     rows = [i for i, reason in enumerate(reasons) if not reason]
@@ -378,25 +413,38 @@ def _reference_bar(artwork: Artwork, reasons: list[str]) -> None:
 
 
 def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
-    """Leave out what is filled without a line of another colour inside outlines that are lines without a fill."""
+    """Leave out what is filled without a line of another colour inside outlines that are lines without a fill.
+
+    Red fills are fixed parts, unless they have the colour of lettering.
+    """
     rows = [i for i, reason in enumerate(reasons) if not reason]
+    lettered = {s.fill for s, reason in zip(artwork.strokes, reasons, strict=True) if reason and s.fill}
     lines = [i for i in rows if artwork.strokes[i].colour and not artwork.strokes[i].fill]
     fills = [
         i
         for i in rows
-        if artwork.strokes[i].fill and artwork.strokes[i].colour in ("", artwork.strokes[i].fill) and not artwork.strokes[i].fixed
-        and not _called(artwork.strokes[i], options)
+        if artwork.strokes[i].fill
+        and (artwork.strokes[i].colour in ("", artwork.strokes[i].fill) or is_light(artwork.strokes[i].colour))
+        and (not artwork.strokes[i].fixed or artwork.strokes[i].fill in lettered) and not _called(artwork.strokes[i], options)
     ]  # fmt: skip
     if not lines or not fills:
         return
-    boxes = [_box(artwork.strokes[i]) for i in lines]
-    tree = shapely.STRtree(boxes)
+    boxes = _boxes_of_outlines([artwork.strokes[i] for i in lines])
+    area, tree = shapely.area(boxes), shapely.STRtree(boxes)
     for i in fills:
         inner = _box(artwork.strokes[i])
-        if any(boxes[k].area > inner.area for k in tree.query(inner, predicate="covered_by").tolist()):
+        if (area[tree.query(inner, predicate="covered_by")] > inner.area).any():
             reasons[i] = (
                 "filled without a line of another colour, among lines: engraving; --solid NAME|all reads it as a part"
             )
+
+
+def _boxes_of_outlines(strokes: Sequence[Stroke]) -> NDArray[np.object_]:
+    """Boxes of strokes, of those that meet together: an outline may be drawn in several."""
+    bounds = shapely.bounds([_box(stroke) for stroke in strokes])
+    near = _MEET * float(np.ptp(bounds.reshape(-1, 2), axis=0).max())
+    low, high = bounds[:, :2] - near, bounds[:, 2:] + near
+    return shapely.envelope(shapely.get_parts(shapely.union_all(shapely.box(*low.T, *high.T))))
 
 
 def _called(stroke: Stroke, options: ReadOptions) -> bool:

@@ -46,6 +46,19 @@ class Affine(NamedTuple):
             b * inner.e + d * inner.f + f,
         )
 
+    def inverse(self) -> Affine:
+        """The map back.
+
+        Examples
+        --------
+        >>> Affine(2.0, 0.0, 0.0, -2.0, 1.0, 6.0).inverse().point(3 + 4j)
+        (1+1j)
+        """
+        size = self.a * self.d - self.b * self.c
+        back = Affine(self.d / size, -self.b / size, -self.c / size, self.a / size)
+        shift = back.vector(complex(self.e, self.f))
+        return back._replace(e=-shift.real, f=-shift.imag)
+
     def vector(self, z: complex) -> complex:
         """Map a vector x + iy without the shift."""
         return complex(self.a * z.real + self.c * z.imag, self.b * z.real + self.d * z.imag)
@@ -200,14 +213,26 @@ def parse_view_box(text: str) -> Box:
     >>> parse_view_box("0 0 10 5")
     Box(x=0.0, y=0.0, width=10.0, height=5.0)
     """
-    try:
-        values = [float(item) for item in text.replace(",", " ").split()]
-    except ValueError:
-        values = []
-    if len(values) != 4 or not all(map(math.isfinite, values)) or min(values[2:]) <= 0:
+    values = _four_numbers(text)
+    if not values or min(values[2:]) <= 0:
         message = f'viewBox "{text[:40]}" cannot be read; it takes four numbers, the last two larger than 0'
         raise ValueError(message)
     return Box(*values)
+
+
+def is_empty_view_box(text: str) -> bool:
+    """Whether a viewBox has no width or no height."""
+    values = _four_numbers(text)
+    return bool(values) and min(values[2:]) == 0
+
+
+def _four_numbers(text: str) -> list[float]:
+    """The numbers of a viewBox; none where they are not four."""
+    try:
+        values = [float(item) for item in text.replace(",", " ").split()]
+    except ValueError:
+        return []
+    return values if len(values) == 4 and all(map(math.isfinite, values)) else []
 
 
 def fit(view: Box, port: Box, aspect: str) -> Affine:

@@ -10,6 +10,7 @@ from wiggleroom.drawing.model import Part, Points
 from wiggleroom.drawing.readers.source import Source
 from wiggleroom.drawing.readers.svg import walked_svg
 from wiggleroom.drawing.readers.svg_walk import Origin
+from wiggleroom.drawing.readers.xmltree import TAG, element_span, spliced
 from wiggleroom.drawing.strokes.layers import cut_strokes
 from wiggleroom.drawing.strokes.pathdata import Arc, Cubic, Subpath
 from wiggleroom.drawing.strokes.read_options import ReadOptions
@@ -18,7 +19,6 @@ from wiggleroom.drawing.strokes.transforms import Affine
 from wiggleroom.drawing.writers.drawn_rings import Redrawn, redrawn
 from wiggleroom.errors import InputError
 
-_TAG = re.compile(r"<[^>\"']*(?:\"[^\"]*\"[^>\"']*|'[^']*'[^>\"']*)*>")
 _ATTRIBUTE = re.compile(r"\s+([^\s=<>\"'/]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
 _ENCODING = re.compile(r"(^\s*<\?xml[^>]*encoding\s*=\s*[\"'])[A-Za-z0-9._-]+")
 _SHAPE = frozenset(
@@ -46,30 +46,20 @@ def svg_in_place(
     changed = redrawn(strokes, drawn, made, flatten)
     if changed is None:
         return source.text
-    pieces, end = [], 0
     told = [(origins[id(s)], s, new) for s, new in zip(strokes, changed, strict=True) if len(new.kept) < len(s.paths)]
+    words = []
     for origin, stroke, new in sorted(told, key=lambda one: one[0].element.at):
         if origin.copied:
             message = f"{source.name}: {stroke}: an outline is a copy (use) of another shape; unlink the copies first"
             raise InputError(message)
-        begin, after = _span(source.text, origin)
-        pieces += [source.text[end:begin], _element(source.text[begin:after], origin, new)]
-        end = after
-    return _ENCODING.sub(r"\1UTF-8", "".join([*pieces, source.text[end:]]), count=1)
-
-
-def _span(text: str, origin: Origin) -> tuple[int, int]:
-    """Where an element begins and ends."""
-    element = origin.element
-    tag = _TAG.match(text, element.at)
-    if tag is not None and tag.group().endswith("/>"):
-        return element.at, tag.end()
-    return element.at, text.index(">", element.end) + 1
+        begin, after = element_span(source.text, origin.element)
+        words.append((begin, after, _element(source.text[begin:after], origin, new)))
+    return _ENCODING.sub(r"\1UTF-8", spliced(source.text, words), count=1)
 
 
 def _element(text: str, origin: Origin, new: Redrawn) -> str:
     """The paths in place of an element, with what else it says."""
-    tag = _TAG.match(text)
+    tag = TAG.match(text)
     assert tag is not None
     inner = "" if tag.group().endswith("/>") else text[tag.end() : text.rindex("</")]
     name = tag.group()[1:].split(None, 1)[0].rstrip("/>")
@@ -87,7 +77,7 @@ def _element(text: str, origin: Origin, new: Redrawn) -> str:
         if paint:
             words = "; ".join([*([style] if style else []), *paint]).replace('"', "'")
             kept = [(k, v) for k, v in kept if k != "style"] + [("style", f'"{words}"')]
-    inverse = _inverse(origin.matrix)
+    inverse = origin.matrix.inverse()
     digits = max(0, min(15, 9 + math.floor(math.log10(_scale(origin.matrix)))))
     data = ["".join(_ring(ring, inverse, digits) for ring in rings) for rings in new.rings.values()]
     rest = "".join(_curve(mapped(one, inverse), digits) for one in new.kept)
@@ -106,18 +96,6 @@ def _scale(matrix: Affine) -> float:
     return math.sqrt(abs(matrix.a * matrix.d - matrix.b * matrix.c))
 
 
-def _inverse(m: Affine) -> Affine:
-    """The map from the page back.
-
-    >>> _inverse(Affine(2.0, 0.0, 0.0, -2.0, 1.0, 6.0)).point(3 + 4j)
-    (1+1j)
-    """
-    size = m.a * m.d - m.b * m.c
-    back = Affine(m.d / size, -m.b / size, -m.c / size, m.a / size)
-    shift = back.vector(complex(m.e, m.f))
-    return back._replace(e=-shift.real, f=-shift.imag)
-
-
 def _ring(ring: Points, inverse: Affine, digits: int) -> str:
     corners = (inverse.point(complex(x, y)) for x, y in ring.tolist())
     return "M" + "L".join(_point(p, digits) for p in corners) + "z"
@@ -130,13 +108,13 @@ def _curve(path: Subpath, digits: int) -> str:
         if isinstance(segment, Cubic):
             words.append("C" + " ".join(_point(p, digits) for p in segment))
         elif isinstance(segment, Arc):
-            words += ["C" + " ".join(_point(p, digits) for p in three) for three in _cubics(segment)]
+            words += ["C" + " ".join(_point(p, digits) for p in three) for three in cubics(segment)]
         else:
             words.append(f"L{_point(segment.end, digits)}")
     return "".join(words) + ("z" if path.closed else "")
 
 
-def _cubics(arc: Arc) -> list[tuple[complex, complex, complex]]:
+def cubics(arc: Arc) -> list[tuple[complex, complex, complex]]:
     """Control points and ends of cubics along an arc, off by less than 0.03 % of its radius."""
     count = max(1, math.ceil(abs(arc.sweep) / (math.pi / 2) - 1e-9))
     step = arc.sweep / count

@@ -8,6 +8,8 @@ becomes a polyhedron which is too large only by terms of second order.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -40,7 +42,7 @@ def polyhedron(material: PairMaterial, near: PairMaterial, low: float, high: flo
     out = np.column_stack([along[:, 1], -along[:, 0]]) / long[:, None]
     flat = np.column_stack([out, np.zeros(len(out)), (out * start).sum(1)])
     try:
-        slanted = _walls(material, near, low, high, region, start + along / 2, out, long)
+        slanted = _walls(material, near, low, high, region, _Sides(start + along / 2, out, long))
     except shapely.errors.GEOSException:
         slanted = []
     for planes in (np.vstack([flat, *slanted]), flat):
@@ -51,17 +53,25 @@ def polyhedron(material: PairMaterial, near: PairMaterial, low: float, high: flo
     return corners
 
 
+@dataclass(frozen=True, eq=False)
+class _Sides:
+    """Sides of a polygon: their middles (k, 2), outward normals (k, 2) and lengths (k,)."""
+
+    at: Floats
+    out: Floats
+    long: Floats
+
+
 def _walls(
     material: PairMaterial,
     near: PairMaterial,
     low: float,
     high: float,
     region: shapely.Geometry,
-    at: Floats,
-    out: Floats,
-    long: Floats,
+    sides: _Sides,
 ) -> list[Floats]:
-    """Planes (normal, slope by turn, offset) of walls that lie near the sides `at` (k, 2) with normals `out` and hold throughout."""
+    """Planes (normal, slope by turn, offset) of walls that lie near some sides and hold throughout."""
+    at, out, long = sides.at, sides.out, sides.long
     middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-9) + 1e-14
     a, b = corners_of(near.a), corners_of(near.b)
     seen = tuple(rotated(v, np.full(len(v), middle)) for v in b)

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
+from wiggleroom.context import Context
 from wiggleroom.errors import require_extra
-from wiggleroom.parallel.parallel_run import ParallelRun
+from wiggleroom.parallel.parallel_run import run_each
 from wiggleroom.report.films.film_svg import PAUSES
 from wiggleroom.report.films.scene import Scene
 from wiggleroom.report.pictures import palette
@@ -25,6 +26,10 @@ GIF_SIZE, MP4_SIZE = (680, 640), (840, 760)
 """Widest and tallest film [px]."""
 
 
+PALETTE_FRAMES = 12
+"""The colours of a GIF are those of so many of its frames: parts that leave are not in the last one."""
+
+
 def gif(made: Scene, rate: float, *, back: bool, progress: Progress | None = None) -> bytes:
     """Scene as a GIF that plays for ever.
 
@@ -38,11 +43,16 @@ def gif(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
 
 
 def as_gif(frames: Sequence[Picture], colours: Sequence[int] | None, rate: float, *, back: bool) -> bytes:
-    """Images of one size as a GIF that plays for ever, in these colours, or in those that the last one needs."""
+    """Images of one size as a GIF that plays for ever, in these colours, or in those that a dozen of them need."""
     from PIL import Image
 
     if colours is None:
-        table = frames[-1].quantize(dither=Image.Dither.NONE)
+        some = frames[:: max(1, len(frames) // PALETTE_FRAMES)]
+        width, height = some[0].size
+        sheet = Image.new("RGB", (width, height * len(some)))
+        for k, frame in enumerate(some):
+            sheet.paste(frame, (0, k * height))
+        table = sheet.quantize(dither=Image.Dither.NONE)
     else:
         table = Image.new("P", (1, 1))
         table.putpalette(list(colours))
@@ -108,7 +118,7 @@ def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> It
     x, y, wide, high = (scale * s for s in made.stage)
     left, top = max(math.floor(x), 0), max(math.floor(y), 0)
     box = (left, top, min(math.ceil(x + wide), still.width), min(math.ceil(y + high), still.height))
-    for drawn in ParallelRun(progress=progress).each(moving, (made, box, scale, own), range(made.frames)):
+    for drawn in run_each(moving, (made, box, scale, own), range(made.frames), Context(counted=progress)):
         over = Image.open(io.BytesIO(drawn))
         image = still.copy()
         image.paste(over, box[:2], over)

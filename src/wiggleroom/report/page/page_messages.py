@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -22,7 +22,7 @@ from wiggleroom.schema.requests import Design, Goals
 from wiggleroom.search.answer import Answer, Contact
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.solids.spatial_model import SpatialDrawing
+    from wiggleroom.drawing.model import Drawing
 
 DOWN = (0.0, 0.0, -1.0)
 """Where everything sinks in the page."""
@@ -48,7 +48,7 @@ def drawing_message(drawing: Drawing, parts: Sequence[Part], name: str) -> Opene
     )
 
 
-def design_message(drawing: Drawing | SpatialDrawing) -> Design:
+def design_message(drawing: Drawing) -> Design:
     """What a drawing or an assembly in space asks, as a design.
 
     Raises
@@ -86,7 +86,7 @@ def digits_of(size: float) -> int:
     return max(0, OUTLINE_DIGITS - math.floor(math.log10(size)))
 
 
-def answer_message(answer: Answer[Any], command: str) -> FlexReply:
+def answer_message(answer: Answer, command: str) -> FlexReply:
     """What an answer says, in the words of the commands."""
     return FlexReply(
         objective=answer.objective,

@@ -34,5 +34,5 @@ def plan_options(found: Plan) -> tuple[str, ...]:
     """Options of the command that asks for the same plan."""
     said = [f"--target={name}" for name in found.targets]
     if found.gravity is not None:
-        said.append(f"--gravity={found.gravity[0]:.12g},{found.gravity[1]:.12g}")
+        said.append("--gravity=" + ",".join(f"{x:.12g}" for x in found.gravity))
     return tuple(said)

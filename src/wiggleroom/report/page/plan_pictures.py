@@ -99,6 +99,12 @@ def write_stills(found: Plan, folder: Path, *, command: str = "") -> int:
 def still(found: Plan, k: int, *, command: str = "") -> str:
     """Picture of step k, from 0: where it begins in thin lines, where it ends, and arrows along which parts go."""
     step = found.steps[k]
+    title = f"step {k + 1} of {len(found.steps)}: {step_sentence(step)}"
+    said = [f"hold: {', '.join(step.all_held)}"] if step.all_held else []
+    if found.assembly.dimension == 3:
+        from wiggleroom.report.solids.spatial_picture import step_svg
+
+        return step_svg(found.assembly, step, k + 1, [title, *said])
     there = np.flatnonzero(step.there)
     begin = only(displaced(found.assembly, step.path[0]), there)
     path = (step.path - step.path[:1])[:, there]
@@ -107,8 +113,6 @@ def still(found: Plan, k: int, *, command: str = "") -> str:
         begin, tuple(_arrow(begin, step, name, found) for name in step.parts), Verdict.STATIONARY,
         0.0, shown, PathState.CHECKED, command=command,
     )  # fmt: skip
-    title = f"step {k + 1} of {len(found.steps)}: {step_sentence(step)}"
-    said = [f"hold: {', '.join(step.all_held)}"] if step.all_held else []
     return picture(answer, magnify=1.0, title=title, said=said, words=STEP_WORDS)
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.drawing.writers.plain_json import json_bytes
 from wiggleroom.report.page.standalone_page import hashed, shipped
@@ -28,8 +29,9 @@ from wiggleroom.report.results.table import fixed
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.solid_colours import Colour, part_colours
 from wiggleroom.report.solids.spatial_path import timed_path, with_quaternions
+from wiggleroom.schema.reply_base import Cell
+from wiggleroom.schema.study_replies import Piece
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
@@ -57,6 +59,7 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
 th, td { text-align: right; padding: .15rem .3rem; border-bottom: 1px solid var(--line); }
 th:first-child, td:first-child { text-align: left; }
 td:first-child { overflow-wrap: anywhere; } td label { display: flex; gap: .4rem; align-items: center; }
+aside svg { max-width: 100%; height: auto; }
 code { font-size: 12px; overflow-wrap: anywhere; }
 @media (max-width: 800px) { body { grid-template-columns: 1fr; height: auto; } main { height: 75vh; }
   aside { border-left: 0; border-top: 1px solid var(--line); } }
@@ -66,15 +69,9 @@ code { font-size: 12px; overflow-wrap: anywhere; }
 """
 
 
-def page_of_spatial_answer(
-    answer: Answer[SpatialAssembly],
-    command: str = "",
-    colours: Sequence[Colour] | None = None,
-    facts: Sequence[str] = (),
-) -> str:
-    """Answer as a page: orbit, the path from rest by a slider, contacts at its end; `facts` stand first."""
+def page_of_spatial_answer(answer: Answer, command: str = "") -> str:
+    """Answer as a page: orbit, the path from rest by a slider, contacts at its end."""
     sure = [
-        *(f"<p>{escape(line)}</p>" for line in facts),
         f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(verdict_sentence(answer))}</p>',
         f"<p>gap {number(answer.assembly.gap)} mm; {escape(certainty(answer))}; "
         f"deepest overlap {number(answer.deepest_overlap, 2)} mm</p>",
@@ -92,10 +89,10 @@ def page_of_spatial_answer(
     if held:
         body += _table("Held by", ("contact", "x mm", "y mm", "z mm", "force"), held)
     foot = f"{answer.solver} on {answer.model}, {answer.iterations} iterations"
-    return _page(headline(answer), body, foot, command, answer.assembly, answer.waypoints, answer.contacts, colours)
+    return _page(headline(answer), body, foot, command, _scene(answer.assembly, answer.waypoints, answer.contacts))
 
 
-def page_of_separation(found: Interlock[SpatialAssembly], command: str = "") -> str:
+def page_of_separation(found: Interlock, command: str = "") -> str:
     """How it comes apart as a page: which parts leave, in which order, along which path."""
     body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(why(found))}</p>'
     body += f"<p>gap {number(found.assembly.gap)} mm</p>"
@@ -108,19 +105,61 @@ def page_of_separation(found: Interlock[SpatialAssembly], command: str = "") -> 
         else np.zeros((1, len(found.assembly.parts), 6))
     )
     body += _table("Parts", ("part",), [[n] for n in found.assembly.names[:MAX_ROWS]], ticks=True)
-    return _page(check_title(found), body, f"{found.questions} questions", command, found.assembly, waypoints, ())
+    return _page(
+        check_title(found),
+        body,
+        f"{found.questions} questions",
+        command,
+        _scene(found.assembly, waypoints, ()),
+        at_end=False,
+    )
 
 
-def page_of_spatial_assembly(assembly: SpatialAssembly) -> str:
+def page_of_spatial_study(
+    title: str,
+    facts: Sequence[str],
+    sections: Sequence[Piece],
+    about: Answer | Assembly,
+    command: str = "",
+    colours: Sequence[Colour] | None = None,
+    *,
+    at_end: bool = True,
+) -> str:
+    """Study as a page: the motion it is about, or the parts at rest, beside its figures and tables."""
+    body = "".join(f"<p>{escape(line)}</p>" for line in facts)
+    for piece in sections:
+        body += f"<h2>{escape(piece.title)}</h2>" + (f"<p>{escape(piece.text)}</p>" if piece.text else "") + piece.svg
+        if piece.rows:
+            cells = [[_said(cell) for cell in row] for row in piece.rows[:MAX_ROWS]]
+            body += _table("", piece.columns, cells)
+        body += "".join(f"<p>{escape(term)}: {escape(sentence)}</p>" for term, sentence in piece.terms)
+    if isinstance(about, Answer):
+        return _page(
+            title, body, "", command, _scene(about.assembly, about.waypoints, about.contacts, colours), at_end=at_end
+        )
+    still = np.zeros((1, len(about.parts), 6))
+    return _page(title, body, "", command, _scene(about, still, (), colours))
+
+
+def _said(cell: Cell) -> str:
+    """A cell of a table as text."""
+    if isinstance(cell, str):
+        return cell
+    if isinstance(cell, list):
+        return " | ".join(cell)
+    return "" if cell is None or not math.isfinite(cell) else number(cell)
+
+
+def page_of_spatial_assembly(assembly: Assembly) -> str:
     """Assembly in space as a page: the parts at rest, to be turned and taken apart, and what the file asks."""
     title, *more = assembly_lines(assembly)
     still = np.zeros((1, len(assembly.parts), 6))
     rows = [[part.name, "stands" if part.fixed else ""] for part in assembly.parts[:MAX_ROWS]]
     body = "".join(f"<p>{escape(line)}</p>" for line in more) + _table("Parts", ("part", ""), rows, ticks=True)
-    return _page(title, body, "", "", assembly, still, ())
+    return _page(title, body, "", "", _scene(assembly, still, ()))
 
 
-def _motion_rows(assembly: SpatialAssembly, motion: Floats) -> list[list[str]]:
+def _motion_rows(assembly: Assembly, motion: Floats) -> list[list[str]]:
     farthest = float(np.linalg.norm(motion[:, :3], axis=1).max(initial=0.0))
     return [
         [name, *(fixed(x, farthest) for x in m[:3].tolist()), f"{math.degrees(float(np.linalg.norm(m[3:]))):.3f}"]
@@ -130,7 +169,12 @@ def _motion_rows(assembly: SpatialAssembly, motion: Floats) -> list[list[str]]:
 
 def _table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], ticks: bool = False) -> str:
     """Table under its heading; with `ticks` every first cell shows or hides a part."""
-    out = [f"<h2>{escape(title)}</h2><table><tr>", *(f"<th>{escape(h)}</th>" for h in heads), "</tr>"]
+    out = [
+        f"<h2>{escape(title)}</h2>" if title else "",
+        "<table><tr>",
+        *(f"<th>{escape(h)}</th>" for h in heads),
+        "</tr>",
+    ]
     for k, row in enumerate(rows):
         first = escape(short(row[0]))
         if ticks:
@@ -144,12 +188,12 @@ def _page(
     body: str,
     foot: str,
     command: str,
-    assembly: SpatialAssembly,
-    waypoints: Floats,
-    contacts: Sequence[Contact],
-    colours: Sequence[Colour] | None = None,
+    scene: dict[str, object],
+    *,
+    at_end: bool = True,
 ) -> str:
-    data = json_bytes(_scene(assembly, waypoints, contacts, colours)).decode().replace("<", "\\u003c")
+    """The page, with what its view shows; it opens at the end of the path, or at rest."""
+    data = json_bytes(scene).decode().replace("<", "\\u003c")
     script = shipped("space-view.js")
     policy = f"default-src 'none'; img-src data:; style-src {hashed(STYLE)}; script-src {hashed(script)}"
     asked = f"<h2>Command</h2><p><code>{escape(command)}</code></p>" if command else ""
@@ -160,7 +204,9 @@ def _page(
         f"<title>{escape(title)}</title><style>{STYLE}</style></head>\n<body><main>"
         '<div id="view"><noscript>This page needs JavaScript.</noscript></div>'
         '<div class="bar"><button id="play" type="button">Play</button>'
-        '<label>path <input id="path" type="range" min="0" max="1" step="0.001" value="1"></label>'
+        '<label>path <input id="path" type="range" min="0" max="1" step="0.001" value="'
+        + ("1" if at_end else "0")
+        + '"></label>'
         '<label>exploded <input id="explode" type="range" min="0" max="1.5" step="0.01" value="0"></label></div></main>'
         f'<aside><h1>{escape(title)}</h1>{body}{asked}<p class="quiet">{escape(foot)}</p></aside>'
         f'<script type="application/json" id="solid">{data}</script>\n<script type="module">{script}</script></body></html>\n'
@@ -168,10 +214,10 @@ def _page(
 
 
 def _scene(
-    assembly: SpatialAssembly,
+    assembly: Assembly,
     waypoints: Floats,
     contacts: Sequence[Contact],
-    colours: Sequence[Colour] | None,
+    colours: Sequence[Colour] | None = None,
 ) -> dict[str, object]:
     """What the view shows, as data."""
     reference = assembly.reference
@@ -179,7 +225,7 @@ def _scene(
     corners = []
     shown = colours or part_colours(assembly)
     for part, made, at, colour, aside in zip(
-        assembly.parts, assembly.made, reference, shown, exploded_offsets(assembly).tolist(), strict=True
+        assembly.parts, assembly.solids, reference, shown, exploded_offsets(assembly).tolist(), strict=True
     ):
         world = made.surface.vertices @ part.R.T + part.at
         corners.append(world)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly, corners_at
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.report.page.page_messages import design_message
 from wiggleroom.report.page.solid_page import packed
 from wiggleroom.report.solids.exploded_view import exploded_offsets
 from wiggleroom.report.solids.spatial_path import along_path, with_quaternions
 from wiggleroom.schema.replies import Opened, PartShape, Solids, SolidShape
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, SpatialDrawing
 
 Floats = NDArray[np.float64]
 
@@ -20,10 +21,10 @@ MAX_FRAME_MOTIONS = 60_000
 """Motions of parts in all frames of a path together; at least two frames."""
 
 
-def spatial_opened(drawing: SpatialDrawing, assembly: SpatialAssembly, name: str) -> Opened:
+def spatial_opened(drawing: Drawing, assembly: Assembly, name: str) -> Opened:
     """An assembly in space and what it asks; solids as they are in `assembly`."""
     reference = assembly.reference
-    corners = np.vstack([m.surface.vertices @ p.R.T + p.at for p, m in zip(assembly.parts, assembly.made, strict=True)])
+    corners = np.vstack([corners_at(part) for part in assembly.parts])
     (x0, y0, _), (x1, y1, _) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     return Opened(
         name=name,
@@ -41,13 +42,13 @@ def spatial_opened(drawing: SpatialDrawing, assembly: SpatialAssembly, name: str
     )
 
 
-def solids_message(assembly: SpatialAssembly) -> Solids:
+def solids_message(assembly: Assembly) -> Solids:
     """Surfaces about their reference points; parts that are alike share theirs."""
     reference = assembly.reference
     shapes: list[SolidShape] = []
     of: list[int] = []
     known: dict[tuple[int, bytes], int] = {}
-    for part, made, at in zip(assembly.parts, assembly.made, reference, strict=True):
+    for part, made, at in zip(assembly.parts, assembly.solids, reference, strict=True):
         key = (id(made), part.R.tobytes())
         if key not in known:
             known[key] = len(shapes)
@@ -62,7 +63,7 @@ def _triples(points: Floats) -> list[tuple[float, float, float]]:
     return [(float(x), float(y), float(z)) for x, y, z in points]
 
 
-def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:
+def spatial_frames(assembly: Assembly, points: Floats) -> Floats:
     """Motions (k, n, 7) along a path (m, n, 6), evenly along it: displacements [mm] and quaternions x, y, z, w.
 
     Between two frames positions go straight and turns about one constant axis, as between waypoints; the first and the last of

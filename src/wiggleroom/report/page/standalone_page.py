@@ -119,7 +119,7 @@ def section(
     *,
     svg: str = "",
     columns: Sequence[str] = (),
-    rows: Sequence[Sequence[str | float]] = (),
+    rows: Sequence[Sequence[str | float | None]] = (),
     terms: Sequence[tuple[str, str]] = (),
 ) -> Piece:
     """A piece of a page under its heading; infinity is written as a word, because JSON cannot say it."""

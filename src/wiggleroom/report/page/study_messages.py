@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from msgspec import UNSET
 
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.results.answer_words import per_gap
-from wiggleroom.report.results.rank_results import ranking_sure
+from wiggleroom.report.results.rank_words import ranking_sure
 from wiggleroom.report.results.separability import border_sentence, check_sure, leaves, why
 from wiggleroom.schema.study_replies import CheckReply, ImportanceEntry, JointEntry, LeavingEntry, RankReply, StepReply
 from wiggleroom.sensitivity.rank import Ranking
@@ -39,7 +37,7 @@ def ranking_message(ranking: Ranking, command: str) -> RankReply:
     )
 
 
-def check_message(found: Interlock[Any], command: str, border: LargestGap | None = None) -> CheckReply:
+def check_message(found: Interlock, command: str, border: LargestGap | None = None) -> CheckReply:
     """Whether it comes apart, who leaves in which order and how, and how sure that is."""
     return CheckReply(
         verdict=found.verdict,

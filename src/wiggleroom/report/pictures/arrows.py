@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,6 +34,13 @@ _DISC_SHARE, _DISC = 0.07, (9.0, 16.0)
 """Radius of a numbered disc as a share of the size of a part, and the least and the largest [px]."""
 _SMALL, _SLIGHT = 30.0, 0.1
 """Parts of fewer pixels are too small for all their contacts: those with less than this share of the largest force are left out."""
+
+_LEGS, _HEAD = 3, 11.0
+"""Straight pieces of a bent arrow at most, and length of its head [px]."""
+_SLIGHT_BEND = 0.15
+"""Bends that lead a part aside by less than this share of its size are not drawn."""
+_LONGER = 0.6
+"""Every further leg makes an arrow longer by this share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +115,30 @@ def _pull(start: Floats, tip: Floats, moved: Floats | None = None) -> Mark:
     x, y = start
     ring = f'<circle cx="{x:.2f}" cy="{y:.2f}" r="4" fill="{palette.PAPER}" stroke="{colour}" stroke-width="2"/>'
     return Mark(svg + f'<path d="{head}" fill="{colour}"/>' + ring, tuple(lines))
+
+
+def bent_arrow(start: Floats, track: Floats, room: float) -> Mark:
+    """Arrow from a point (2,) [px] bent as a track (k, 2) [px] is, not to scale, for a part `room` pixels large."""
+    tolerance = _SLIGHT_BEND * room
+    while len(corners := _simplified(track, tolerance)) > _LEGS + 1:
+        tolerance *= 1.5
+    legs = np.diff(corners, axis=0)
+    length = np.hypot(*legs.T)
+    along = legs / length[:, None]
+    length[-1] = min(length[-1], max(length[:-1].sum(), room))  # the last leg has no end
+    length *= PULL_LENGTH * (1 + _LONGER * (len(legs) - 1)) / length.sum()
+    length = np.maximum(length, MIN_ARROW_LENGTH)
+    length[0] += disc_radius(room)
+    drawn = start + np.vstack([np.zeros(2), np.cumsum(along * length[:, None], axis=0)])
+    shaft, head = arrow(drawn[-2], drawn[-1], _HEAD)
+    before = "".join(f"M{x:.2f},{y:.2f}L{u:.2f},{v:.2f}" for (x, y), (u, v) in pairwise(drawn[:-1]))
+    stroke = f'fill="none" stroke="{palette.MOTION}" stroke-width="3" stroke-linecap="round"'
+    svg = f'<path d="{before}{shaft}" {stroke}/><path d="{head}" fill="{palette.MOTION}"/>'
+    return Mark(svg, tuple(np.array(pair) for pair in pairwise(drawn)))
+
+
+def _simplified(track: Floats, tolerance: float) -> Floats:
+    return shapely.get_coordinates(shapely.simplify(shapely.LineString(track), tolerance, preserve_topology=False))
 
 
 def numbered(mark: Mark, number: int, room: float) -> Mark:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.report.pictures import frame, layout, palette
-from wiggleroom.report.pictures.arrows import MIN_ARROW_LENGTH, PULL_LENGTH, Mark, arrow, carry, disc_radius, numbered
+from wiggleroom.report.pictures.arrows import Mark, bent_arrow, carry, numbered
 from wiggleroom.report.pictures.picture import PartColours, drawn_parts
 from wiggleroom.report.results.separability import Checked, check_facts, check_title
 
@@ -86,35 +84,9 @@ def leaving_picture(
 
 def way_out(view: layout.View, point: Floats, track: Floats, room: float) -> Mark:
     """Arrow from a point (2,) [mm] bent as its track (k, 2) [mm] is, not to scale, for a part `room` pixels large."""
-    size = room / view.scale
-    tolerance, track = _SLIGHT * size, track * (1, -1)
-    while len(corners := _simplified(track, tolerance)) > _LEGS + 1:
-        tolerance *= 1.5
-    legs = np.diff(corners, axis=0)
-    length = np.hypot(*legs.T)
-    along = legs / length[:, None]
-    length[-1] = min(length[-1], max(length[:-1].sum(), size))  # the last leg has no end
-    length *= PULL_LENGTH * (1 + _LONGER * (len(legs) - 1)) / length.sum()
-    length = np.maximum(length, MIN_ARROW_LENGTH)
-    length[0] += disc_radius(room)
-    drawn = view.pixels(point) + np.vstack([np.zeros(2), np.cumsum(along * length[:, None], axis=0)])
-    shaft, head = arrow(drawn[-2], drawn[-1], _HEAD)
-    before = "".join(f"M{x:.2f},{y:.2f}L{u:.2f},{v:.2f}" for (x, y), (u, v) in pairwise(drawn[:-1]))
-    stroke = f'fill="none" stroke="{palette.MOTION}" stroke-width="3" stroke-linecap="round"'
-    svg = f'<path d="{before}{shaft}" {stroke}/><path d="{head}" fill="{palette.MOTION}"/>'
-    return Mark(svg, tuple(np.array(pair) for pair in pairwise(drawn)))
+    return bent_arrow(view.pixels(point), track * (view.scale, -view.scale), room)
 
 
-def _simplified(track: Floats, tolerance: float) -> Floats:
-    return shapely.get_coordinates(shapely.simplify(shapely.LineString(track), tolerance, preserve_topology=False))
-
-
-_LEGS, _HEAD = 3, 11.0
-"""Straight pieces of an arrow at most, and length of its head [px]."""
-_SLIGHT = 0.15
-"""Bends that lead a part aside by less than this share of its size are not drawn."""
-_LONGER = 0.6
-"""Every further leg makes an arrow longer by this share."""
 _FILLS = {
     "fixed": palette.FIXED[0], "leaves": palette.PULLED[0], "aside": palette.ASIDE, "stays": palette.NEUTRAL[0],
 }  # fmt: skip

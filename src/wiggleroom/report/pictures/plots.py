@@ -48,6 +48,7 @@ def curve(
     level: Mark | None = None,
     most: Floats | None = None,
     command: str = "",
+    framed: bool = True,
 ) -> str:
     """Curve through points, such as motion against gap; it is broken where `y` is not finite.
 
@@ -64,6 +65,8 @@ def curve(
     most : (k,) float64, optional
         Upper bounds of the points. Of a curve that never falls they make a band: between two points it lies above the lower one and
         below the bound of the higher one. Not finite where there is none.
+    framed : bool
+        False: small, without title, facts and command, for a panel of a page that says them itself.
 
     Examples
     --------
@@ -76,7 +79,9 @@ def curve(
     shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
     top = np.full(len(y), np.nan) if most is None else np.asarray(most, dtype=float).ravel()
     heights = np.concatenate([y, top[np.isfinite(top) & np.isfinite(y)], [] if level is None else [level[0]]])
-    axes, body = plot(span(np.concatenate(shown)), span(heights, zero=True), labels, title, facts)
+    size = (WIDTH, HEIGHT) if framed else PANEL_SIZE
+    head, below = (title, facts) if framed else ("", [])
+    axes, body = plot(span(np.concatenate(shown)), span(heights, zero=True), labels, head, below, size)
     body += horizontal_line(axes, level, palette.FIXED[1]) if level else []
     at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
     colour = palette.PULLED[1]
@@ -88,7 +93,7 @@ def curve(
     radius = 3.5 if there.sum() <= 60 else 1.5
     body += [f'<circle cx="{u:.2f}" cy="{v:.2f}" r="{radius}" fill="{colour}"/>' for u, v in at[there].tolist()]
     body += vertical_lines(axes, marks, [palette.FORCE] * len(marks))
-    return svg_document(axes, body, title, facts, command)
+    return svg_document(axes, body, title, facts, command if framed else "")
 
 
 def _band(axes: Axes, x: Floats, y: Floats, top: Floats) -> list[str]:
@@ -176,6 +181,7 @@ def bars(
     title: str,
     facts: Sequence[str] = (),
     command: str = "",
+    framed: bool = True,
 ) -> str:
     """Bars with names, the longest first, such as a ranking; a line says how many are left out.
 
@@ -186,13 +192,15 @@ def bars(
         Of either sign.
     label : str
         What the values are, with their unit.
+    framed : bool
+        False: without title, facts and command, for a panel of a page that says them itself.
     """
     values = np.asarray(values, dtype=float)
     if values.shape != (len(names),) or not np.isfinite(values).all():
         finding = f"bars: {len(names)} names need as many finite values, not {values.shape}"
         raise InputError(finding)
     order = np.argsort(-np.abs(values), kind="stable")[:MAX_BARS]
-    body, y = frame.header(title, facts, WIDTH + 40)
+    body, y = frame.header(title, facts, WIDTH + 40) if framed else ([], 0.0)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
     scale = (WIDTH - NAME_WIDTH - 90) / ((high - low) or 1.0)
     zero = palette.MARGIN + NAME_WIDTH - low * scale
@@ -220,7 +228,7 @@ def bars(
             text(palette.MARGIN, y, palette.TEXT_SIZE, palette.SUBDUED, f"and {len(values) - len(order)} smaller ones")
         )
     y += 14
-    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
+    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command and framed else []:
         y += palette.SMALL_SIZE + 4
         body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.SUBDUED, row))
     return frame.document(WIDTH + 2 * palette.MARGIN, y + palette.MARGIN - 12, title, facts, command, body)

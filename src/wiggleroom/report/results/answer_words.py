@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, Vector, W, Weight
 from wiggleroom.verdict import PathState, SearchState, Verdict
@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.drawing.model import Goal
     from wiggleroom.search.answer import Answer, Contact
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 MAX_NAME_LENGTH = 40
 """Longer names are cut in the middle [characters]."""
@@ -104,7 +103,7 @@ def goals_text(goals: tuple[Goal, ...], most: int = 1) -> str:
     return ", ".join(goal_text(g) for g in goals[:most]) + more
 
 
-def assembly_lines(assembly: Assembly | SpatialAssembly) -> list[str]:
+def assembly_lines(assembly: Assembly) -> list[str]:
     """What an assembly is, in two lines: its size and gap, then what stands and what is asked."""
     fixed = [part.name for part in assembly.parts if part.fixed]
     stands = f"{few(fixed)} {'stands' if len(fixed) == 1 else 'stand'}" if fixed else "nothing stands"
@@ -128,7 +127,7 @@ def per_gap(goals: tuple[Goal, ...]) -> str:
     return f"{unit(goals)} per mm of gap".strip()
 
 
-def headline(answer: Answer[Any]) -> str:
+def headline(answer: Answer) -> str:
     """Say what was found, in one line, such as "b10 moves 1.372 mm in +y"."""
     goals, value = answer.goals, answer.objective
     if not goals:
@@ -155,7 +154,7 @@ def headline(answer: Answer[Any]) -> str:
     return f"{number(value)} {unit(goals)}".strip() + f": {goals_text(goals, MAX_GOALS)}"
 
 
-def verdict_sentence(answer: Answer[Any]) -> str:
+def verdict_sentence(answer: Answer) -> str:
     """Say what the verdict means; of a model that approximates the free space, what it does not."""
     if answer.period is not None:
         return f"{answer.verdict.sentence}: {repeats(answer)}"
@@ -168,7 +167,7 @@ def verdict_sentence(answer: Answer[Any]) -> str:
     return f"the model {answer.model} {end}; it only approximates the contacts: {truth}"
 
 
-def repeats(answer: Answer[Any]) -> str:
+def repeats(answer: Answer) -> str:
     """Say after which turns a motion begins anew, such as "it repeats after gear0 21.18°, gear1 -15.65°"; empty where it does not."""
     if answer.period is None:
         return ""
@@ -176,7 +175,7 @@ def repeats(answer: Answer[Any]) -> str:
     return f"it repeats after {few([f'{short(name)} {number(turn)}°' for name, turn in turned if turn], 4)}"
 
 
-def proven(answer: Answer[Any]) -> str:
+def proven(answer: Answer) -> str:
     """Say between which values the largest motion lies, "between 1.372 and 1.379 mm, proven"; nothing where that is not known.
 
     The lower value is rounded down and the upper one up. Of a quick bound, which nobody asked for, only "at most 1.412 mm".
@@ -212,9 +211,9 @@ def rounded_up(value: float) -> str:
     return f"{high:.{max(places, 0)}f}".rstrip("0").rstrip(".") if places > 0 else f"{high:.0f}"
 
 
-def bound_sentence(answer: Answer[Any]) -> str:
+def bound_sentence(answer: Answer) -> str:
     """Say what was proven about the largest motion, how near it comes and what it took; or why nothing was."""
-    if answer.assembly.dimension == 3:
+    if answer.assembly.dimension == 3 and (answer.bound is None or answer.bound.at_most is None):
         return _bound_in_space(answer)
     bound, between = answer.bound, proven(answer)
     if not between:
@@ -224,13 +223,15 @@ def bound_sentence(answer: Answer[Any]) -> str:
     return between + near + spent + (f"; no nearer one: {bound.why}" if bound is not None and bound.why else "")
 
 
-def _bound_in_space(answer: Answer[Any]) -> str:
-    if answer.at_most is not None:
+def _bound_in_space(answer: Answer) -> str:
+    if answer.at_most is not None and answer.bound is None:
         return f"{rounded_up(answer.at_most)} {unit(answer.goals)}, as a cross-section shows".replace(" ,", ",")
-    return "no bound was found; one is worked out only where all parts are locked to one plane"
+    if answer.bound is not None and answer.bound.why:
+        return f"no bound: {answer.bound.why}"
+    return "no bound was found; one is worked out where all parts are locked to one plane, and by --prove"
 
 
-def searched(answer: Answer[Any]) -> str:
+def searched(answer: Answer) -> str:
     """Say how many starts were made, how many ended at the value reported, and the best value but one."""
     effort = answer.search
     if effort is None:
@@ -245,13 +246,13 @@ def searched(answer: Answer[Any]) -> str:
     return ends if effort.next_best is None else f"{ends}; the best of the others at {number(effort.next_best, 4)}"
 
 
-def solved(answer: Answer[Any]) -> str:
+def solved(answer: Answer) -> str:
     """Say which solver answered, on which model, and what it took."""
     rounds = f"{answer.rounds} round{'s' * (answer.rounds != 1)}"
     return f"{answer.solver} on {answer.model}, {rounds}, {answer.iterations} iteration{'s' * (answer.iterations != 1)}"
 
 
-def answer_sure(answer: Answer[Any]) -> list[tuple[str, str]]:
+def answer_sure(answer: Answer) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
     if answer.objective is not None and unit(answer.goals) == "rad":
@@ -277,7 +278,7 @@ def force_bearing_contacts(contacts: Iterable[Contact]) -> list[Contact]:
     return sorted((c for c in contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
 
 
-def certainty(answer: Answer[Any]) -> str:
+def certainty(answer: Answer) -> str:
     """Say what was checked about the motion, in a few words."""
     if not answer.collision_free:
         return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
@@ -288,7 +289,7 @@ def certainty(answer: Answer[Any]) -> str:
     )
 
 
-def facts(answer: Answer[Any]) -> list[str]:
+def facts(answer: Answer) -> list[str]:
     """Facts under the headline: verdict, size of the question, and how sure it is."""
     if not answer.goals:
         return [f"gap {number(answer.assembly.gap)} mm"]

@@ -20,10 +20,10 @@ from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
+    from wiggleroom.assembly.assembly import Assembly
 
 
-def flex_result(answer: Answer[Any]) -> FlexResult | SpatialFlexResult:
+def flex_result(answer: Answer) -> FlexResult | SpatialFlexResult:
     """Everything `flex --json` says; lengths in mm, angles in degrees."""
     free = answer.verdict is Verdict.UNBOUNDED
     in_space = answer.assembly.dimension == 3
@@ -46,11 +46,12 @@ def flex_result(answer: Answer[Any]) -> FlexResult | SpatialFlexResult:
         seconds={stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
         notes=list(answer.assembly.drawing.notes),
         command=answer.command,
-        **({} if in_space else {"bound": _bound(answer), "period": _period(answer)}),
+        bound=_bound(answer),
+        **({} if in_space else {"period": _period(answer)}),
     )
 
 
-def dimension(assembly: Assembly | SpatialAssembly) -> Literal[3] | msgspec.UnsetType:
+def dimension(assembly: Assembly) -> Literal[3] | msgspec.UnsetType:
     """What the result of a study says of an assembly in space; nothing in the plane."""
     return 3 if assembly.dimension == 3 else UNSET
 
@@ -66,7 +67,7 @@ def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:
     return PeriodEntry(float(period.objective), turned, period.first, path)
 
 
-def _motions(answer: Answer[Any], motion: NDArray[np.float64], names: Container[str]) -> dict[str, Any]:
+def _motions(answer: Answer, motion: NDArray[np.float64], names: Container[str]) -> dict[str, Any]:
     """Motions of some parts, by name."""
     return {name: part_motion(m) for name, m in zip(answer.assembly.names, motion, strict=True) if name in names}
 

@@ -1,10 +1,10 @@
-"""Plans as JSON (`wiggleroom.plan/1`), as a page for the terminal, and in words."""
+"""Plans as JSON (`wiggleroom.plan/1`) and in words."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from msgspec import UNSET
@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
-from wiggleroom.planning.steps import STILL, Step
+from wiggleroom.planning.steps import STILL, Step, axes_of
 from wiggleroom.report.results.answer_words import few, number, towards
+from wiggleroom.report.results.json_results import part_motion
 from wiggleroom.report.results.search_extent import extent_text, search_entry
-from wiggleroom.report.results.table import SEPARABILITY_COLOURS
-from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.plan_schema import (
     PlanAssemblyEntry,
     PlanGapEntry,
@@ -24,16 +23,14 @@ from wiggleroom.schema.plan_schema import (
     PlanResult,
     PlanSampleEntry,
     PlanStepEntry,
+    SpatialPlanAssemblyEntry,
+    SpatialPlanResult,
+    SpatialPlanStepEntry,
 )  # fmt: skip
 from wiggleroom.verdict import Certainty, Separability
 
-if TYPE_CHECKING:
-    from rich.console import Group
-
 Floats = NDArray[np.float64]
 
-_MAX_STEPS = 40
-"""Steps that the page for the terminal lists."""
 MAX_PIECES = 3
 """Paths of more straight pieces than this are not described piece by piece."""
 SLIGHT_TURN = 0.05
@@ -51,11 +48,14 @@ class PlanTolerances:
     gap: SmallestGap | None = None
 
 
-def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = None) -> PlanResult:
+def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = None) -> PlanResult | SpatialPlanResult:
     """Everything `plan --json` says; lengths in mm, angles in degrees."""
     names, told = found.assembly.names, told or PlanTolerances()
-    steps = [_step(names, step) for step in found.steps]
-    return PlanResult(
+    steps: list[Any] = [_step(names, step) for step in found.steps]
+    in_space = found.assembly.dimension == 3
+    kind = SpatialPlanResult if in_space else PlanResult
+    back: Any = SpatialPlanAssemblyEntry if in_space else PlanAssemblyEntry
+    return kind(
         verdict=found.verdict,
         certainty=found.certainty,
         targets=list(found.targets),
@@ -64,7 +64,7 @@ def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = No
         moves=found.moves,
         steps=steps,
         assembly=[
-            PlanAssemblyEntry(step=k + 1, parts=s.parts, path=s.path[::-1], axis=s.axis, held=s.held, falling=s.falling)
+            back(step=k + 1, parts=s.parts, path=s.path[::-1], axis=s.axis, held=s.held, falling=s.falling)
             for k, s in reversed(list(enumerate(steps)))
         ],
         remains=list(found.remains),
@@ -136,10 +136,9 @@ def tolerance_sentences(told: PlanTolerances) -> list[str]:
 
 def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
     shown = np.flatnonzero(step.there & np.any(np.abs(step.path) > STILL, axis=(0, 2)))
-    path = [
-        {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in shown} for m in step.path
-    ]
-    return PlanStepEntry(
+    path = [{names[k]: part_motion(m[k]) for k in shown} for m in step.path]
+    kind: Any = PlanStepEntry if step.path.shape[2] == 3 else SpatialPlanStepEntry
+    return kind(
         parts=list(step.parts),
         as_one=step.as_one,
         leaves=list(step.leaves),
@@ -152,20 +151,6 @@ def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
         held=list(step.all_held),
         falling=list(step.falling),
     )
-
-
-def plan_table(found: Plan, told: PlanTolerances | None = None) -> Group:
-    """Page that `plan` prints: the steps one after the other, the level, and how far the search went; fits into 80 columns."""
-    from rich.console import Group
-    from rich.text import Text
-
-    lines = [Text.assemble((plan_title(found), f"bold {SEPARABILITY_COLOURS[found.verdict]}"))]
-    lines += [Text(f"{k + 1:3}. {step_sentence(step)}") for k, step in enumerate(found.steps[:_MAX_STEPS])]
-    if len(found.steps) > _MAX_STEPS:
-        lines.append(Text(f"     ... and {len(found.steps) - _MAX_STEPS} more steps; --json has all"))
-    lines += [Text(line) for line in (*plan_facts(found), *tolerance_sentences(told or PlanTolerances()))]
-    lines.append(Text(f"seconds: {found.seconds:.2f}, {searched_sentence(found)}", style="dim"))
-    return Group(*lines)
 
 
 def plan_title(found: Plan) -> str:
@@ -217,14 +202,15 @@ def step_sentence(step: Step) -> str:
 def _how(step: Step) -> str:
     """Directions of the pieces of a step."""
     rows = np.flatnonzero(np.any(np.abs(step.path - step.path[:1]) > STILL, axis=(0, 2)))
+    axes = axes_of(step.path)
     pieces = np.diff(step.path[:, rows[0]], axis=0)
-    turn = math.degrees(abs(step.path[-1, rows[0], 2] - step.path[0, rows[0], 2]))
+    turn = math.degrees(float(np.linalg.norm(step.path[-1, rows[0], axes:] - step.path[0, rows[0], axes:])))
     if len(pieces) <= MAX_PIECES and (step.as_one or len(rows) == 1):
+        lengths = np.linalg.norm(pieces[:, :axes], axis=1).tolist()
         straight = [
-            f"{towards((x, y))}"
-            + ("" if step.leaves and k == len(pieces) - 1 else f" by {number(math.hypot(x, y))} mm")
-            for k, (x, y, _) in enumerate(pieces.tolist())
-            if math.hypot(x, y) > STILL
+            f"{towards(piece)}" + ("" if step.leaves and k == len(pieces) - 1 else f" by {number(length)} mm")
+            for k, (piece, length) in enumerate(zip(pieces[:, :axes].tolist(), lengths, strict=True))
+            if length > STILL
         ]
         if straight:
             return "in " + ", then ".join(straight) + (f", turned by {number(turn, 2)}°" if turn > SLIGHT_TURN else "")

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.planning.plan import Plan
 from wiggleroom.schema.disassembly_schema import StateSearchEntry
 
 
-def extent_text(found: Interlock[Any] | Plan) -> str:
+def extent_text(found: Interlock | Plan) -> str:
     """Words for the states that were visited, those in which parts were turned, and the largest motions that were searched."""
     said = []
     if found.states > 1:

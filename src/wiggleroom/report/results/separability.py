@@ -1,10 +1,10 @@
-"""Whether it comes apart, as JSON (`wiggleroom.check/1`), as a page for the terminal, and as an answer that can be drawn."""
+"""Whether it comes apart, as JSON (`wiggleroom.check/1`), in words, and as an answer that can be drawn."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -14,10 +14,10 @@ from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull, Vector
+from wiggleroom.planning.steps import STILL, axes_of, moves_of
 from wiggleroom.report.results.answer_words import MIN_MOTION, few, number, towards
 from wiggleroom.report.results.json_results import part_motion
 from wiggleroom.report.results.search_extent import extent_text, search_entry
-from wiggleroom.report.results.table import SEPARABILITY_COLOURS
 from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.schema.spatial_result_schema import (
     SpatialCheckResult,
@@ -28,23 +28,17 @@ from wiggleroom.schema.spatial_result_schema import (
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Certainty, PathState, Separability, Verdict
 
-if TYPE_CHECKING:
-    from rich.console import Group
-
-MAX_ESCAPES = 12
-"""Escapes that the table lists."""
-
 
 @dataclass(frozen=True, eq=False)
 class Checked:
     """What `check` found, with the largest gap where that was asked for."""
 
-    found: Interlock[Any]
+    found: Interlock
     border: LargestGap | None = None
 
 
 def check_result(
-    found: Interlock[Any], border: LargestGap | None = None, command: str = ""
+    found: Interlock, border: LargestGap | None = None, command: str = ""
 ) -> CheckResult | SpatialCheckResult:
     """Everything `check --json` says; lengths in mm, angles in degrees."""
     kind: Any = SpatialCheckResult if _in_space(found) else CheckResult
@@ -64,7 +58,7 @@ def check_result(
     )  # fmt: skip
 
 
-def _separability(found: Interlock[Any]) -> Any:
+def _separability(found: Interlock) -> Any:
     names = found.assembly.names
     paths = [(list(e.parts), _waypoints(names, e)) for e in found.escapes]
     if _in_space(found):
@@ -92,32 +86,7 @@ def _waypoints(names: tuple[str, ...], escape: Escape) -> list[dict[str, Any]]:
     return [{names[k]: part_motion(m[k]) for k in moved} for m in escape.path]
 
 
-def check_table(found: Interlock[Any], border: LargestGap | None = None) -> Group:
-    """Page that `check` prints: verdict, who leaves in which order, what spins, what remains; fits into 80 columns."""
-    from rich.console import Group
-    from rich.text import Text
-
-    verdict = (found.verdict, f"bold {SEPARABILITY_COLOURS[found.verdict]}")
-    lines = [Text.assemble(verdict, f" at gap {number(found.assembly.gap)} mm: {why(found)}")]
-    for k, escape in enumerate(found.escapes[:MAX_ESCAPES]):
-        lines.append(Text(f"{k + 1:3}. {leaves(found, escape)}"))
-    if len(found.escapes) > MAX_ESCAPES:
-        lines.append(Text(f"     ... and {len(found.escapes) - MAX_ESCAPES} more"))
-    if found.escapes and len(found.remains) > 1:
-        lines.append(Text(_remains(found)))
-    if found.spins:
-        lines.append(Text(f"turns in place without limit: {few(found.spins)}"))
-    if found.verdict is Separability.COMES_APART and _in_space(found):
-        lines.append(Text("friction, glue and press fit are outside this verdict: it is about shapes alone"))
-    if border is not None:
-        lines.append(Text(border_sentence(border), style="bold"))
-    spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
-    searched = f", {extent_text(found)}" if found.questions or found.states > 1 else ""
-    lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
-    return Group(*lines)
-
-
-def _remains(found: Interlock[Any]) -> str:
+def remains(found: Interlock) -> str:
     """Say what stays; several fixed parts hold others, but are not interlocked with each other."""
     if _in_space(found):  # what stands is among them
         return f"remains: {few(found.remains)}"
@@ -128,7 +97,7 @@ def _remains(found: Interlock[Any]) -> str:
     return f"remains interlocked with what is fixed: {few(held)}"
 
 
-def why(found: Interlock[Any]) -> str:
+def why(found: Interlock) -> str:
     """What the verdict rests on."""
     if found.verdict is Separability.COMES_APART:
         if found.certainty is Certainty.SEARCHED:
@@ -154,7 +123,7 @@ def why(found: Interlock[Any]) -> str:
     return f"searched, no path out was found along {found.questions:,} largest motions"
 
 
-def _why_in_space(found: Interlock[Any]) -> str:
+def _why_in_space(found: Interlock) -> str:
     if found.verdict is Separability.UNKNOWN:
         return "no path out was found, and not every motion was covered"
     if found.certainty is Certainty.PROVEN:
@@ -162,7 +131,7 @@ def _why_in_space(found: Interlock[Any]) -> str:
     return "searched: no path out by slides, turns in place and largest motions; others were not tried"
 
 
-def _in_space(found: Interlock[Any]) -> bool:
+def _in_space(found: Interlock) -> bool:
     return found.assembly.dimension == 3
 
 
@@ -176,18 +145,18 @@ def further(distance: float) -> str:
     return number(math.ceil(distance / unit) * unit)
 
 
-def leaves(found: Interlock[Any], escape: Escape) -> str:
+def leaves(found: Interlock, escape: Escape) -> str:
     """Who leaves, and how."""
     verb = "leaves" if len(escape.parts) == 1 else "leave together"
     return f"{few(escape.parts)} {verb} {direction_text(found, escape)}"
 
 
-def check_title(found: Interlock[Any]) -> str:
+def check_title(found: Interlock) -> str:
     """Verdict and gap in one line."""
     return f"{found.verdict} at gap {number(found.assembly.gap)} mm"
 
 
-def check_facts(found: Interlock[Any], border: LargestGap | None) -> list[str]:
+def check_facts(found: Interlock, border: LargestGap | None) -> list[str]:
     """Facts under the title."""
     gone = [name for escape in found.escapes for name in escape.parts]
     said = [f"{len(found.assembly.parts)} parts", why(found)]
@@ -195,7 +164,7 @@ def check_facts(found: Interlock[Any], border: LargestGap | None) -> list[str]:
     return said + ([border_sentence(border)] if border is not None else [])
 
 
-def check_sure(found: Interlock[Any]) -> list[tuple[str, str]]:
+def check_sure(found: Interlock) -> list[tuple[str, str]]:
     """What a verdict rests on and what it took: a word and a sentence each."""
     return [
         ("verdict", f"{found.verdict}: {why(found)}"),
@@ -204,15 +173,22 @@ def check_sure(found: Interlock[Any]) -> list[tuple[str, str]]:
     ]
 
 
-def direction_text(found: Interlock[Any], escape: Escape) -> str:
-    """How the parts go."""
+def direction_text(found: Interlock, escape: Escape) -> str:
+    """How the parts go: along which axes, in how many moves where none of these turns anything."""
     way = towards(last_direction(found, escape))
-    return (
-        f"straight in {way}" if len(escape.path) == 2 else f"on a path of {len(escape.path)} points, at last in {way}"
-    )
+    moves = int(moves_of(escape.path)[-1]) + 1
+    if moves == 1:
+        return f"straight in {way}"
+    axes = axes_of(escape.path)
+    if np.abs(escape.path[..., axes:] - escape.path[0, :, axes:]).max() > STILL:
+        return f"on a path of {len(escape.path)} points, at last in {way}"
+    change = np.abs(np.diff(escape.path[..., :axes], axis=0)) > STILL
+    used = ["xyz"[k] for k in range(axes) if change[..., k].any()]
+    along = f" along {few(used)}" if (change.sum(axis=2) < 2).all() else ""
+    return f"in {moves} moves{along}, at last in {way}"
 
 
-def last_direction(found: Interlock[Any], escape: Escape) -> Vector:
+def last_direction(found: Interlock, escape: Escape) -> Vector:
     """Unit vector along which the first of the parts leaves at last."""
     rows = [found.assembly.names.index(name) for name in escape.parts]
     steps = np.diff(escape.path[:, rows, : found.assembly.dimension], axis=0)

@@ -12,30 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.planning.plan import Plan
+from wiggleroom.report.finding import Finding
 from wiggleroom.report.results.answer_words import MIN_MOTION
 from wiggleroom.report.results.separability import Checked
 from wiggleroom.search.answer import Answer
-from wiggleroom.sensitivity.gap_trials import AllowableGap
-from wiggleroom.sensitivity.rank import Ranking
-from wiggleroom.sensitivity.sample import Sample
-from wiggleroom.sensitivity.sweep import Sweep
-from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.sensitivity.worst_case import WorstCase
-from wiggleroom.verdict import PathState
 
 
-def csv_of(
-    found: Answer[Any] | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap
-    | WorstCase | Plan
-) -> str:  # fmt: skip
-    """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> print(csv_of(wr.sweep(wr.patterns.chain(2, joint="tee"), [0.02])).splitlines()[0])
-    gap,objective,verdict
-    """
+def csv_of(found: Answer | Checked | Plan | Finding) -> str:
+    """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty."""
     heads: tuple[str, ...]
     rows: Sequence[Sequence[Any]]
     match found:
@@ -48,26 +32,16 @@ def csv_of(
             heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.found.assembly.names, paths)
         case Checked():
             heads, rows = ("escape", "step", *MOTION_COLUMNS), _escapes(found)
+        case Plan() if found.assembly.dimension == 3:
+            heads, rows = SPATIAL_COLUMNS, _spatial_steps(found.assembly.names, [step.path for step in found.steps])
         case Plan():
             heads, rows = ("step", "point", *MOTION_COLUMNS), _planned(found)
-        case Ranking():
-            heads, rows = ("kind", "name", "other", "per_mm", "tighter_per_mm", "percent"), _ranks(found)
-        case Tightening():
-            heads, rows = ("order", "part", "moved_before_mm", "moved_after_mm"), _tightened(found)
-        case Sweep():
-            heads, rows = ("gap", "objective", "verdict"), [(s.gap, s.objective, s.verdict) for s in found.steps]
-            if any(s.at_most is not None for s in found.steps):
-                heads, rows = (*heads, "at_most"), [(*row, s.at_most) for row, s in zip(rows, found.steps, strict=True)]
-        case Sample():
-            heads, rows = ("draw", "objective", *found.answer.assembly.names), _draws(found)
-        case AllowableGap():
-            heads, rows = ("gap", "objective", "at_most", "verdict", "path"), _trials(found)
-        case WorstCase():
-            heads, rows = (*TOLERANCE_COLUMNS, "per_mm", "looser_mm", "tighter_mm", "percent"), _contributions(found)
+        case Finding():
+            assert found.data is not None
+            heads, rows = tuple(found.data.heads), found.data.rows
     return text_of(heads, rows)
 
 
-TOLERANCE_COLUMNS = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
 MOTION_COLUMNS = ("part", "dx_mm", "dy_mm", "turn_deg")
 SPATIAL_COLUMNS = ("path", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg")
 
@@ -122,51 +96,4 @@ def _planned(found: Plan) -> list[tuple[Any, ...]]:
     for k, step in enumerate(found.steps):
         moves = [found.assembly.names.index(name) for name in step.parts]
         rows += [(k + 1, *row) for row in _steps(step.parts, step.path[:, moves])]
-    return rows
-
-
-def _ranks(ranking: Ranking) -> list[tuple[Any, ...]]:
-    """Parts, then joints, the most important first."""
-    names = ranking.answer.assembly.names
-    parts = [
-        ("part", names[k], "", float(ranking.looser[k]), float(ranking.tighter[k]), float(ranking.percent[k]))
-        for k in ranking.order.tolist()
-    ]
-    joints = [
-        ("joint", *(names[i] for i in ranking.joints[k].tolist()), float(ranking.joint_looser[k]), None,
-         float(ranking.joint_percent[k]))
-        for k in ranking.joint_order.tolist()
-    ]  # fmt: skip
-    return parts + joints
-
-
-def _tightened(found: Tightening) -> list[tuple[Any, ...]]:
-    names = found.before.assembly.names
-    before, after = (
-        np.linalg.norm(a.motion[:, : 2 if a.motion.shape[1] == 3 else 3], axis=1).tolist()
-        for a in (found.before, found.after)
-    )
-    return [(k + 1, name, before[names.index(name)], after[names.index(name)]) for k, name in enumerate(found.chosen)]
-
-
-def _draws(found: Sample) -> list[tuple[Any, ...]]:
-    """Objective of every draw, and the extra gap [mm] round every part."""
-    return [
-        (k + 1, float(value), *extra)
-        for k, (value, extra) in enumerate(zip(found.value, found.extra.tolist(), strict=True))
-    ]
-
-
-def _trials(found: AllowableGap) -> list[tuple[Any, ...]]:
-    return [(t.gap, t.value, t.at_most, t.verdict, PathState.of(t.checked)) for t in found.trials]
-
-
-def _contributions(found: WorstCase) -> list[tuple[Any, ...]]:
-    """Tolerances and what each contributes, the largest first."""
-    rows = []
-    for share, one in zip(found.percent.tolist(), found.contributions, strict=True):
-        t = one.tolerance
-        kind = "joint" if len(t.parts) == 2 else "part" if t.outline is None else "outline"
-        names = (*t.parts, "")[:2]
-        rows.append((kind, *names, t.outline, t.nominal, t.plus, t.minus, one.slope, one.looser, one.tighter, share))
     return rows

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly, corners_at
 from wiggleroom.drawing.writers.glue_groups import body_numbers
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
@@ -14,14 +14,14 @@ CONCENTRIC = 0.02
 """Bodies whose centres are nearer to each other than this share of the assembly's diagonal stand one in another."""
 
 
-def exploded_offsets(assembly: SpatialAssembly) -> Floats:
+def exploded_offsets(assembly: Assembly) -> Floats:
     """How far each part (n, 3) [mm] is set aside in a view that doubles all distances from the middle; what is glued stays together.
 
     Of bodies with one centre, like the sticks of a burr, the largest stays there and the others leave along their longest axes.
     Other views take a multiple of it.
     """
     body = np.array(body_numbers(assembly.names, assembly.drawing.glue))
-    vertices = [m.surface.vertices @ p.R.T + p.at for p, m in zip(assembly.parts, assembly.made, strict=True)]
+    vertices = [corners_at(part) for part in assembly.parts]
     corners = [np.vstack([vertices[i] for i in np.flatnonzero(body == b)]) for b in range(body.max() + 1)]
     everything = np.vstack(vertices)
     middle = (everything.min(axis=0) + everything.max(axis=0)) / 2

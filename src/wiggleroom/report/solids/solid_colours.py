@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import Surface
 from wiggleroom.drawing.writers.glue_groups import body_numbers
 from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, Surface
 
 Floats = NDArray[np.float64]
 Colour = tuple[int, int, int]
@@ -18,7 +19,7 @@ COLOURS = ((79, 129, 189), (192, 124, 62), (110, 160, 90), (150, 110, 170), (200
 """Of loose bodies, one after the other."""
 
 
-def part_colours(assembly: SpatialAssembly) -> list[Colour]:
+def part_colours(assembly: Assembly) -> list[Colour]:
     """Colours of the parts: grey what stands, one colour for what is glued together."""
     body_of = body_numbers(assembly.names, assembly.drawing.glue)
     still = {body for body, part in zip(body_of, assembly.parts, strict=True) if part.fixed}
@@ -26,12 +27,12 @@ def part_colours(assembly: SpatialAssembly) -> list[Colour]:
     return [FIXED if body in still else known.setdefault(body, COLOURS[len(known) % len(COLOURS)]) for body in body_of]
 
 
-def moved_surfaces(assembly: SpatialAssembly, motion: Floats) -> list[Surface]:
+def moved_surfaces(assembly: Assembly, motion: Floats) -> list[Surface]:
     """Surfaces of all parts in the world."""
     found = []
     turns = exponential(motion[:, 3:])
     for part, made, R, m, reference in zip(
-        assembly.parts, assembly.made, turns, motion, assembly.reference, strict=True
+        assembly.parts, assembly.solids, turns, motion, assembly.reference, strict=True
     ):
         world = made.surface.vertices @ part.R.T + part.at
         found.append(Surface((world - reference) @ R.T + reference + m[:3], made.surface.faces))

@@ -10,21 +10,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import Context
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.files import write_whole
-from wiggleroom.parallel.parallel_run import ParallelRun
+from wiggleroom.parallel.parallel_run import run_each
+from wiggleroom.planning.plan import Plan
 from wiggleroom.report.films.film_frames import as_gif, as_mp4, need_film_library
 from wiggleroom.report.films.film_svg import PAUSES
 from wiggleroom.report.films.film_timing import ease_in_out
 from wiggleroom.report.pictures.file_endings import FILM_SVG, FILMS, check_ending, ending
 from wiggleroom.report.pictures.png import png
 from wiggleroom.report.results.answer_words import certainty, few, headline, towards
+from wiggleroom.report.results.plan_results import plan_title, step_sentence
 from wiggleroom.report.results.separability import last_direction
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces
 from wiggleroom.report.solids.spatial_path import IN_SIGHT, along_path
-from wiggleroom.report.solids.spatial_picture import HEIGHT, WIDTH, frame_of, spatial_svg
+from wiggleroom.report.solids.spatial_picture import HEIGHT, WIDTH, Shown, frame_of, spatial_svg
 from wiggleroom.search.answer import Answer
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -40,9 +43,7 @@ PIXELS = 680
 """Width of films of pixels."""
 
 
-def film_of_spatial(
-    found: Answer[SpatialAssembly] | Interlock[SpatialAssembly], path: Path, *, progress: Progress | None = None
-) -> None:
+def film_of_spatial(found: Answer | Interlock | Plan, path: Path, *, progress: Progress | None = None) -> None:
     """Write a film of an answer, from rest along its path and back where something holds it, or of all escape paths.
 
     Raises
@@ -57,6 +58,11 @@ def film_of_spatial(
         facts = f"{found.verdict}, gap {found.assembly.gap:g} mm, {certainty(found)}"
         lines = [[headline(found), facts]]
         paths, back = [found.waypoints], not found.leaves
+    elif isinstance(found, Plan):
+        paths, back = [step.path for step in found.steps], False
+        paths = paths or [found.path]
+        lines = [[plan_title(found), f"{k + 1}. {step_sentence(step)}"] for k, step in enumerate(found.steps)]
+        lines = lines or [[plan_title(found)]]
     else:
         title = f"{found.verdict} at gap {found.assembly.gap:g} mm"
         still = [np.zeros((1, len(found.assembly.parts), 6))]
@@ -75,20 +81,18 @@ def film_of_spatial(
         for motion in along_path(assembly, waypoints, ease_in_out(frames) if len(waypoints) > 1 else np.ones(1))
     ]
     shared = (assembly, _frame(assembly, [m for m, _ in scenes]), None)
-    drawn = list(ParallelRun(progress=progress).each(drawn_frame, (shared, scenes), range(len(scenes))))
+    drawn = list(run_each(drawn_frame, (shared, scenes), range(len(scenes)), Context(counted=progress)))
     write_whole(path, _played(drawn, kind, back))
 
 
-def drawn_frame(
-    shared: tuple[tuple[SpatialAssembly, tuple[Floats, Floats], Sequence[Colour] | None], list], k: int
-) -> str:
+def drawn_frame(shared: tuple[tuple[Assembly, tuple[Floats, Floats], Sequence[Colour] | None], list], k: int) -> str:
     """One frame as an SVG."""
     (assembly, frame, colours), scenes = shared
     motion, lines = scenes[k]
-    return spatial_svg(assembly, motion, lines, colours=colours, frame=frame)
+    return spatial_svg(assembly, motion, lines, colours=colours, shown=Shown(frame=frame))
 
 
-def _frame(assembly: SpatialAssembly, motions: Sequence[Floats]) -> tuple[Floats, Floats]:
+def _frame(assembly: Assembly, motions: Sequence[Floats]) -> tuple[Floats, Floats]:
     """What of the picture's plane is in sight: the parts at all times, as far as they stay near."""
     size, corners = assembly.size, []
     for motion in [*motions[:: max(1, len(motions) // 12)], motions[-1]]:

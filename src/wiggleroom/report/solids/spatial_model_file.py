@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces, part_colours
 from wiggleroom.report.solids.spatial_path import along_path, with_quaternions
 from wiggleroom.spatial.rotations import exponential, logarithm
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ FLOAT, JSON_CHUNK, BINARY_CHUNK = 5126, 0x4E4F534A, 0x004E4942
 
 
 def glb(
-    assembly: SpatialAssembly, motion: Floats, colours: Sequence[Colour] | None = None, waypoints: Floats | None = None
+    assembly: Assembly, motion: Floats, colours: Sequence[Colour] | None = None, waypoints: Floats | None = None
 ) -> bytes:
     """Parts at a motion (n, 6) as binary glTF, in metres, y up, each with its name and colour.
 
@@ -52,7 +52,7 @@ def glb(
     return found if waypoints is None or len(waypoints) < 2 else _animated(found, assembly, motion, waypoints)
 
 
-def _animated(data: bytes, assembly: SpatialAssembly, motion: Floats, waypoints: Floats) -> bytes:
+def _animated(data: bytes, assembly: Assembly, motion: Floats, waypoints: Floats) -> bytes:
     """The model with an animation of its parts from rest to where they are."""
     size = struct.unpack_from("<I", data, 12)[0]
     content: dict[str, Any] = json.loads(data[20 : 20 + size])

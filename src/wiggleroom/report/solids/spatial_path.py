@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.spatial.rotations import exponential, logarithm, quaternion
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
@@ -18,10 +18,10 @@ MAX_SHARE = 0.5
 """A way out of sight counts no longer than this share of the size, so that parts that fly off do not use up the time."""
 
 
-def timed_path(assembly: SpatialAssembly, waypoints: Floats) -> tuple[Floats, Floats]:
+def timed_path(assembly: Assembly, waypoints: Floats) -> tuple[Floats, Floats]:
     """When each waypoint is reached, (m,) from 0 to 1, by how far corners move; and the path (m, n, 6), with waypoints where sight ends."""
     far = IN_SIGHT * assembly.size
-    reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
+    reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.solids])
     path = [waypoints[0]]
     for one, other in itertools.pairwise(waypoints):
         share = _sight_left(one[:, :3], other[:, :3], far)
@@ -45,7 +45,7 @@ def _sight_left(one: Floats, other: Floats, far: float) -> float | None:
     return float(((np.sqrt(b**2 - a * c) - b) / a).max())
 
 
-def along_path(assembly: SpatialAssembly, waypoints: Floats, shares: Floats) -> Floats:
+def along_path(assembly: Assembly, waypoints: Floats, shares: Floats) -> Floats:
     """Motions (m, n, 6) [mm, rad] after some shares (m,) of a path (k, n, 6); its first and last point as they are."""
     if len(waypoints) == 1:
         return np.repeat(waypoints, len(shares), axis=0)

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+GRID = 1e-10
+"""Corners lie on a grid of this share of their coordinates where their union fails without."""
 FLAT = 1e-7
 """Neighbouring triangles of a hull whose normals differ by less are one face."""
 
@@ -97,4 +99,8 @@ def slab_shadow(differences: Sequence[MinkowskiDifference], low: float, high: fl
             share = (level - start[:, 2]) / (end[:, 2] - start[:, 2])
             flat.append((start + share[:, None] * (end - start))[:, :2])
         polygons.append(shapely.MultiPoint(np.vstack(flat)).convex_hull)
-    return shapely.union_all([p for p in polygons if p.geom_type == "Polygon"])
+    polygons = [p for p in polygons if p.geom_type == "Polygon"]
+    try:
+        return shapely.union_all(polygons)
+    except shapely.errors.GEOSException:  # slivers of many facets: on a grid their union is certain
+        return shapely.union_all(polygons, grid_size=GRID * max(abs(x) for p in polygons for x in p.bounds))

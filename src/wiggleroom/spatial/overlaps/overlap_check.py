@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import Surface
+from wiggleroom.spatial.overlaps.common_solid import least_width
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly, Surface
 
 Floats = NDArray[np.float64]
 
 
-def free_pairs(assembly: SpatialAssembly) -> set[tuple[int, int]]:
+def free_pairs(assembly: Assembly) -> set[tuple[int, int]]:
     """Pairs of parts that may overlap: ignored, glued together, or both fixed."""
     index = {name: k for k, name in enumerate(assembly.names)}
     found = {(min(i, j), max(i, j)) for one, other in assembly.drawing.ignore if (i := index[one], j := index[other])}
@@ -26,7 +28,7 @@ def free_pairs(assembly: SpatialAssembly) -> set[tuple[int, int]]:
     return found
 
 
-def deepest_overlap(assembly: SpatialAssembly, motion: Floats) -> float:
+def deepest_overlap(assembly: Assembly, motion: Floats) -> float:
     """Depth of the deepest overlap of two parts [mm] at a motion (n, 6) [mm, rad] of the parts; 0 where none overlap.
 
     The depth is the least width of the common solid across one of its faces.
@@ -36,7 +38,7 @@ def deepest_overlap(assembly: SpatialAssembly, motion: Floats) -> float:
     R = exponential(motion[:, 3:])
     at = assembly.reference + motion[:, :3]
     placed = []
-    for part, made, r, t, reference in zip(assembly.parts, assembly.made, R, at, assembly.reference, strict=True):
+    for part, made, r, t, reference in zip(assembly.parts, assembly.solids, R, at, assembly.reference, strict=True):
         world = made.surface.vertices @ part.R.T + part.at
         placed.append(Surface((world - reference) @ r.T + t, made.surface.faces))
     low = np.array([s.vertices.min(axis=0) for s in placed])
@@ -53,16 +55,5 @@ def deepest_overlap(assembly: SpatialAssembly, motion: Floats) -> float:
         one, other = (solids.setdefault(k, solid_of(placed[k])) for k in (a, b))
         common = one ^ other  # type: ignore[operator]
         if common.volume() > 0:
-            deepest = max(deepest, *(_width(surface_of(piece)) for piece in common.decompose()))
+            deepest = max(deepest, *(least_width(surface_of(piece))[0] for piece in common.decompose()))
     return deepest
-
-
-def _width(surface: Surface) -> float:
-    """Least width of a solid across one of its faces [mm]."""
-    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    area = np.linalg.norm(normal, axis=1)
-    if not (area > 0).any():
-        return 0.0
-    along = surface.vertices @ (normal[area > 0] / area[area > 0, None]).T
-    return float(np.ptp(along, axis=0).min())

@@ -11,12 +11,12 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compiled.jit_options import OPTIONS, njit
+from wiggleroom.drawing.model import ConvexPiece
 from wiggleroom.spatial.overlaps.overlap_check import free_pairs
 from wiggleroom.spatial.rotations import exponential, logarithm
-from wiggleroom.spatial.solids.convex import ConvexPiece
 from wiggleroom.spatial.solids.separating_axis import candidate_axes, extent, separation
-from wiggleroom.spatial.solids.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,14 +30,14 @@ class SweptCheck:
 
     Parameters
     ----------
-    assembly : SpatialAssembly
+    assembly : Assembly
     """
 
-    def __init__(self, assembly: SpatialAssembly) -> None:
+    def __init__(self, assembly: Assembly) -> None:
         pieces: list[ConvexPiece] = []
         part: list[int] = []
         reference = assembly.reference
-        for k, (p, made) in enumerate(zip(assembly.parts, assembly.made, strict=True)):
+        for k, (p, made) in enumerate(zip(assembly.parts, assembly.solids, strict=True)):
             placed = [piece.placed(p.R, p.at - reference[k]) for piece in made.pieces]
             pieces += placed
             part += [k] * len(placed)

@@ -28,7 +28,7 @@ from wiggleroom.spatial.planes.separating_plane_program import (
 )
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
-from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.planes.spatial_objectives import Nearness, SquaredTravel, SumOfTerms, Term, Twist
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential, quaternion
 from wiggleroom.verdict import SolverStatus
@@ -203,18 +203,26 @@ def _rotation(p: list) -> list[list]:
     ]
 
 
-def _term(
-    casadi: Any, term: Displacement | Twist, program: SeparatingPlaneProgram, column: list, p: list, R: list[list]
-) -> Any:
+def _term(casadi: Any, term: Term, program: SeparatingPlaneProgram, column: list, p: list, R: list[list]) -> Any:
     """One term of the objective."""
-    b, e = term.body, term.direction
-    if isinstance(term, Twist):
-        turn = [entry[b] for entry in p]
-        along = sum(e[k] * turn[k] for k in range(3))
-        return term.weight * 2 * casadi.atan2(2 * along, 1 - sum(t**2 for t in turn))
-    offset = program.bodies.at[b] - term.rest
-    moved = [column[i][b] + offset[i] + sum(R[i][j][b] * term.arm[j] for j in range(3)) - term.arm[i] for i in range(3)]
-    return sum(e[i] * moved[i] for i in range(3))
+
+    def place(b: int, arm: Floats) -> list:
+        at = program.bodies.at[b]
+        return [column[i][b] + at[i] + sum(R[i][j][b] * arm[j] for j in range(3)) for i in range(3)]
+
+    match term:
+        case Twist():
+            turn = [entry[term.body] for entry in p]
+            along = sum(term.direction[k] * turn[k] for k in range(3))
+            return term.weight * 2 * casadi.atan2(2 * along, 1 - sum(t**2 for t in turn))
+        case Nearness():
+            ends = [place(b, arm) for b, arm in zip((term.one, term.other), term.arms, strict=True)]
+            return term.weight * (term.apart - sum((x - y) ** 2 for x, y in zip(*ends, strict=True)))
+    begin = term.rest + term.arm
+    moved = [x - begin[i] for i, x in enumerate(place(term.body, term.arm))]
+    if isinstance(term, SquaredTravel):
+        return term.weight * sum(x**2 for x in moved)
+    return sum(term.direction[i] * moved[i] for i in range(3))
 
 
 def _rows(casadi: Any, of: _Coordinates, x: Any, T: list, R: list[list]) -> Any:
@@ -231,14 +239,14 @@ def _rows(casadi: Any, of: _Coordinates, x: Any, T: list, R: list[list]) -> Any:
     ]
     level = P.start.d + P.length * planes[:, 2] + sum(n[i] * P.c[:, i] for i in range(3))
     k = plane[own]
-    behind = level[k.tolist()] - sum(n[i][k.tolist()] * P.V[own, i] for i in range(3))
+    behind = level[k.tolist(), 0] - sum(n[i][k.tolist(), 0] * P.V[own, i] for i in range(3))
     k = plane[~own]
     pair = np.repeat(np.arange(len(P.a)), np.diff(P.plane))[k]
     a, b = P.a[pair].tolist(), P.b[pair].tolist()
     corner = P.V[~own]
     world = [T[i][b] + sum(R[i][j][b] * corner[:, j] for j in range(3)) - T[i][a] for i in range(3)]
     seen = [sum(R[i][j][a] * world[i] for i in range(3)) for j in range(3)]
-    before = sum(n[i][k.tolist()] * seen[i] for i in range(3)) - level[k.tolist()]
+    before = sum(n[i][k.tolist(), 0] * seen[i] for i in range(3)) - level[k.tolist(), 0]
     back = np.argsort(np.concatenate([np.flatnonzero(own), np.flatnonzero(~own)]))
     return casadi.vertcat(behind, before)[back.tolist(), 0]
 

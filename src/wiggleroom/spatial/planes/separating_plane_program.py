@@ -28,6 +28,10 @@ PLANE_DAMPING = 1e-9
 class SpatialObjective(Protocol):
     """What is maximised: value [mm or rad], gradient (n, 6) and Hessian (n, 6, 6) by (dT, a) at a pose."""
 
+    @property
+    def couples(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of bodies, in order, that have second derivatives in common."""
+
     def value(self, pose: SpatialPose, before: float | None = None) -> float:
         """Value at a pose; turns are counted on from the value `before`."""
 
@@ -36,6 +40,9 @@ class SpatialObjective(Protocol):
 
     def hessian(self, pose: SpatialPose) -> Floats:
         """Second derivatives by (dT, a) of every body."""
+
+    def coupled(self, pose: SpatialPose) -> Floats:
+        """Second derivatives (c, 6, 6) of the couples."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +67,8 @@ class BlockPattern:
         Where the entries of a body's own block live; -1: nowhere.
     diagonal : (V,) int64
         Where the diagonal lives.
+    coupled : (c, 6, 6) int64
+        Where second derivatives of the objective by two bodies live; -1: nowhere.
     """
 
     indptr: Ints
@@ -67,6 +76,7 @@ class BlockPattern:
     entry: Ints
     own: Ints
     diagonal: Ints
+    coupled: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,6 +235,14 @@ class LinearisedSeparatingPlanes:
         own *= P.scale[:, :, None] * P.scale[:, None, :]
         upper = P.pattern.own >= 0
         data[P.pattern.own[upper]] += own[upper]
+        if len(P.pattern.coupled):
+            i, j = np.array(P.objective.couples).T
+            both = -share * P.objective.coupled(self.point.pose)
+            both[:, :, 3:] = both[:, :, 3:] @ self.axes[j]
+            both[:, 3:] = self.axes[i].transpose(0, 2, 1) @ both[:, 3:]
+            both *= P.scale[i][:, :, None] * P.scale[j][:, None, :]
+            there = P.pattern.coupled >= 0
+            np.add.at(data, P.pattern.coupled[there], both[there])
         return data, inverse, mixed
 
 
@@ -271,7 +289,7 @@ def build_planes(
     return SeparatingPlaneProgram(
         bodies, objective, pieces, a, b, plane, np.concatenate([[0], np.cumsum(count)]).astype(np.int64), own,
         np.ascontiguousarray(np.vstack([*corners, np.zeros((0, 3))])), c, lever, slot, scale, length,
-        SeparatingPlanePoint(pose, n, d), clearance, _pattern(a, b, slot),
+        SeparatingPlanePoint(pose, n, d), clearance, _pattern(a, b, slot, objective.couples),
     )  # fmt: skip
 
 
@@ -333,8 +351,8 @@ def _framed(bodies: RigidBodies, pieces: Ints) -> Ints:
     return found[np.lexsort(found.T[[3, 1, 2, 0]])]
 
 
-def _pattern(a: Ints, b: Ints, slot: Ints) -> BlockPattern:
-    """Pattern of the matrix of all bodies that the pairs couple."""
+def _pattern(a: Ints, b: Ints, slot: Ints, couples: Sequence[tuple[int, int]]) -> BlockPattern:
+    """Pattern of the matrix of all bodies that the pairs, and the objective, couple."""
     size = int(slot.max(initial=-1)) + 1
     of_pair = np.concatenate([slot[a], slot[b]], axis=1)
     rows = [np.repeat(of_pair, 12, axis=1).reshape(-1, 12, 12), np.repeat(slot, 6, axis=1).reshape(-1, 6, 6)]
@@ -342,9 +360,14 @@ def _pattern(a: Ints, b: Ints, slot: Ints) -> BlockPattern:
     for block in rows:
         i, j = block, block.transpose(0, 2, 1)
         keys.append(np.where((i >= 0) & (j >= 0) & (i <= j), j * size + i, -1))
+    one, other = np.array(couples, dtype=np.int64).reshape(-1, 2).T
+    i, j = np.broadcast_arrays(slot[one][:, :, None], slot[other][:, None, :])
+    keys.append(np.where((i >= 0) & (j >= 0), j * size + i, -1))
     found = np.unique(np.concatenate([k.ravel() for k in keys]))
     found = found[found >= 0]
     at = [np.where(k >= 0, np.searchsorted(found, k), -1) for k in keys]
     column, row = found // max(size, 1), found % max(size, 1)
     indptr = np.concatenate([[0], np.cumsum(np.bincount(column, minlength=size))])
-    return BlockPattern(indptr.astype(np.int64), row.astype(np.int64), at[0], at[1], np.flatnonzero(row == column))
+    return BlockPattern(
+        indptr.astype(np.int64), row.astype(np.int64), at[0], at[1], np.flatnonzero(row == column), at[2]
+    )

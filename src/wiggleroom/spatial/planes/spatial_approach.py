@@ -86,6 +86,15 @@ class SpatialApproach:
         return out / self.unit
 
     @property
+    def couples(self) -> tuple[tuple[int, int], ...]:
+        """None: every body for itself."""
+        return ()
+
+    def coupled(self, pose: SpatialPose) -> Floats:  # noqa: ARG002
+        """No second derivatives by two bodies."""
+        return np.zeros((0, 6, 6))
+
+    @property
     def _held(self) -> Floats:
         """One for every body that is held back from going elsewhere, zero for the one that is dragged."""
         held = np.ones(len(self.begin.T))

@@ -1,4 +1,4 @@
-"""What is maximised in space: displacements of material points and twists, with exact derivatives."""
+"""What is maximised in space: displacements of material points, their squares, twists and nearness, with exact derivatives."""
 
 from __future__ import annotations
 
@@ -82,34 +82,148 @@ class Twist:
 
 
 @dataclass(frozen=True, eq=False)
+class SquaredTravel:
+    """Weight * squared displacement of a material point of a body [mm2].
+
+    Parameters
+    ----------
+    body, arm, rest : as of `Displacement`
+    weight : float
+    """
+
+    body: int
+    arm: Floats
+    rest: Floats
+    weight: float
+
+    def towards(self, pose: SpatialPose) -> Displacement:
+        """The pull that it is at a pose: along the displacement, twice as strong as that is long."""
+        b = self.body
+        moved = pose.T[b] - self.rest + (pose.R[b] - np.eye(3)) @ self.arm
+        return Displacement(b, self.arm, 2 * self.weight * moved, self.rest)
+
+    def value(self, pose: SpatialPose, before: float | None) -> float:
+        """Squared displacement at a pose."""
+        return self.towards(pose).value(pose, before) / 2
+
+    def derivatives(self, pose: SpatialPose) -> tuple[Floats, Floats]:
+        """Gradient (6,) and Hessian (6, 6) by (dT, a)."""
+        gradient, H = self.towards(pose).derivatives(pose)
+        J = moved_by(pose, self.body, self.arm)
+        return gradient, H + 2 * self.weight * J.T @ J
+
+
+@dataclass(frozen=True, eq=False)
+class Nearness:
+    """Weight * what the squared distance of material points of two bodies loses [mm2].
+
+    Parameters
+    ----------
+    one, other : int
+        Bodies, in order.
+    arms : (2, 3) float64 [mm]
+        The points in their frames.
+    apart : float [mm2]
+        Squared distance at rest.
+    weight : float
+    """
+
+    one: int
+    other: int
+    arms: Floats
+    apart: float
+    weight: float
+
+    def _between(self, pose: SpatialPose) -> Floats:
+        ends = [pose.T[b] + pose.R[b] @ arm for b, arm in zip((self.one, self.other), self.arms, strict=True)]
+        return np.asarray(ends[1] - ends[0])
+
+    def value(self, pose: SpatialPose, before: float | None) -> float:  # noqa: ARG002
+        """What is lost at a pose."""
+        return self.weight * (self.apart - float((self._between(pose) ** 2).sum()))
+
+    def of_each(self, pose: SpatialPose) -> list[tuple[int, Floats, Floats]]:
+        """Either body, with gradient (6,) and Hessian (6, 6) by its (dT, a)."""
+        found = []
+        for body, arm, sign in ((self.one, self.arms[0], 1.0), (self.other, self.arms[1], -1.0)):
+            pull = Displacement(body, arm, sign * 2 * self.weight * self._between(pose), pose.T[body])
+            gradient, H = pull.derivatives(pose)
+            J = moved_by(pose, body, arm)
+            found.append((body, gradient, H - 2 * self.weight * J.T @ J))
+        return found
+
+    def coupled(self, pose: SpatialPose) -> Floats:
+        """Second derivatives (6, 6) by the first body's (dT, a) and the second one's."""
+        first, second = (moved_by(pose, b, arm) for b, arm in zip((self.one, self.other), self.arms, strict=True))
+        return 2 * self.weight * first.T @ second
+
+
+def moved_by(pose: SpatialPose, body: int, arm: Floats) -> Floats:
+    """Derivatives (3, 6) of a material point by its body's (dT, a)."""
+    x, y, z = arm
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.hstack([np.eye(3), -pose.R[body] @ cross])
+
+
+Term = Displacement | Twist | SquaredTravel | Nearness
+
+
+@dataclass(frozen=True, eq=False)
 class SumOfTerms:
-    """Sum of displacements and twists.
+    """Sum of displacements, twists, squared displacements and nearness.
 
     At most one twist is counted on past half a turn exactly; of several, each is counted by its own last value.
     """
 
-    terms: tuple[Displacement | Twist, ...]
+    terms: tuple[Term, ...]
+
+    @property
+    def couples(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of bodies, in order, that have second derivatives in common."""
+        return tuple((t.one, t.other) for t in self.terms if isinstance(t, Nearness))
+
+    def pulls(self, pose: SpatialPose) -> list[Displacement] | None:
+        """Pulls that say where parts leave to, of squared displacements the largest one; None where something else is asked, too."""
+        squares = [t.towards(pose) for t in self.terms if isinstance(t, SquaredTravel)]
+        found = [t for t in self.terms if isinstance(t, Displacement)]
+        if len(squares) + len(found) < len(self.terms):
+            return None
+        return [*found, *sorted(squares, key=lambda t: -float(np.linalg.norm(t.direction)))[:1]]
 
     def value(self, pose: SpatialPose, before: float | None = None) -> float:
         """Value at a pose."""
         if len(self.terms) == 1:
             return self.terms[0].value(pose, before)
-        others = sum(t.value(pose, None) for t in self.terms if isinstance(t, Displacement))
+        others = sum(t.value(pose, None) for t in self.terms if not isinstance(t, Twist))
         twists = [t for t in self.terms if isinstance(t, Twist)]
         if len(twists) == 1:
             return others + twists[0].value(pose, None if before is None else before - others)
         return others + sum(t.value(pose, None) for t in twists)
 
+    def _blocks(self, pose: SpatialPose) -> list[tuple[int, Floats, Floats]]:
+        found = []
+        for term in self.terms:
+            if isinstance(term, Nearness):
+                found += term.of_each(pose)
+            else:
+                found.append((term.body, *term.derivatives(pose)))
+        return found
+
     def gradient(self, pose: SpatialPose) -> Floats:
         """Derivatives by (dT, a) of every body (n, 6)."""
         out = np.zeros((len(pose.T), 6))
-        for term in self.terms:
-            out[term.body] += term.derivatives(pose)[0]
+        for body, gradient, _ in self._blocks(pose):
+            out[body] += gradient
         return out
 
     def hessian(self, pose: SpatialPose) -> Floats:
         """Second derivatives by (dT, a) of every body (n, 6, 6)."""
         out = np.zeros((len(pose.T), 6, 6))
-        for term in self.terms:
-            out[term.body] += term.derivatives(pose)[1]
+        for body, _, hessian in self._blocks(pose):
+            out[body] += hessian
         return out
+
+    def coupled(self, pose: SpatialPose) -> Floats:
+        """Second derivatives (c, 6, 6) of the couples."""
+        found = [t.coupled(pose) for t in self.terms if isinstance(t, Nearness)]
+        return np.array(found).reshape(-1, 6, 6)

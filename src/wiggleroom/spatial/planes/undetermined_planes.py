@@ -6,13 +6,13 @@ pieces stops at the seam, with a plane that leans. Where another of these planes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.context import Context
 from wiggleroom.solve.linear_programming import maximise
 from wiggleroom.spatial.planes.separating_plane_newton import CarriedIterate
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, SeparatingPlaneProgram
@@ -47,8 +47,7 @@ def past_undetermined_planes(
     *,
     horizon: float,
     most_turn: float,
-    stop: Stop | None,
-    progress: Callable[[int, float], None] | None,
+    context: Context,
 ) -> tuple[SeparatingPlaneSolution, int]:
     """The solution, or a better one to which other planes lead, all iterates inside all rows; and the number of iterations.
 
@@ -63,10 +62,16 @@ def past_undetermined_planes(
         better = unsettled = None
         starts = (start for start in undetermined_planes(program, found) if _ascends(program, start.point))
         for start, mu in ((start, mu) for start in starts for mu in TURNED_MU):
-            if stop is not None and stop.is_set():
+            if context.stopped:
                 break
             other = SeparatingPlaneSolver(
-                program, inside=True, damped=True, horizon=horizon, most_turn=most_turn, stop=stop, progress=progress
+                program,
+                inside=True,
+                damped=True,
+                horizon=horizon,
+                most_turn=most_turn,
+                stop=context.stop,
+                progress=context.progress,
             ).solve(start, mu)
             iterations += other.iterations
             if other.value > least:

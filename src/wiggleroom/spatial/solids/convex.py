@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wiggleroom.drawing.model import ConvexPiece
 
 Floats = NDArray[np.float64]
 
@@ -16,33 +17,6 @@ PARALLEL = 1e-9
 
 MANY_AXES = 64
 """Of more vectors those that are parallel are found by a tree."""
-
-
-@dataclass(frozen=True, eq=False)
-class ConvexPiece:
-    """A convex polytope in the frame of its part.
-
-    Parameters
-    ----------
-    corners : (k, 3) float64 [mm]
-    normals : (f, 3) float64
-        Outward unit normals of the faces; of two opposite ones only the first.
-    edges : (e, 3) float64
-        Unit directions of the edges, parallel ones once.
-    """
-
-    corners: Floats
-    normals: Floats
-    edges: Floats
-
-    def placed(self, R: Floats, T: Floats) -> ConvexPiece:
-        """The same piece turned by R (3, 3), then moved by T (3,) [mm]."""
-        turned = np.ascontiguousarray(R.T)
-        return ConvexPiece(
-            np.ascontiguousarray(self.corners @ turned + T),
-            np.ascontiguousarray(self.normals @ turned),
-            np.ascontiguousarray(self.edges @ turned),
-        )
 
 
 def convex_piece(points: Floats) -> ConvexPiece:

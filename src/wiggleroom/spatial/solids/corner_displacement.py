@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from wiggleroom.drawing.model import MadeSolid
 from wiggleroom.spatial.solids.face_planes import face_planes, lies_in
-from wiggleroom.spatial.solids.spatial_model import MadeSolid
 
 Floats = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.solids.spatial_model import Surface
+from wiggleroom.drawing.model import Surface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -23,10 +23,7 @@ def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
     cross = np.cross(b - a, c - a)
     area = np.linalg.norm(cross, axis=1)
     normal = cross / np.maximum(area, 1e-300)[:, None]
-    sides = np.sort(np.vstack([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]]), axis=1)
-    face = np.tile(np.arange(len(surface.faces)), 3)
-    order = np.lexsort(sides.T)
-    pairs = face[order].reshape(-1, 2)
+    pairs = shared_edges(surface)[1]
     flat = np.linalg.norm(normal[pairs[:, 0]] - normal[pairs[:, 1]], axis=1) < FLAT
     links = sp.coo_matrix((np.ones(flat.sum()), pairs[flat].T), shape=(len(area), len(area)))
     count, label = connected_components(links, directed=False)
@@ -36,6 +33,14 @@ def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
     level = np.full(count, -np.inf)
     np.maximum.at(level, label, np.einsum("ij,ij->i", unit[label], a))
     return unit, level, label
+
+
+def shared_edges(surface: Surface) -> tuple[Ints, Ints]:
+    """Both corners (e, 2) of every edge, in the order of its first face, and both faces (e, 2)."""
+    sides = np.vstack([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]])
+    order = np.lexsort(np.sort(sides, axis=1).T)
+    face = np.tile(np.arange(len(surface.faces)), 3)
+    return sides[order][::2], face[order].reshape(-1, 2)
 
 
 def lies_in(triangles: Floats, point: Floats, near: float) -> bool:

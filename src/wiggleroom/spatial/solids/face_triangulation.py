@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.solids.spatial_model import Surface
+from wiggleroom.drawing.model import Surface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

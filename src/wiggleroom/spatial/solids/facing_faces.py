@@ -10,8 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.facing import OPPOSITE
+from wiggleroom.drawing.model import Surface
 from wiggleroom.spatial.solids.face_planes import FLAT, face_planes
-from wiggleroom.spatial.solids.spatial_model import Surface
 
 Floats = NDArray[np.float64]
 

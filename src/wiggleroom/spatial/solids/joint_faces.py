@@ -9,10 +9,10 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.joint_edges import AT_JOINT, gaps_beside
+from wiggleroom.drawing.model import Drawing, MadeSolid
 from wiggleroom.spatial.solids.face_planes import face_planes, lies_in
 from wiggleroom.spatial.solids.facing_faces import FlatFace
 from wiggleroom.spatial.solids.joint_gap_solid import patched_solids
-from wiggleroom.spatial.solids.spatial_model import MadeSolid, SpatialDrawing
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class JointFaces:
         return 0.0 if not rest.is_empty and rest.distance(spot) < self.regions[face].distance(spot) else AT_JOINT
 
 
-def joint_faces(drawing: SpatialDrawing, pair: tuple[str, str]) -> tuple[JointFaces, JointFaces] | None:
+def joint_faces(drawing: Drawing, pair: tuple[str, str]) -> tuple[JointFaces, JointFaces] | None:
     """What the gap of the joint of two parts moves, as `gaps` of an assembly file says it; None where they face each other nowhere."""
     gaps, number = gaps_beside(drawing.gaps, pair, drawing.gap)
     patched, _ = patched_solids(replace(drawing, gaps=gaps))

@@ -17,6 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.facing import joint_reach
+from wiggleroom.drawing.model import Drawing, MadeSolid, Part, Plate, Surface
 from wiggleroom.spatial.solids.facing_faces import FlatFace, facing_regions, flat_faces
 from wiggleroom.spatial.solids.made_solids import drawn_surface
 from wiggleroom.spatial.solids.mesh_pieces import convex_pieces
@@ -28,7 +29,6 @@ from wiggleroom.spatial.solids.solid_boolean import (
     surface_of,
     union_of,
 )
-from wiggleroom.spatial.solids.spatial_model import MadeSolid, Plate, SpatialDrawing, SpatialPart, Surface
 
 Floats = NDArray[np.float64]
 
@@ -79,13 +79,13 @@ class _Side:
     depth: float = 0.0
 
 
-def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], list[str]]:
+def patched_solids(drawing: Drawing) -> tuple[dict[str, PatchedSolid], list[str]]:
     """Parts with a joint that has a gap of its own, by name; and a line for each joint that is none."""
     if not drawing.gaps:
         return {}, []
     part = {p.name: p for p in drawing.parts}
     names = list(dict.fromkeys(name for joint in drawing.gaps for name in joint.parts))
-    surface = {name: drawn_surface(part[name].solid) for name in names}
+    surface = {name: drawn_surface(part[name]) for name in names}
     faces = {name: tuple(flat_faces(surface[name])) for name in names}
     patches: dict[str, list[FacePatch]] = {name: [] for name in names}
     findings = []
@@ -107,12 +107,12 @@ def patched_solids(drawing: SpatialDrawing) -> tuple[dict[str, PatchedSolid], li
     return {name: PatchedSolid(faces[name], tuple(patches[name])) for name in names}, list(dict.fromkeys(findings))
 
 
-def _seen(part: SpatialPart, other: SpatialPart, surface: Surface) -> Surface:
+def _seen(part: Part, other: Part, surface: Surface) -> Surface:
     """The surface of another part in the frame of a part, both at rest."""
     return Surface((surface.vertices @ other.R.T + other.at - part.at) @ part.R, surface.faces)
 
 
-def _apart(part: SpatialPart, surface: Surface, other: SpatialPart, across: Surface) -> tuple[float, float]:
+def _apart(part: Part, surface: Surface, other: Part, across: Surface) -> tuple[float, float]:
     """How far apart two parts are drawn [mm], and how deep they overlap."""
     seen = _seen(part, other, across)
     far = float(np.ptp(np.vstack([surface.vertices, seen.vertices]), axis=0).max())
@@ -123,7 +123,7 @@ def _apart(part: SpatialPart, surface: Surface, other: SpatialPart, across: Surf
 
 
 def with_joint_gaps(
-    part: SpatialPart, made: MadeSolid, patched: PatchedSolid, gap: float, inward: float
+    part: Part, made: MadeSolid, patched: PatchedSolid, gap: float, inward: float
 ) -> tuple[MadeSolid | None, list[str]]:
     """A part as made, with the gaps of its joints; and what is wrong with it.
 
@@ -133,9 +133,15 @@ def with_joint_gaps(
         The part with its faces moved inward by gap / 2, and `inward` further.
     gap, inward : float [mm]
     """
+    if made.overshoot > 0:
+        return None, [
+            "is covered by larger pieces, as its faces cannot all move inward: a joint of it has no gap of its own"
+        ]
     faces = patched.faces
-    cut_edge = [isinstance(part.solid, Plate) and abs(f.normal[2]) < 0.5 for f in faces]
-    further = np.array([inward - (part.offset if edge else 0.0) for edge in cut_edge])
+    if any(part.outline_offsets):
+        return None, ["has an outline with an offset of its own: a joint of it has no gap of its own"]
+    moved = [not isinstance(part.solid, Plate) or abs(f.normal[2]) < 0.5 for f in faces]
+    further = np.array([inward - (part.offset if its else 0.0) for its in moved])
     depth = gap / 2 + further
     size = float(np.ptp(made.surface.vertices, axis=0).max())
     far = 4 * float(np.abs(made.surface.vertices).max())

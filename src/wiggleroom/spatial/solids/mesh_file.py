@@ -11,10 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.drawing.dimension import MESHES
+from wiggleroom.drawing.model import Surface
 from wiggleroom.errors import InputError
-from wiggleroom.spatial.solids.rounded_corners import with_flat_faces
+from wiggleroom.spatial.solids.convex_hulls import filled_up, hull_surface
+from wiggleroom.spatial.solids.file_digits import coordinate_step, coordinates_as_written
+from wiggleroom.spatial.solids.mesh_pieces import convex_pieces
+from wiggleroom.spatial.solids.rounded_corners import FURTHEST, STEPS, with_flat_faces
+from wiggleroom.spatial.solids.self_crossing import self_crossing
 from wiggleroom.spatial.solids.solid_boolean import (
     SAME_SOLID,
+    centroid_of,
     connected_solids,
     is_solid_of,
     is_sound,
@@ -26,17 +33,15 @@ from wiggleroom.spatial.solids.solid_boolean import (
     union_of,
     volume_of,
 )
-from wiggleroom.spatial.solids.spatial_model import Surface
 from wiggleroom.spatial.solids.step_file import step_bodies
 
 logging.getLogger("trimesh").addHandler(logging.NullHandler())  # else Python prints what the library logs
 
-ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
 OWN_UNIT = {".glb": 1000.0, ".3mf": None}
 """Millimetres to a unit of the formats that say their own; 3MF says it in the file."""
 UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
-OBJ: dict[str, Any] = {"split_objects": True, "group_material": False, "skip_materials": True}
-"""Bodies of an OBJ file are its objects; what is of another colour is none."""
+OBJ: dict[str, Any] = {"group_material": False, "skip_materials": True}
+"""What is of another colour is no body of an OBJ file."""
 STEP = (".step", ".stp")
 """Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
@@ -51,52 +56,187 @@ SAME_VOLUME = 1e-9
 """Volumes that differ by less than this share are those of the same solid."""
 SLIVER = 1e-4
 """Two faces that lie on each other and are narrower than this share of the size are a sliver that merged corners folded flat."""
+AS_ONE = "they move as one"
+PLAUSIBLE = (1.0, 5000.0)
+"""Of meshes whose largest is smaller or larger than this, in a unit that their file does not say, the unit is asked about [mm]."""
+SAME_PLACE = 1e-7
+"""Surfaces cross each other by more than this share of the size."""
 OPEN_SHARE = 0.02
 """Largest share of the edges that may lie at tiny holes that are closed."""
 
 
-def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[str]]:
-    """Closed surface [mm] of a mesh file, or of one body of it, and notes about what was mended.
+class MeshFiles:
+    """Mesh files, each of which is read once, whatever is asked of it.
 
     Parameters
     ----------
-    path : Path
     unit : float [mm]
         One unit of formats that say none: STL, OBJ, PLY.
-    body : str
-        Name of a body of a file with several.
+    """
+
+    def __init__(self, unit: float) -> None:
+        self._unit = unit
+        self._files: dict[Path, tuple[dict[str, tuple[Any, float]], float]] = {}
+        self._surfaces: dict[tuple[Path, str], tuple[Surface, list[str]]] = {}
+        self._separate: dict[tuple[Path, str], list[Surface]] = {}
+
+    def read(self, path: Path, body: str = "") -> tuple[Surface, list[str]]:
+        """Closed surface [mm] of a file, or of one body of it, and notes about what was mended.
+
+        Parameters
+        ----------
+        path : Path
+        body : str
+            Name of a body of a file with several; a number, alone or after that name and #: which of its disjoint solids, the largest
+            is 1.
+
+        Raises
+        ------
+        InputError
+            If there is no such file or body, or the mesh encloses no volume.
+        """
+        names = list(self._bodies(path)[0])
+        if body in names or not body:
+            return self._surface(path, body if body else self._only(path, names))
+        name, _, number = body.rpartition("#")
+        name = name or (names[0] if len(names) == 1 else "")
+        if name not in names or not number.isdecimal():
+            raise self._missing(path, body, names)
+        surface, notes = self._surface(path, name)
+        solids = self._solids(path, name, surface)
+        if not 1 <= int(number) <= len(solids):
+            raise self._missing(path, body, [str(k + 1) for k in range(len(solids))])
+        return solids[int(number) - 1], [note for note in notes if not note.endswith(AS_ONE)]
+
+    @property
+    def unit_in_doubt(self) -> str:
+        """A line where what was read in the unit given is all so small or so large that another one may be meant; else an empty text."""
+        read = [
+            (float(np.ptp(surface.vertices, axis=0).max()), path.name)
+            for (path, _), (surface, _) in self._surfaces.items()
+            if path.suffix.lower() in (".stl", ".obj", ".ply")
+        ]
+        size, name = max(read, default=(PLAUSIBLE[0], ""))
+        if PLAUSIBLE[0] <= size <= PLAUSIBLE[1]:
+            return ""
+        return f"{name}: is {size:.3g} mm large; the file says no unit, so if that is wrong give another one"
+
+    def bodies(self, path: Path) -> tuple[dict[str, Surface], list[str]]:
+        """Surfaces [mm] of all bodies and disjoint solids of a file, by what they are called after its name; and notes."""
+        names = list(self._bodies(path)[0])
+        found: dict[str, Surface] = {}
+        said: list[str] = []
+        for name in names:
+            surface, notes = self._surface(path, name)
+            said += [note for note in notes if not note.endswith(AS_ONE)]
+            solids = self._solids(path, name, surface)
+            head = "" if len(names) == 1 else f"#{name}"
+            found |= {f"{head}#{k + 1}" if len(solids) > 1 else head: one for k, one in enumerate(solids)}
+        return found, [*said, *filter(None, [self.unit_in_doubt])]
+
+    def _bodies(self, path: Path) -> tuple[dict[str, tuple[Any, float]], float]:
+        """Meshes of a file by name, each with the step of its coordinates, or how far it lies from curved faces; and the unit [mm]."""
+        if path not in self._files:
+            ending = path.suffix.lower()
+            if ending not in MESHES:
+                message = f"{path.name}: no mesh format that is read; it must be one of {', '.join(MESHES)}"
+                raise InputError(message)
+            _check_size(path, ending)
+            if ending in STEP:
+                solids = {name: ((v, f), flattened) for name, (v, f, flattened) in step_bodies(path).items()}
+                self._files[path] = solids, 1.0
+            else:
+                meshes, scale = _bodies(path, ending)
+                self._files[path] = meshes, self._unit if ending not in OWN_UNIT else OWN_UNIT[ending] or scale
+        return self._files[path]
+
+    def _surface(self, path: Path, body: str) -> tuple[Surface, list[str]]:
+        if (path, body) not in self._surfaces:
+            bodies, unit = self._bodies(path)
+            mesh, step = bodies[body]
+            name = f"{path.name}#{body}" if len(bodies) > 1 else path.name
+            if path.suffix.lower() in STEP:
+                surface, notes = _closed(name, *mesh)
+                notes = ([f"{name}: curved faces are flattened to {step:.3g} mm"] if step else []) + notes
+            else:
+                corners, faces = np.asarray(mesh.vertices, float) * unit, np.asarray(mesh.faces, dtype=np.int64)
+                surface, notes = _as_drawn(name, *_closed(name, corners, faces), step * unit)
+                surface, notes = _uncrossed(name, surface, notes, step * unit)
+            self._surfaces[path, body] = surface, notes
+        return self._surfaces[path, body]
+
+    def _solids(self, path: Path, body: str, surface: Surface) -> list[Surface]:
+        """Disjoint solids, the largest first; of those that are equally large, those at the least x, y, z first."""
+        if (path, body) not in self._separate:
+            whole = solid_of(surface)
+            solids = connected_solids(whole)
+            size = float(np.ptp(surface.vertices, axis=0).max())
+            surfaces = [surface_of(solid) for solid in solids] if len(solids) > 1 else [surface]
+
+            def order(one: Surface) -> tuple[float, ...]:
+                volume, middle = centroid_of(one)
+                return -round(volume / whole.volume(), 6), *(middle / size).round(6).tolist()
+
+            self._separate[path, body] = sorted(surfaces, key=order)
+        return self._separate[path, body]
+
+    def _only(self, path: Path, names: list[str]) -> str:
+        if len(names) > 1:
+            message = f'{path.name}: has {len(names)} bodies; name one as "{path.name}#NAME": {_listed(names)}'
+            raise InputError(message)
+        return names[0]
+
+    def _missing(self, path: Path, body: str, names: list[str]) -> InputError:
+        return InputError(f'{path.name}: there is no body "{body}"; the bodies are {_listed(names)}')
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names[:8])
+
+
+def _as_drawn(name: str, surface: Surface, notes: list[str], step: float) -> tuple[Surface, list[str]]:
+    """The surface with what the digits of its file explain put right: flat faces, and dents of what is convex but for them."""
+    flat, moved = with_flat_faces(surface, step)
+    again = solid_of(flat) if moved else None
+    if again is not None and is_sound(again) and is_whole(again, flat):
+        surface = flat
+        notes = [*notes, f"{name}: corners are put back into the planes of their faces, by at most {moved:.1g} mm"]
+    filled = filled_up(surface, FURTHEST * step)
+    if filled is not None and volume_of(filled[0]) > (1 + SAME_VOLUME) * volume_of(surface):
+        surface = filled[0]
+        notes = [
+            *notes,
+            f"{name}: is convex to the digits of the file; dents of at most {filled[1]:.1g} mm are filled up",
+        ]
+    return surface, notes
+
+
+def _uncrossed(name: str, surface: Surface, notes: list[str], step: float) -> tuple[Surface, list[str]]:
+    """The surface of what a surface that crosses itself encloses, by convex pieces.
 
     Raises
     ------
     InputError
-        If there is no such file or body, or the mesh encloses no volume.
+        If it has none: some of it is inside out, or it has too many.
     """
-    ending = path.suffix.lower()
-    if ending not in (*ENDINGS, *STEP):
-        message = f"{path.name}: no mesh format that is read; it must be one of {', '.join((*ENDINGS, *STEP))}"
-        raise InputError(message)
-    _check_size(path, ending)
-    name = f"{path.name}#{body}" if body else path.name
-    if ending in STEP:
-        corners, triangles, flattened = _chosen(path.name, step_bodies(path), body)
-        surface, mended = _closed(name, corners, triangles)
-        return surface, ([f"{name}: curved faces are flattened to {flattened:.3g} mm"] if flattened else []) + mended
-    bodies, scale = _bodies(path, ending)
-    mesh = _chosen(path.name, bodies, body)
-    factor = unit if ending not in OWN_UNIT else OWN_UNIT[ending] or scale
-    surface, notes = _closed(name, np.asarray(mesh.vertices, float) * factor, np.asarray(mesh.faces, dtype=np.int64))
-    flat, moved = with_flat_faces(surface)
-    again = solid_of(flat) if moved else None
-    if again is None or not is_sound(again) or not is_whole(again, flat):
+    near = max(STEPS * step, SAME_PLACE * float(np.ptp(surface.vertices, axis=0).max()))
+    at = self_crossing(surface, near)
+    if at is None:
         return surface, notes
-    return flat, [*notes, f"{name}: corners are put back into the planes of their faces, by at most {moved:.1g} mm"]
+    where = f"({at[0]:.4g}, {at[1]:.4g}, {at[2]:.4g})"
+    pieces = convex_pieces(solid_of(surface))
+    if pieces is None:
+        message = f"{name}: crosses itself at {where}; mend the mesh"
+        raise InputError(message)
+    whole = union_of([solid_of(hull_surface(piece.corners)) for piece in pieces])
+    return surface_of(whole), [*notes, f"{name}: crosses itself at {where}; the part is what it encloses"]
 
 
 def _check_size(path: Path, ending: str) -> None:
     try:
         size = path.stat().st_size
     except OSError:
-        message = f"{path.name}: there is no such file beside the assembly file; put the mesh there"
+        message = f"{path.name}: there is no such file; check its name, and that it lies beside the assembly file"
         raise InputError(message) from None
     if not path.is_file():
         message = f"{path.name}: is not a file; give the name of a mesh file"
@@ -136,20 +276,23 @@ def _check_is_whole(path: Path) -> None:
         raise InputError(message)
 
 
-def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
-    """Meshes of a file by name, placed as the file places them, and the file's unit [mm]."""
+def _bodies(path: Path, ending: str) -> tuple[dict[str, tuple[Any, float]], float]:
+    """Meshes of a file by name, placed as the file places them, and the step of their coordinates; and the file's unit [mm]."""
     import trimesh
 
     if ending == ".glb":
         _check_is_whole(path)
     try:
         with path.open("rb") as file:  # without the path the library finds no other file
-            scene = trimesh.load_scene(file, file_type=ending[1:], process=False, **(OBJ if ending == ".obj" else {}))
+            scene = (
+                _obj_scene(file) if ending == ".obj" else trimesh.load_scene(file, file_type=ending[1:], process=False)
+            )
     except Exception as problem:  # the library raises whatever its readers raise
         reason = " ".join(str(problem).split())[:80] or type(problem).__name__
         message = f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again"
         raise InputError(message) from None
-    found: dict[str, Any] = {}
+    written = coordinates_as_written(path)
+    found: dict[str, tuple[Any, float]] = {}
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]
         mesh = scene.geometry[name]
@@ -158,7 +301,8 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
         label = str(name)
         while label in found:
             label = f"{label}'"
-        found[label] = mesh.copy().apply_transform(transform)
+        step = coordinate_step(written, mesh.vertices) * float(np.linalg.norm(transform[:3, :3], 2))
+        found[label] = mesh.copy().apply_transform(transform), step
     if not found:
         unplaced = ", ".join(f'"{name}"' for name in list(scene.geometry)[:8])
         message = (
@@ -176,17 +320,28 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
     return found, UNITS_3MF[unit]
 
 
-def _chosen(file: str, bodies: dict[str, Any], body: str) -> Any:
-    names = ", ".join(f'"{name}"' for name in list(bodies)[:8])
-    if body:
-        if body not in bodies:
-            message = f'{file}: there is no body "{body}"; the bodies are {names}'
-            raise InputError(message)
-        return bodies[body]
-    if len(bodies) > 1:
-        message = f'{file}: has {len(bodies)} bodies; name one as "{file}#NAME": {names}'
-        raise InputError(message)
-    return next(iter(bodies.values()))
+def _obj_scene(file: Any) -> Any:
+    """Scene of an OBJ file, whose bodies are its objects; where it names none, its groups, if all of them are closed."""
+    import trimesh
+
+    def loaded(**split: Any) -> Any:
+        file.seek(0)
+        return trimesh.load_scene(file, file_type="obj", process=False, **OBJ, **split)
+
+    heads = {line[:2] for line in file.read().splitlines()}
+    if b"o " not in heads and b"g " in heads:
+        scene = loaded(split_groups=True)
+        if len(scene.geometry) > 1 and all(_is_closed(mesh) for mesh in scene.geometry.values()):
+            return scene
+    return loaded(split_objects=True)
+
+
+def _is_closed(mesh: Any) -> bool:
+    """True where every edge of a mesh is that of an even number of faces, once corners at one place are one."""
+    corners = np.unique(np.asarray(mesh.vertices), axis=0, return_inverse=True)[1].ravel()
+    faces = corners[np.asarray(mesh.faces)]
+    edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    return bool((np.unique(edges, axis=0, return_counts=True)[1] % 2 == 0).all())
 
 
 def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[Surface, list[str]]:
@@ -219,11 +374,16 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     if len(kept) + 2 * folded < len(whole):
         notes.append(f"{name}: {len(whole) - len(kept) - 2 * folded} faces were there twice; each is taken once")
     mesh = trimesh.Trimesh(vertices, kept, process=False)
-    open_edges = len(trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1))
+    alone = trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1)
+    open_edges = len(alone)
     if open_edges:
         closed = open_edges <= max(4, OPEN_SHARE * len(mesh.edges_unique)) and mesh.fill_holes()
         if not closed:
-            message = f"{name}: is not closed: {open_edges} edges belong to one face only; close the mesh"
+            x, y, z = vertices[mesh.edges_sorted[alone[0]]].mean(axis=0).tolist()
+            message = (
+                f"{name}: is not closed: {open_edges} edges belong to one face only, one at ({x:.4g}, {y:.4g}, {z:.4g}); "
+                "close the mesh"
+            )
             raise InputError(message)
         notes.append(f"{name}: holes with {open_edges} open edges were closed")
     if not mesh.is_winding_consistent:
@@ -318,7 +478,7 @@ def _united(name: str, solid: Any) -> tuple[Any, list[str]]:
     if not same:
         notes.append(f"{name}: {len(shells)} closed surfaces overlap or touch; the part is their union")
     if left > 1:
-        notes.append(f"{name}: has {left} pieces that share no face; they move as one")
+        notes.append(f'{name}: has {left} pieces that share no face; name one as "{name}#1", or {AS_ONE}')
     return (solid if same else whole), notes
 
 

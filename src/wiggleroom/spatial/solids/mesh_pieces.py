@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.solids.convex import ConvexPiece, convex_piece
+from wiggleroom.drawing.model import ConvexPiece, MadeSolid, Surface
+from wiggleroom.errors import Stop, go_on
+from wiggleroom.spatial.solid_angle import winding_numbers
+from wiggleroom.spatial.solids.convex import convex_piece
 from wiggleroom.spatial.solids.convex_hulls import hull_surface, hull_volume
-from wiggleroom.spatial.solids.face_planes import FLAT, face_planes
+from wiggleroom.spatial.solids.face_planes import FLAT, face_planes, shared_edges
 from wiggleroom.spatial.solids.face_triangulation import triangulated_anew
 from wiggleroom.spatial.solids.fins import convex_without_fins
+from wiggleroom.spatial.solids.mesh_offset import mesh_offset
 from wiggleroom.spatial.solids.solid_boolean import centroid_of, is_sound, is_whole, solid_of, surface_of
-from wiggleroom.spatial.solids.spatial_model import MadeSolid, Surface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -34,53 +39,153 @@ MAX_PIECES = 2000
 """A mesh that needs more pieces is refused."""
 PEELS = 2
 """One plane cuts a part so often: more than once where corners that a file has rounded lie before it."""
+MOST_OVERSHOOT = 1 / 8
+"""On most of its surface a solid may be larger than made by this share of the gap, so that two that face each other take up a quarter."""
+MOST_FACES = 40_000
+"""Meshes of more faces that cannot all follow are refused."""
+MOST_PLACES = 500
+"""A place where a mesh is thin is looked for behind so many of its triangles."""
 CANDIDATES = 10
 """Number of cuts that are compared each time; more where none of them is of use."""
+CROWDED = 64
+"""Parts with more planes of faces at reflex edges are halved across an axis, so that curved ones fall apart before they are cut face by
+face."""
+MANY_NOTCHES = 400
+"""Solids of more planes of faces at reflex edges are taken as shells: to cut them takes long."""
+SIDES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+"""Corners of a tetrahedron at the ends of each edge."""
+UNCUT = "cannot be cut into convex pieces exactly: a mesh of fewer, flat faces would do"
 
 
-def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
-    """A mesh with every face moved inward by gap / 2 [mm], in convex pieces; and what is wrong with it."""
+def mesh_made(drawn: Surface, gap: float, stop: Stop | None = None) -> tuple[MadeSolid | None, list[str]]:
+    """A mesh with every face moved inward by gap / 2 [mm], and what is wrong with it; in convex pieces only where these cover it."""
     volume, centroid = centroid_of(drawn)
+    if gap > 0 and not _corners_follow(drawn):
+        return _covered(drawn, gap, stop)
     surface, wrong = (drawn, "") if gap == 0 else _moved_inward(drawn, gap / 2)
     if surface is None:
         return None, [f"{wrong} at gap {gap:g}: draw the gap into the mesh and ask with gap 0"]
-    solid = solid_of(surface)
-    pieces = convex_pieces(solid) if is_whole(solid, surface) else None
-    if pieces is None:
-        return None, ["cannot be cut into convex pieces exactly: a mesh of fewer, flat faces would do"]
-    return MadeSolid(tuple(pieces), surface, volume, centroid), []
+    if not is_whole(solid_of(surface), surface):
+        return None, [UNCUT]
+    return MadeSolid((), surface, volume, centroid), []
+
+
+def in_pieces(made: MadeSolid, thick: Callable[[], float], stop: Stop | None = None) -> MadeSolid:
+    """A solid as made in convex pieces.
+
+    One that is larger than made, of more than `MANY_NOTCHES` concave faces, or that cannot be cut, becomes a shell as thick [mm] as asked.
+    """
+    if not made.overshoot and (_is_convex(made.surface) or len(_cuts(made.surface)) <= MANY_NOTCHES):
+        pieces = convex_pieces(solid_of(made.surface), stop)
+        if pieces is not None:
+            return replace(made, pieces=tuple(pieces))
+    most = thick()
+    return replace(
+        made, pieces=tuple(_shell(made.surface, most)), overshoot=made.overshoot + most, mostly=made.mostly + most
+    )
+
+
+def _shell(surface: Surface, thick: float) -> list[ConvexPiece]:
+    """Flat tetrahedra, so high [mm], beneath the faces of a closed surface.
+
+    Two solids that do not overlap at rest meet first where their surfaces do, so that shells say all of how they move.
+    """
+    corners = surface.vertices[surface.faces]
+    inward = -np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    wide = np.linalg.norm(inward, axis=1) > 0  # others lie on edges of their neighbours
+    corners, inward = corners[wide], inward[wide]
+    tip = corners.mean(axis=1) + thick * inward / np.linalg.norm(inward, axis=1)[:, None]
+    V = np.concatenate([corners, tip[:, None]], axis=1)
+    E = np.stack([V[:, j] - V[:, i] for i, j in SIDES], axis=1)
+    N = np.stack([np.cross(E[:, i], E[:, j]) for i, j in ((0, 1), (0, 2), (1, 2), (3, 4))], axis=1)
+    for axes in (E, N):
+        axes /= np.maximum(np.linalg.norm(axes, axis=2), 1e-300)[:, :, None]
+    return [ConvexPiece(*one) for one in zip(V, N, E, strict=True)]
+
+
+def _covered(drawn: Surface, gap: float, stop: Stop | None) -> tuple[MadeSolid | None, list[str]]:
+    """A mesh whose faces cannot all follow, a little larger than it is made."""
+    uneven = "has corners whose faces cannot all move inward and still meet, and"
+    instead = "draw the gap into the mesh and ask with gap 0"
+    if len(drawn.faces) > MOST_FACES:
+        return None, [f"{uneven} more than {MOST_FACES} triangles: {instead}"]
+    found = mesh_offset(drawn, gap / 2, stop)
+    if found is None or found[2] > MOST_OVERSHOOT * gap:
+        larger = (
+            "" if found is None else f" it would be {found[2]:.3g} mm larger than made on a twentieth of its surface;"
+        )
+        return None, [
+            f"{uneven} is too thin or uneven for gap {gap:g}:{larger} at most {MOST_OVERSHOOT * gap:.3g} will do: {instead}"
+        ]
+    surface, overshoot, mostly = found
+    volume, centroid = centroid_of(drawn)
+    return MadeSolid((), surface, volume, centroid, overshoot=overshoot, mostly=mostly), []
+
+
+def _is_convex(drawn: Surface) -> bool:
+    whole = hull_volume(drawn.vertices)
+    return bool(whole - centroid_of(drawn)[0] <= CONVEX * whole)
+
+
+def _shifts(drawn: Surface, normal: Floats, label: Ints) -> tuple[Floats, Ints]:
+    """How corners move (v, 3) as their faces move inward by 1, nan where these do not meet again; and how many faces (v,) there are."""
+    touch = [set() for _ in drawn.vertices]  # type: list[set[int]]
+    for face, plane in zip(drawn.faces.tolist(), label.tolist(), strict=True):
+        for v in face:
+            touch[v].add(plane)
+    shifts = np.zeros_like(drawn.vertices)
+    for v, planes in enumerate(touch):
+        N = normal[sorted(planes)]
+        shifts[v] = np.linalg.lstsq(N, np.full(len(N), -1.0), rcond=1e-9)[0]
+        if np.abs(N @ shifts[v] + 1.0).max() > OFF_PLANE:
+            shifts[v] = np.nan
+    return shifts, np.array([len(planes) for planes in touch])
+
+
+def _corners_follow(drawn: Surface) -> bool:
+    """True where all faces of a surface may move inward alike and still meet in its corners; this is so at every gap or at none."""
+    if _is_convex(drawn):
+        return True
+    normal, _, label = face_planes(drawn)
+    return bool(np.isfinite(_shifts(drawn, normal, label)[0]).all())
 
 
 def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
     """The surface with every plane moved inward (outward where negative); None and the reason where corners cannot follow."""
     normal, level, label = face_planes(drawn)
-    whole = hull_volume(drawn.vertices)
-    if whole - centroid_of(drawn)[0] <= CONVEX * whole:
+    if _is_convex(drawn):
         return _convex_inward(normal, level, inward)
-    vertices = drawn.vertices.copy()
-    touch = [set() for _ in vertices]  # type: list[set[int]]
-    for face, plane in zip(drawn.faces.tolist(), label.tolist(), strict=True):
-        for v in face:
-            touch[v].add(plane)
-    for v, planes in enumerate(touch):
-        N = normal[sorted(planes)]
-        shift = np.linalg.lstsq(N, np.full(len(N), -inward), rcond=1e-9)[0]
-        if np.abs(N @ shift + inward).max() > OFF_PLANE * abs(inward):
-            x, y, z = drawn.vertices[v]
-            return (
-                None,
-                f"the {len(N)} faces at ({x:g}, {y:g}, {z:g}) cannot all move inward and still meet in one corner",
-            )
-        vertices[v] += shift
+    shifts, count = _shifts(drawn, normal, label)
+    stuck = np.flatnonzero(np.isnan(shifts[:, 0]))
+    if len(stuck):
+        x, y, z = drawn.vertices[stuck[0]]
+        return None, (
+            f"the {count[stuck[0]]} faces at ({x:g}, {y:g}, {z:g}) cannot all move outward and still meet in one corner"
+        )
+    vertices = drawn.vertices + inward * shifts
     moved = triangulated_anew(Surface(vertices, drawn.faces), normal, label)
     if moved is None:
-        return None, "faces are used up and the moved ones cross each other"
+        return None, _used_up(drawn, inward)
     solid, before = solid_of(moved), solid_of(drawn)
     more, less = (solid, before) if inward > 0 else (before, solid)
     outside = (more - less).volume() if is_sound(solid) else np.inf
     if outside > 1e-9 * before.volume():
-        return None, "faces are used up and the moved ones cross each other"
+        return None, _used_up(drawn, inward)
     return surface_of(solid), ""
+
+
+def _used_up(drawn: Surface, inward: float) -> str:
+    """What happens where moved faces cross each other: where the solid is thinner than both move, if a place is found."""
+    triangles = drawn.vertices[drawn.faces]
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    area = np.linalg.norm(normal, axis=1)
+    seen = np.argsort(-area, kind="stable")[:MOST_PLACES]
+    at = triangles[seen].mean(axis=1)
+    beyond = winding_numbers(triangles, at - 2 * inward * normal[seen] / area[seen, None]) < 0.5
+    if not beyond.any():
+        return "faces are used up and the moved ones cross each other"
+    x, y, z = at[beyond][0]
+    return f"is thinner than the gap behind the face at ({x:.4g}, {y:.4g}, {z:.4g}), so that its faces are used up"
 
 
 def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surface | None, str]:
@@ -96,14 +201,14 @@ def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surfac
     return hull_surface(cut.intersections), ""
 
 
-def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
+def convex_pieces(solid: Any, stop: Stop | None = None) -> list[ConvexPiece] | None:
     """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
 
     No plane cuts a part more than `PEELS` times: corners off their planes would come off film after film without end. Films of rounding
     are left out, and fins on what else is convex: they are no material, and may lie across holes. Pieces lie on different sides of a cut,
     so they make up the solid where none has more volume than its part and no part is lost.
 
-    Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
+    Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first; parts with many notches are halved before.
     """
     todo = [(lump, np.zeros((0, 4))) for lump in _lumps(solid)]
     whole = solid.volume()
@@ -112,6 +217,7 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     low, high = np.split(np.array(solid.bounding_box()), 2)
     near, thin = FLAT * np.abs([low, high]).max(), FILM * float(np.linalg.norm(high - low))
     while todo:
+        go_on(stop)
         part, done = todo.pop()
         if part.volume() <= 1e-12 * whole:
             continue
@@ -122,9 +228,13 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
         if not film and hull - part.volume() > CONVEX * hull:
             best, enough = np.inf, hull * (1 - CONVEX)
             by: Floats = done[:0]
-            compared = 0
-            for cut in _cuts(surface_of(part)):
-                if compared >= CANDIDATES and halves:
+            compared, candidates = 0, CANDIDATES
+            cuts = _cuts(surface_of(part))
+            if len(cuts) > CROWDED:
+                halving = _halving(corners)
+                cuts, candidates = np.vstack([halving, cuts]), len(halving)
+            for cut in cuts:
+                if compared >= candidates and halves:
                     break
                 if (np.abs(done - cut) < [FLAT, FLAT, FLAT, near]).all(axis=1).sum() >= PEELS:
                     continue
@@ -150,6 +260,11 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
     return [convex_piece(corners) for corners in found]
 
 
+def _halving(corners: Floats) -> Floats:
+    """Planes (3, 4) across the axes with as many of the corners (k, 3) on either side."""
+    return np.column_stack([np.eye(3), np.median(corners, axis=0)])
+
+
 def _lumps(solid: Any) -> list[Any]:
     """Pieces of a solid that do not hang together; one with hollows inside stays whole."""
     shells = [(shell, shell.volume()) for shell in solid.decompose()]
@@ -166,11 +281,7 @@ def _thickness(corners: Floats) -> float:
 def _cuts(surface: Surface) -> Floats:
     """Planes (k, 4), unit normal and offset, of faces at reflex edges and at folds, those with the longest such edges first."""
     normal, level, label = face_planes(surface)
-    faces = surface.faces
-    sides = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    face = np.tile(np.arange(len(faces)), 3)
-    order = np.lexsort(np.sort(sides, axis=1).T)
-    pair, side = face[order].reshape(-1, 2), sides[order][::2]
+    side, pair = shared_edges(surface)
     one, other = label[pair[:, 0]], label[pair[:, 1]]
     along = surface.vertices[side[:, 1]] - surface.vertices[side[:, 0]]
     bend = np.einsum("ij,ij->i", np.cross(normal[one], normal[other]), along)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.drawing.model import Surface
 from wiggleroom.errors import require_extra
 from wiggleroom.spatial.solid_angle import winding_numbers
-from wiggleroom.spatial.solids.spatial_model import Surface
 
 Floats = NDArray[np.float64]
 

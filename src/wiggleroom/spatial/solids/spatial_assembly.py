@@ -4,32 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from wiggleroom.assembly.statements import goal_findings, unknown
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.statements import statement_findings, with_roles
+from wiggleroom.drawing.model import Drawing, Goal, MadeSolid, Part
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.solids.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.solids.made_solids import made_solid
+from wiggleroom.spatial.solids.mesh_pieces import in_pieces
+from wiggleroom.spatial.solids.shell_thickness import shell_thickness
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.solids.spatial_model import MadeSolid, SpatialAssembly, SpatialDrawing, SpatialPart
+
+_Key = tuple[int, float, float, tuple[float, ...]]
 
 
 def assemble_spatial(
-    drawing: SpatialDrawing,
+    drawing: Drawing,
     *,
     gap: float | None = None,
     fix: Sequence[str] = (),
     goals: Sequence[Goal] = (),
     inward: Mapping[str, float] | None = None,
-) -> SpatialAssembly:
+    overlapping: bool = False,
+    stop: Stop | None = None,
+) -> Assembly:
     """Parts as they are made, with their roles.
 
     Parameters
     ----------
-    drawing : SpatialDrawing [mm]
+    drawing : Drawing [mm]
     gap : float, optional [mm]
         In place of the drawing's.
     fix : sequence of names
@@ -38,26 +45,29 @@ def assemble_spatial(
         In place of the drawing's, where there are any.
     inward : mapping of names to float, optional [mm]
         How much further in than the gap says all faces of a part lie; negative: further out.
+    overlapping : bool
+        True for what looks at surfaces alone and lets parts overlap: meshes are not cut into convex pieces.
+    stop : optional
+        Anything with `is_set()`.
 
     Raises
     ------
     InputError
         With everything that is wrong, one line each.
+    StoppedError
+        If it was asked to stop.
     """
-    names = {p.name: None for p in drawing.parts}
-    wrong = [f"fix: {unknown(name, names)}" for name in fix if name not in names]
-    used_gap = drawing.gap if gap is None else gap
+    used_gap = float(drawing.gap if gap is None else gap)
+    used, wrong = with_roles(drawing, used_gap, fix, goals)
+    wrong += [f"{drawing.source}: {line}" if drawing.source else line for line in statement_findings(used)]
     if not 0 <= used_gap < np.inf:
-        message = f"gap is {used_gap:g}: it must be 0 or more"
-        raise InputError(message)
-    parts = tuple(replace(p, fixed=p.fixed or p.name in fix) for p in drawing.parts)
-    used = replace(drawing, parts=parts, gap=used_gap, goals=tuple(goals) or drawing.goals)
-    wrong += spatial_goal_findings(used, used.goals) + _joint_findings(used)
-    plain: dict[tuple[int, float, float], MadeSolid] = {}
+        raise InputError(wrong)
+    parts = used.parts
+    plain: dict[_Key, MadeSolid] = {}
     for part in parts:
         key = _solid_key(part, inward)
         if key not in plain:
-            found, findings = made_solid(part, used_gap, key[2])
+            found, findings = made_solid(part, used_gap, key[2], stop)
             wrong += [_said(drawing, part, line) for line in findings]
             if found is not None:
                 plain[key] = found
@@ -75,38 +85,55 @@ def assemble_spatial(
         made.append(solid)
     if wrong:
         raise InputError(wrong)
-    return SpatialAssembly(used, tuple(made))
+    if not overlapping:
+        made = _in_pieces(used, made, stop)
+    covers = tuple(
+        f"{_said(drawing, part, 'is covered by')} {len(one.pieces)} pieces, at most {one.overshoot:.2g} mm larger than it is made"
+        + (f", on 95 % of its surface {one.mostly:.2g}" if one.mostly < one.overshoot else "")
+        + ": what moves here moves, and more may"
+        for part, one in zip(parts, made, strict=True)
+        if one.overshoot > 0
+    )
+    return assembly_of(replace(used, notes=tuple(dict.fromkeys((*used.notes, *covers)))), made)
 
 
-def _solid_key(part: SpatialPart, inward: Mapping[str, float] | None) -> tuple[int, float, float]:
-    """Parts that agree in this are made alike but for gaps of joints: the solid, its offset, and how much further in its faces lie [mm]."""
-    return id(part.solid), part.offset, (inward or {}).get(part.name, 0.0)
+def _in_pieces(drawing: Drawing, made: Sequence[MadeSolid], stop: Stop | None) -> list[MadeSolid]:
+    """Solids, those that are not cut yet in convex pieces, each once."""
+    users: dict[int, list[int]] = {}
+    for k, one in enumerate(made):
+        if not one.pieces:
+            users.setdefault(id(one), []).append(k)
+    found = list(made)
+    for who in users.values():
+        whole = in_pieces(made[who[0]], partial(shell_thickness, drawing, made, who, stop), stop)
+        for k in who:
+            found[k] = whole
+    return found
 
 
-def _said(drawing: SpatialDrawing, part: SpatialPart, line: str) -> str:
+def assembly_of(drawing: Drawing, solids: Sequence[MadeSolid]) -> Assembly:
+    """Parts with the roles that a drawing gives them, made of these solids; offsets are 0, as they are in the solids now."""
+    made = zip(drawing.parts, solids, strict=True)
+    return Assembly(tuple(replace(part, solid=solid, offset=0.0, outline_offsets=()) for part, solid in made), drawing)
+
+
+def _solid_key(part: Part, inward: Mapping[str, float] | None) -> _Key:
+    """Parts that agree in this are made alike but for gaps of joints: the solid, its offsets, and how much further in faces lie [mm]."""
+    return id(part.solid), part.offset, (inward or {}).get(part.name, 0.0), part.outline_offsets
+
+
+def _said(drawing: Drawing, part: Part, line: str) -> str:
     """A finding about a part, with the file and the part before it."""
     return f'{drawing.source or "assembly"}: part "{part.name}" {line}'
 
 
-def _joint_findings(drawing: SpatialDrawing) -> list[str]:
-    """What is wrong with gaps of single joints: unknown parts, sizes that make no sense."""
-    names = {p.name: None for p in drawing.parts}
-    found = [f"gaps: {unknown(name, names)}" for joint in drawing.gaps for name in joint.parts if name not in names]
-    for joint in drawing.gaps:
-        if joint.parts[0] == joint.parts[1]:
-            found.append(f'gaps: "{joint.parts[0]}" is named twice: a joint lies between two parts')
-        if not 0 <= joint.gap < np.inf:
-            found.append(f"gap of {joint.parts[0]} and {joint.parts[1]} is {joint.gap:g}: it must be 0 or more")
-    return found
-
-
-def spatial_goal_findings(drawing: SpatialDrawing, goals: Sequence[Goal]) -> list[str]:
-    """What is wrong with goals: unknown parts, parts that stand, numbers that make no sense."""
-    return goal_findings(goals, {p.name: p.fixed for p in drawing.parts}, drawing.glue, 3)
-
-
 def read_spatial_assembly(
-    path: str | Path, gap: float | None = None, fix: Sequence[str] = (), goals: Sequence[Goal] = ()
-) -> SpatialAssembly:
+    path: str | Path,
+    gap: float | None = None,
+    fix: Sequence[str] = (),
+    goals: Sequence[Goal] = (),
+    overlapping: bool = False,
+    stop: Stop | None = None,
+) -> Assembly:
     """Assembly of a file of format wiggleroom/2; see `wiggleroom.read`."""
-    return assemble_spatial(read_spatial(path), gap=gap, fix=fix, goals=goals)
+    return assemble_spatial(read_spatial(path), gap=gap, fix=fix, goals=goals, overlapping=overlapping, stop=stop)

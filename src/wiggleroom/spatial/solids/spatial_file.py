@@ -10,29 +10,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.dimension import SPATIAL_FORMAT
+from wiggleroom.drawing.dimension import PUZZLES, SPATIAL_FORMAT
 from wiggleroom.drawing.limits import LARGEST, MOST_DEGREES
-from wiggleroom.drawing.model import Goal, JointGap, Pull, Region, Turn
+from wiggleroom.drawing.model import AXES, Boxes, Drawing, Goal, JointGap, Part, Plate, Pull, Region, Solid, Turn
 from wiggleroom.drawing.outlines.naming import is_printable
 from wiggleroom.drawing.outlines.rings import clean_ring
 from wiggleroom.drawing.readers.assembly_schema import GapEntry, convert
 from wiggleroom.drawing.readers.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.readers.source import load
+from wiggleroom.drawing.readers.voxel_puzzle import read_puzzle
 from wiggleroom.errors import InputError
 from wiggleroom.files import leads_back
 from wiggleroom.spatial.rotations import fixed_axes
 from wiggleroom.spatial.solids.box_union import union_of_boxes
-from wiggleroom.spatial.solids.mesh_file import read_mesh
+from wiggleroom.spatial.solids.mesh_file import MeshFiles
 from wiggleroom.spatial.solids.solid_boolean import require_solid_library
-from wiggleroom.spatial.solids.spatial_model import AXES, Boxes, Plate, Solid, SpatialDrawing, SpatialPart
 from wiggleroom.spatial.solids.spatial_schema import SolidEntry, SpatialFileEntry, SpatialPullEntry
 
 MAX_PARTS = 20_000
 """Files of more parts are refused."""
 
 
-def read_spatial(source: str | Path, *, alone: bool = False) -> SpatialDrawing:
-    """Parts and questions of a file of format wiggleroom/2, in millimetres.
+def read_spatial(source: str | Path, *, alone: bool = False) -> Drawing:
+    """Parts and questions of a file of format wiggleroom/2, or of a voxel puzzle, in millimetres.
 
     Parameters
     ----------
@@ -52,6 +52,9 @@ def read_spatial(source: str | Path, *, alone: bool = False) -> SpatialDrawing:
     >>> read_spatial(text).parts[0].name
     'a'
     """
+    if isinstance(source, Path) and source.suffix.lower() in PUZZLES:
+        require_solid_library()
+        return read_puzzle(source)
     text = load(source, opening="{[", name="assembly")
     folder = Path(source).parent if isinstance(source, Path) or text.name != "assembly" else None
     require_solid_library()
@@ -65,9 +68,10 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         super().__init__(file, entry)
         self._folder, self._alone = folder, alone
         self._notes: list[str] = []
+        self._meshes = MeshFiles(self._mm)
         self._solids: dict[tuple[object, ...], Solid | None] = {}
 
-    def drawing(self) -> SpatialDrawing:
+    def drawing(self) -> Drawing:
         """Return the drawing, or raise an InputError with every finding."""
         entry = self._entry
         self._check_head(SPATIAL_FORMAT)
@@ -82,10 +86,13 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
         gaps = tuple(joint for i, value in enumerate(entry.gaps) if (joint := self._joint_gap(i, value)))
         self._check_repeated(gaps)
+        tolerances = self._tolerances()
         goals = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
         if self._findings:
             raise InputError(self._findings)
-        return SpatialDrawing(parts, gap, glue, ignore, gaps, goals, self._file, tuple(dict.fromkeys(self._notes)))
+        self._notes += filter(None, [self._meshes.unit_in_doubt])
+        notes = tuple(dict.fromkeys(self._notes))
+        return Drawing(parts, gap, glue, ignore, gaps, goals, self._file, notes, tolerances)
 
     def _numbers(self, values: Iterable[float], where: str, what: str) -> NDArray[np.float64]:
         """Lengths scaled to [mm], within bounds."""
@@ -95,7 +102,7 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
             return np.zeros_like(found)
         return found
 
-    def _part(self, i: int, value: Any) -> SpatialPart | None:
+    def _part(self, i: int, value: Any) -> Part | None:
         named = value.get("name") if isinstance(value, dict) else None
         where = f'part "{named}"' if isinstance(named, str) else f"parts[{i}]"
         entry = convert(value, SolidEntry, f"{self._file}: {where}", self._findings)
@@ -103,7 +110,7 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
             return None
         if not is_printable(entry.name):
             self._say(f"parts[{i}]", "name must be printable text that is not empty")
-        at = self._numbers(entry.at, where, "at")
+        x, y, z = self._numbers(entry.at, where, "at").tolist()
         if not all(abs(angle) <= MOST_DEGREES for angle in entry.rotate):
             self._say(where, f"rotate must be three angles in degrees, none beyond {MOST_DEGREES:g}")
             return None
@@ -117,10 +124,17 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         solid = self._solid(where, entry)
         if solid is None:
             return None
-        if offset and not isinstance(solid, Plate):
-            self._say(where, "offset moves the cut edges of plates only; leave it out")
         R = fixed_axes(np.array(entry.rotate))
-        return SpatialPart(entry.name, solid, at, R, entry.fixed, lock, offset, entry.density)
+        return Part(
+            entry.name,
+            at=(x, y, z),
+            fixed=entry.fixed,
+            offset=offset,
+            solid=solid,
+            R=R,
+            lock=lock,
+            density=entry.density,
+        )
 
     def _solid(self, where: str, entry: SolidEntry) -> Solid | None:
         """The part's solid; the same outline, boxes or mesh is read once."""
@@ -250,7 +264,7 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         if path is None:
             return None
         try:
-            surface, notes = read_mesh(path, self._mm, body)
+            surface, notes = self._meshes.read(path, body)
         except InputError as problem:
             self._findings += [f"{self._file}: {where}: {line}" for line in problem.findings]
             return None

@@ -1,0 +1,1 @@
+"""How the answers of declared studies are told: sentences, tables, figures and records, a file each."""

@@ -1,0 +1,156 @@
+"""Which gap to draw: the question."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from wiggleroom.context import Context
+from wiggleroom.deadline import Deadline
+from wiggleroom.errors import InputError, Stop, StoppedError
+from wiggleroom.studies.question import Option, Question
+
+if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.drawing.model import Goal
+    from wiggleroom.report.finding import Finding
+    from wiggleroom.search.progress import Progress
+    from wiggleroom.sensitivity.gap_trials import AllowableGap
+
+
+def allowable_gap(
+    assembly: Assembly,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    at_most: float | None = None,
+    holds: bool = False,
+    fits: float | None = None,
+    seconds: float | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> AllowableGap:
+    """Gap at which a motion stays below a limit, parts interlock, or parts that were cut too large still fit.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Its own gap is where the search begins. Gaps of single joints and offsets of parts stay as they are.
+    goals : Pull, Turn and others, or several that add up
+        For `at_most`; by default what the assembly's file asks for.
+    at_most : float, optional [mm]
+        Ask for the largest gap at which the largest motion is no more than this (turns in [rad]).
+    holds : bool
+        Ask for the largest gap at which the parts interlock.
+    fits : float, optional [mm]
+        Ask for the smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline, in space
+        every face, lies up to so much further out. The assembly may be read with `overlapping`.
+    seconds : float, optional [s]
+        When this time is over, the best so far is given.
+    stop, progress : optional
+        As for `flex`.
+
+    Returns
+    -------
+    AllowableGap
+
+    Raises
+    ------
+    InputError
+        If not one question is asked, a number makes no sense, or nothing is fixed or pulled.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.allowable_gap(wr.patterns.chain(2, joint="tee", gap=0.02), at_most=0.1)
+    >>> found.gap < found.beyond < 1.011 * found.gap
+    True
+    """
+    from wiggleroom.sensitivity.allowable_gap import check_question
+
+    check_question(at_most, holds, fits)
+    if assembly.dimension == 3:
+        from wiggleroom.spatial.spatial_study import spatial_allowable_gap as work_out
+    else:
+        from wiggleroom.sensitivity.allowable_gap import allowable_gap as work_out
+    context = Context(stop=Deadline(seconds, stop), progress=progress)
+    found = work_out(assembly, goals, at_most=at_most, fits=fits, context=context)
+    if fits is not None or found.gap is None or found.stopped:
+        return found
+    try:
+        return replace(found, fits_from=work_out(assembly, goals, at_most=None, fits=0.0, context=context).gap)
+    except StoppedError:
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class GapQuestion(Question):
+    """Find the gap to draw: the largest that keeps a motion small or the parts together, or the smallest that fits.
+
+    Answers one of --at-most, --holds and --fits, with a state that was checked on either side: the answer and the
+    nearest gap that fails lie no more than one per cent apart. Proven is an answer that a bound vouches for, else it is
+    searched. Exit code: 0 answered, 3 no such gap, or the time was over before both sides lay near each other.
+
+    Example: wiggleroom gap box.svg --fix box --pull lid:+x --at-most 0.5
+
+    Example: wiggleroom gap puzzle.svg --holds --picture border.svg
+
+    Example: wiggleroom gap puzzle.svg --fits 0.1 --kerf 0.15
+
+    --fits is about the parts where they are drawn, not shifted; they may overlap there. The others say from which gap on they fit, too.
+
+    Parameters
+    ----------
+    at_most
+        The largest gap at which the motion asked for is no more than this [mm, turns in rad].
+    holds
+        The largest gap at which the parts interlock.
+    fits
+        The smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline, in space
+        every face, lies up to so much further out [mm]; 0: as drawn.
+    kerf
+        Width of the cut [mm]: the answer is also given as the offset to set at the cutter.
+    """
+
+    name: ClassVar[str] = "gap"
+    heading: ClassVar[str] = "Which gap should be drawn?"
+    button: ClassVar[str] = "Find the gap"
+    needs_end: ClassVar[bool] = False
+
+    at_most: Annotated[float | None, Option(title="moves at most", unit="mm")] = None
+    holds: Annotated[bool, Option(title="or holds together")] = False
+    fits: Annotated[float | None, Option(title="or fits, larger by", unit="mm", least=0)] = None
+    kerf: Annotated[float | None, Option(title="kerf", unit="mm", least=0)] = None
+
+    @property
+    def asks_motion(self) -> bool:
+        """True of the motion at most."""
+        return self.at_most is not None
+
+    @property
+    def may_overlap(self) -> bool:
+        """True of what fits."""
+        return self.fits is not None
+
+    def check(self, dimension: int) -> None:  # noqa: ARG002
+        """Check the kerf."""
+        if self.kerf is not None and not (math.isfinite(self.kerf) and self.kerf >= 0):
+            wrong = f"--kerf {self.kerf:g}: it must be 0 or more"
+            raise InputError(wrong)
+
+    def ask(self, about: Any, context: Context) -> AllowableGap:
+        """Enclose the gap."""
+        assembly, goals = getattr(about, "assembly", about), about.goals or None
+        found = allowable_gap(
+            assembly, goals, at_most=self.at_most, holds=self.holds, fits=self.fits, stop=context.stop,
+            progress=context.progress,
+        )  # fmt: skip
+        return replace(found, kerf=self.kerf)
+
+    @staticmethod
+    def finding(found: AllowableGap, command: str = "") -> Finding:
+        """What was found, ready to be shown."""
+        from wiggleroom.report.findings.gap import finding
+
+        return finding(found, command)

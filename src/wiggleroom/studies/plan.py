@@ -1,0 +1,246 @@
+"""How it is taken apart and put together: the question."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from wiggleroom.context import Context
+from wiggleroom.deadline import Deadline
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.studies.question import Question
+
+if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.planning.plan import Plan
+    from wiggleroom.planning.plan_geometry import PlanGeometry
+    from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
+    from wiggleroom.report.finding import Finding
+    from wiggleroom.report.results.plan_results import PlanTolerances
+    from wiggleroom.search.progress import Progress
+    from wiggleroom.sensitivity.gap_distribution import Spread
+
+
+def plan(
+    assembly: Assembly,
+    targets: Sequence[str] = (),
+    *,
+    gravity: tuple[float, ...] | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    seconds: float | None = None,
+) -> Plan:
+    """Plan how an assembly is taken apart: which parts leave, in which order, along which paths.
+
+    Fixed parts stand; where none is fixed, the largest part stands.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    targets : sequence of names, optional
+        Only these are to leave; others leave only where they must.
+    gravity : (x, y) or (x, y, z), optional
+        Direction in which loose parts fall: every step then says whom to hold so that none does, and in the plane of the parts that could
+        leave straight those leave first after which the fewest must be held.
+    stop : optional
+        Anything with `is_set()`; then the plan goes as far as was found.
+    progress : callable, optional
+        Told a `Progress` now and then.
+    seconds : float, optional
+        Time that it may take; then the same.
+
+    Raises
+    ------
+    InputError
+        If a target is unknown or fixed, there is only one body, or all are fixed; if gravity has no direction.
+    TouchingError
+        If two parts touch at rest.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.plan(wr.patterns.chain(3, joint="finger", gap=0.02))
+    >>> found.order, found.level
+    ((('b3',), ('b2',)), (1, 1))
+    """
+    if assembly.dimension == 3:
+        from wiggleroom.spatial.spatial_plan import plan_spatial
+
+        limited = Context(stop=stop if seconds is None else Deadline(seconds, stop))
+        return plan_spatial(assembly, targets, gravity=gravity, context=limited)
+    from wiggleroom.planning.plan import plan as work_out
+
+    return work_out(assembly, targets, gravity=gravity, stop=stop, progress=progress, seconds=seconds)
+
+
+def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, stop: Stop | None = None) -> PlanSample:
+    """How often parts whose gaps vary go together along the paths of a plan.
+
+    Parameters
+    ----------
+    plan : Plan
+    spread : Spread
+        Of the extra gap round every part: its boundary moves inward by half of it.
+    draws, seed : int
+    stop : optional
+        Asked before every draw; then those so far are given.
+
+    Raises
+    ------
+    InputError
+        If there is no plan, or it was stopped before the first draw.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.plan(wr.patterns.chain(2, joint="finger", gap=0.05))
+    >>> wr.sample_plan(found, wr.Spread(0.001), draws=5).share
+    1.0
+    """
+    from wiggleroom.planning.plan_tolerance import sample_plan as work_out
+
+    return work_out(plan, _geometry(plan), spread, draws, seed, Context(stop=stop))
+
+
+def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
+    """Which gap to enlarge so that a plan has more room: extra gap round one part after the other.
+
+    In the plane paths are fitted anew.
+
+    Raises
+    ------
+    InputError
+        If there is no plan.
+    """
+    from wiggleroom.planning.plan_tolerance import rank_plan as work_out
+
+    return work_out(plan, _geometry(plan), Context(stop=stop))
+
+
+def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
+    """The smallest gap of the whole assembly at which a plan works.
+
+    In the plane paths are fitted anew at every gap.
+
+    Raises
+    ------
+    InputError
+        If there is no plan, or the assembly has no gap of its own that could be made smaller.
+    """
+    from wiggleroom.planning.plan_tolerance import smallest_gap as work_out
+
+    return work_out(plan, _geometry(plan), Context(stop=stop))
+
+
+def _geometry(plan: Plan) -> PlanGeometry:
+    """What is asked of the assembly of a plan."""
+    from wiggleroom.disassembly.ground import with_ground
+
+    standing = with_ground(plan.assembly)
+    if standing.dimension == 3:
+        from wiggleroom.spatial.spatial_plan_geometry import SpatialPlanGeometry
+
+        return SpatialPlanGeometry(standing)
+    from wiggleroom.planning.planar_plan_geometry import PlanarPlanGeometry
+
+    return PlanarPlanGeometry(standing)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanQuestion(Question):
+    """Plan how it is taken apart and, backwards, put together: who moves when, along which path, with how much room.
+
+    Parts may move aside and come back, alone, as one or several at once. Fixed parts stand; where none is fixed, the
+    largest part stands. Every step is checked for overlap. Exit code: 0 a plan, or nothing leaves; 3 unknown.
+
+    Example: wiggleroom plan puzzle.svg --gap 0.2 --picture steps.html
+
+    Example: wiggleroom plan lock.json --target bolt --json plan.json
+
+    Example: wiggleroom plan arch.svg --gravity -y
+
+    Parameters
+    ----------
+    target
+        Parts that are to leave: A,B. May repeat. By default all that can.
+    gravity
+        Where loose parts fall, as -y or 0.6,-0.8, in space -z: every step then says whom to hold by hand so that none does.
+    sample
+        Also say how many draws go together when the gap round every part varies by this standard deviation [mm].
+    draws
+        Of --sample: assemblies drawn at random.
+    seed
+        Of --sample: same seed, same draws.
+    rank
+        Also say whose gap gives the narrowest steps more room.
+    smallest_gap
+        Also find the smallest gap at which the plan works, to one per cent, with what fails below it.
+    stills
+        A folder for numbered pictures, one of every step: step_01.svg and so on.
+    """
+
+    name: ClassVar[str] = "plan"
+    shows: ClassVar[Literal["curve", "path", "end"]] = "path"
+    signed: ClassVar[bool] = True
+
+    target: tuple[str, ...] = ()
+    gravity: str | None = None
+    sample: float | None = None
+    draws: int = 200
+    seed: int = 0
+    rank: bool = False
+    smallest_gap: bool = False
+    stills: Path | None = None
+
+    @property
+    def asks_motion(self) -> bool:
+        """False: nothing need be fixed or pulled."""
+        return False
+
+    def check(self, dimension: int) -> None:
+        """Check the folder of stills and the numbers."""
+        if self.gravity is not None:
+            from wiggleroom.drawing.directions import parsed_direction
+
+            parsed_direction("--gravity", self.gravity, dimension)
+        if self.stills is not None and not self.stills.is_dir():
+            finding = f"--stills {self.stills}: there is no such folder; make it first"
+            raise InputError(finding)
+        if self.draws < 1 or self.seed < 0:
+            finding = f"--draws {self.draws} --seed {self.seed}: at least 1 and 0"
+            raise InputError(finding)
+
+    def ask(self, about: Any, context: Context) -> tuple[Plan, PlanTolerances]:
+        """Plan, and ask of the plan what happens when gaps vary."""
+        from wiggleroom.drawing.directions import parsed_direction
+        from wiggleroom.report.results.plan_results import PlanTolerances
+        from wiggleroom.sensitivity.gap_distribution import Spread
+
+        names = tuple(name for some in self.target for name in some.split(",") if name)
+        down = None if self.gravity is None else parsed_direction("--gravity", self.gravity, about.dimension)
+        spread = None if self.sample is None else Spread(self.sample)
+        found = plan(about, names, gravity=down, stop=context.stop, progress=context.progress)
+        if not found.steps:
+            return found, PlanTolerances()
+        return found, PlanTolerances(
+            None if spread is None else sample_plan(found, spread, draws=self.draws, seed=self.seed, stop=context.stop),
+            rank_plan(found, stop=context.stop) if self.rank else None,
+            smallest_gap(found, stop=context.stop) if self.smallest_gap else None,
+        )
+
+    @staticmethod
+    def finding(found: tuple[Plan, PlanTolerances], command: str = "") -> Finding:
+        """What was found, ready to be shown."""
+        from wiggleroom.report.findings.plan import finding
+
+        return finding(*found, command)
+
+    def write(self, found: tuple[Plan, PlanTolerances], command: str) -> list[str]:
+        """Write the stills."""
+        if self.stills is None:
+            return []
+        from wiggleroom.report.page.plan_pictures import write_stills
+
+        return [f"pictures: {write_stills(found[0], self.stills, command=command)} in {self.stills}"]

@@ -1,0 +1,111 @@
+"""Whose gap matters: the question."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from wiggleroom.context import Context
+from wiggleroom.errors import Stop
+from wiggleroom.studies.question import Question
+
+if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.drawing.model import Goal
+    from wiggleroom.report.finding import Finding
+    from wiggleroom.search.answer import Answer
+    from wiggleroom.search.prepare import Prepared
+    from wiggleroom.sensitivity.rank import Ranking
+
+
+def rank(
+    question: Assembly | Prepared | Answer,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    by: str = "duals",
+    exact: bool = False,
+    workers: int | None = None,
+    cluster: str | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Ranking:
+    """Importance of every part's gap, and of every joint's, for the largest motion.
+
+    Parameters
+    ----------
+    question : Assembly, Prepared or Answer
+        An answer is ranked as it is; else the motion is looked for first.
+    goals : Pull, Turn and others, or several that add up
+        By default what the assembly's file asks for.
+    by : str
+        "duals": all parts from the multipliers of one solve. "differences": solved again for each part with a gap a
+        thousandth larger, and one smaller, as in the paper.
+    exact : bool
+        Solve again for the parts whose derivative is not unique.
+    workers : int, optional
+        Processes on this machine; by default one for each processor.
+    cluster : str, optional
+        Address of a Dask scheduler, tcp://host:port, that gets the work instead (extra `cluster`).
+    stop, progress : optional
+        Anything with `is_set()`; told how many differences are done, and how many there are.
+
+    Returns
+    -------
+    Ranking
+
+    Raises
+    ------
+    InputError
+        If nothing stops the motion or the search for it was cut short.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> ranking = wr.rank(wr.patterns.chain(5, joint="tee", gap=0.01))
+    >>> [ranking.answer.assembly.names[k] for k in ranking.order]
+    ['b2', 'b3', 'b1', 'b4', 'b5']
+    """
+    from wiggleroom.sensitivity.rank import rank as work_out
+    from wiggleroom.studies.gap_study_of import gap_study_of
+
+    context = Context(workers=workers, cluster=cluster, stop=stop, counted=progress)
+    return work_out(gap_study_of(question, goals), by=by, exact=exact, context=context)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankQuestion(Question):
+    """Say which parts' gaps, and which joints', matter most for the motion.
+
+    Importance is mm of motion for each mm of extra gap round one part: its outline alone moves inward by half of it.
+
+    Example: wiggleroom rank puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture blame.svg
+
+    Parameters
+    ----------
+    by
+        duals: all parts from the forces of one solve. differences: solved again for every part, as a check.
+    exact
+        Solve again for the parts whose importance the forces leave open.
+    """
+
+    name: ClassVar[str] = "rank"
+    counts: ClassVar[str] = "differences"
+    parallel: ClassVar[bool] = True
+
+    by: Literal["duals", "differences"] = "duals"
+    exact: bool = False
+
+    def ask(self, about: Any, context: Context) -> Ranking:
+        """Rank the gaps."""
+        return rank(
+            about, by=self.by, exact=self.exact, workers=context.workers, cluster=context.cluster,
+            stop=context.stop, progress=context.counted,
+        )  # fmt: skip
+
+    @staticmethod
+    def finding(found: Ranking, command: str = "") -> Finding:
+        """What was found, ready to be shown."""
+        from wiggleroom.report.findings.rank import finding
+
+        return finding(found, command)
