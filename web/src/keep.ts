@@ -1,10 +1,10 @@
 /** What outlives a reload in this tab: the file that was dropped, the design; and in this browser: the token, recent files. */
 
 import type { History, Pose, Step } from "./design.ts";
-import { type Design, fromBase64, type Opened, type HowRead, toBase64 } from "./protocol.ts";
+import { type Design, fromBase64, type HowRead, type Made, type Opened, toBase64 } from "./protocol.ts";
 
-/** A file that was dropped and how it is to be read, or a sample by its name. */
-export type Opening = { name: string; data: string; reading?: HowRead } | { name: string; sample: true };
+/** A file that was dropped and how it is to be read, or a sample by its name, or what is made here, or the file of the command. */
+export type Opening = { name: string; data: string; reading?: HowRead } | { name: string; sample: true } | { name: string; make: Made } | { name: string; served: true };
 
 const read = (key: string): string | null => {
   try {
@@ -27,7 +27,7 @@ export function token(): string {
   const address = new URL(location.href);
   const given = address.searchParams.get("token");
   if (given) {
-    if (given !== read("token")) for (const key of ["file", "design", "reading"]) write(key, null); // another server: what was kept is not its own
+    if (given !== read("token")) for (const key of ["file", "design", "reading", "served"]) write(key, null); // another server: what was kept is not its own
     write("token", given);
     address.searchParams.delete("token");
     history.replaceState(null, "", address.href);
@@ -85,6 +85,10 @@ export function keptReading(name: string): HowRead | null {
   const kept = JSON.parse(read("reading") ?? "null") as { name: string; reading: HowRead } | null;
   return kept?.name === name ? kept.reading : null;
 }
+
+/** Name of the file that the command was given: after a reload the server opens the one that was dropped here. */
+export const keepServed = (name: string): void => write("served", name);
+export const keptServed = (): string => read("served") ?? "";
 
 export const forgetFile = (): void => write("file", null);
 export function keptFile(): Opening | null {

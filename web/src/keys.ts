@@ -3,9 +3,9 @@
 import { design, goals, inSpace, setGoal, settle, togglePinned, togglePull, toggleTwist } from "./design.ts";
 import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point, type Triple } from "./protocol.ts";
-import { askDrag, askModes, askReach, back, backToRest, cancel, fixOrNot, setGap } from "./session.ts";
+import { askDrag, askModes, askReach, back, backToRest, cancel, fixOrNot, keepBeside, setGap } from "./session.ts";
 import { fitAll, solidView, view, zoomBy } from "./stage/camera.ts";
-import { keep, kept } from "./stage/kept.ts";
+import { kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
 import { holdSpace, releaseSpace } from "./stage/spaceBar.ts";
@@ -17,11 +17,11 @@ import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const LONG = ["assemble", "lay", "tighten", "sample", "prove", "sweep", "check", "limit", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
+const LONG = ["assemble", "lay", "tighten", "sample", "gap", "prove", "sweep", "check", "limit", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 const TURN = 0.12; // radians that the view in space turns by one press
 /** Keys for what there is of drawings alone. */
-const OF_DRAWINGS = "mblwr";
+const OF_DRAWINGS = "mlwr";
 
 /** Where a part was asked to go by arrow keys so far. */
 let target: { part: string; grip: Point | Triple; at: Point | Triple } | null = null;
@@ -76,7 +76,7 @@ function act(event: KeyboardEvent): boolean {
     state.tab.value = pages.peek()[tabAt]!.name;
     state.sheetOpen.value = true;
   } else if (state.standalone.peek()) return false;
-  else if (key === "b") kept.peek() ? (kept.value = null) : keep();
+  else if (key === "b") kept.peek() ? (kept.value = null) : keepBeside();
   else if (key === "l") lassoing.value = !lassoing.peek();
   else if (key === "a") chooseMany(state.names.peek());
   else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * gapStep());

@@ -3,19 +3,19 @@
 import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, correctPose, design, dimension, goals, history, inSpace, leave, list, pinned, type Pose, pose, question, questionOf, type Step, toggleFixed } from "./design.ts";
 import { between, chosenFactor, end, motionOf, play, poseOf, shareWithin, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type HowRead, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keptDesign, keptReading, keptFile, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
+import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type HowRead, type Made, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keepServed, keptDesign, keptReading, keptFile, keptServed, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
-import { kept } from "./stage/kept.ts";
+import { type Kept, kept, linked as linkedViews, ofThisFile, presentAnswer } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
 import { leavingAbout } from "./leaving.ts";
 import { followed, magnify, reachOf } from "./magnify.ts";
-import { type Line, requestOf, Socket } from "./socket.ts";
+import { type Line, nameOf, requestOf, Socket } from "./socket.ts";
 import { assembled, forgetSheet, laid, ofSheet } from "./sheetState.ts";
 import * as state from "./state.ts";
 
 let socket: Socket | null = null;
-const asked = new Map<number, { kind: Kind; design: Design }>();
+const asked = new Map<number, { kind: string; design: Design }>();
 /** Of a reply whose request is not known: never the present one. */
 const UNKNOWN: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
 let quick: { id: number; since: number; again: boolean } | null = null;
@@ -32,6 +32,7 @@ export function start(): void {
   const url = new URL("socket", location.href);
   url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
   url.search = `?token=${encodeURIComponent(token())}`;
+  state.served.value = keptServed();
   socket = new Socket(url.href, { reply: hear, line: heardLine });
   addEventListener("hashchange", () => isLink() && location.reload()); // a link that was put into this tab's address
   follow();
@@ -157,10 +158,16 @@ export function ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false):
     if (socket && kind !== "bound") away(); // a bound is asked by the page itself
     return 0;
   }
-  if ("design" in body) asked.set(id, { kind, design: body.design as Design });
-  for (const [old, one] of asked) if (one.kind === kind && old < id - 500) asked.delete(old); // a moving hand asks hundreds of times while a study goes on
-  setRunning(kind, true);
+  const name = nameOf(kind, body);
+  if ("design" in body) asked.set(id, { kind: name, design: body.design as Design });
+  for (const [old, one] of asked) if (one.kind === name && old < id - 500) asked.delete(old); // a moving hand asks hundreds of times while a study goes on
+  setRunning(name, true);
   return id;
+}
+
+/** Asks a question that the server declares. */
+export function askStudy(of: string, options: Record<string, number | boolean>): void {
+  ask("study", { design: design.peek(), of, options });
 }
 
 function setRunning(kind: string, on: boolean): void {
@@ -172,10 +179,11 @@ function setRunning(kind: string, on: boolean): void {
   state.running.value = now;
 }
 
-export function cancel(kind: Kind): void {
+export function cancel(kind: string): void {
   socket?.cancel(kind);
   setRunning(kind, false);
   if (kind === "flex") quick = null;
+  if (kind === "open") state.opening.value = "";
 }
 
 /** Asks for the largest motion, or only for the outlines where nothing is asked. */
@@ -278,8 +286,10 @@ export function back(): void {
 
 /** Opens a file that was chosen or dropped; a folder cannot be read. */
 export async function openPicked(file: File): Promise<void> {
+  state.opening.value = file.name;
   const bytes = await file.arrayBuffer().catch(() => null);
   if (bytes) return openFile(file.name, new Uint8Array(bytes));
+  state.opening.value = "";
   state.unopened.value = [`${file.name}: cannot be read; choose one file, not a folder`];
   state.sheetOpen.value = true;
 }
@@ -287,6 +297,7 @@ export async function openPicked(file: File): Promise<void> {
 function openFile(name: string, bytes: Uint8Array): void {
   const most = state.hello.peek()?.limits.upload_mb ?? 20;
   if (bytes.length > most * 1e6) {
+    state.opening.value = "";
     state.unopened.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
     state.sheetOpen.value = true;
     return;
@@ -302,13 +313,21 @@ function requestFor(what: Opening): Requests["open"] {
 
 /** Reads the file that is open in another way. */
 export function readAgain(reading: HowRead): void {
-  rereading = reading;
+  sameQuestion = true;
+  const file = state.file.peek();
   if (file && "data" in file) return openAs({ name: file.name, data: file.data, reading });
   keepReading(state.drawing.peek()!.name, reading);
   state.opening.value = state.drawing.peek()!.name;
   if (!ask("open", { name: state.drawing.peek()!.name, again: true, ...reading })) state.opening.value = "";
 }
-let rereading: HowRead | null = null;
+/** Whether what was set stays in the next drawing, which is this one in another way. */
+let sameQuestion = false;
+
+/** Makes blocks with joints; what is set stays, where their parts are there. */
+export function make(made: Made): void {
+  sameQuestion = state.drawing.peek()?.made !== undefined && !state.atStart.peek();
+  openAs({ name: `${made.pattern}.json`, make: made });
+}
 
 /** Sets everything as the file says it. */
 export function asRead(): void {
@@ -324,9 +343,31 @@ export function openAs(what: Opening): void {
   if (!ask("open", requestFor(what))) state.opening.value = "";
 }
 let pendingFile: Opening | null = null;
-/** The file that was opened here, and whether the next drawing is the one that is open already. */
-let file: Opening | null = null;
+/** Whether the next drawing is the one that is open already. */
 let again = false;
+
+/** Keeps the present answer beside. */
+export function keepBeside(): void {
+  const present = presentAnswer();
+  if (!present) return;
+  [linkedViews.value, kept.value] = [true, present];
+  state.notice.value = "Kept beside: change something, or open another file";
+}
+
+/** Goes to the design that is kept, in its file, and keeps the present one in its place. */
+export function swapKept(): void {
+  const before = kept.peek();
+  if (!before) return;
+  const present = presentAnswer() ?? before;
+  if (ofThisFile.peek()) {
+    kept.value = present;
+    return change(before.about.design);
+  }
+  returning = { to: before.about.design, keeps: present };
+  openAs(before.file ?? { name: before.opened.name, served: true });
+}
+/** The design with which the next drawing is opened, and what is kept beside it then. */
+let returning: { to: Design; keeps: Kept } | null = null;
 
 /** Saves the answer to the present design, or the film that is shown, whichever design that is of. */
 export function save(what: SaveWhat, kerf = 0): void {
@@ -336,6 +377,7 @@ export function save(what: SaveWhat, kerf = 0): void {
 
 /** The address that leads to this design. */
 export function link(): string {
+  const file = state.file.peek();
   return linkTo(state.drawing.peek()!, design.peek(), file && "sample" in file ? file.name : undefined);
 }
 
@@ -388,7 +430,7 @@ function take(reply: Reply, paths: Frames[]): void {
     case "step": if (questionOf(about(reply).design) === question.peek()) stepped(reply.gap, reply.objective, reply.verdict, paths[0]); return;
     case "sweep": if (questionOf(about(reply).design) === question.peek()) state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
-    case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.tinted.value = reply.of; state.coloured.value = true; return;
+    case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; if (Object.keys(reply.tints.values).length) [state.tinted.value, state.coloured.value] = [reply.of, true]; return;
     case "prove": return proved(about(reply));
     case "bound": return bounded(about(reply));
     case "assembled": assembled.value = reply; if (ofSheet(state.trouble.value)) state.findings.value = []; return;
@@ -512,12 +554,14 @@ const looks = ({ parts, solids }: Opened): string => JSON.stringify([parts, soli
 
 function opened(reply: Opened): void {
   state.opening.value = "";
-  if (reply.id === 0 && file) return; // a reload: the file that was dropped here comes after
+  if (reply.id === 0) keepServed((state.served.value = reply.name));
+  if (reply.id === 0 && state.file.peek()) return; // a reload: the file that was dropped here comes after
   const otherwise = reply.id === 0 ? keptReading(reply.name) : null;
   if (reply.id !== 0 && pendingFile) {
-    file = pendingFile;
-    keepFile(file);
-    if ("data" in file) keepRecent(file);
+    const file = (state.file.value = "served" in pendingFile ? null : pendingFile);
+    if (file) keepFile(file);
+    else forgetFile();
+    if (file && "data" in file) keepRecent(file);
     pendingFile = null;
   }
   flush();
@@ -541,7 +585,7 @@ function opened(reply: Opened): void {
   state.unopened.value = [];
   state.pointed.value = null;
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
-  state.studies.value = { tighten: null, sample: null };
+  state.studies.value = {};
   forgetSheet();
   if (state.tab.peek() === "sheet" && !reply.apart) state.tab.value = "answer";
   state.selected.value = null;
@@ -557,14 +601,20 @@ function opened(reply: Opened): void {
   state.drawing.value = reply;
   chosenFactor.value = 1;
   showRest(false);
-  kept.value = null;
   asInFile = read;
-  const set = rereading && fitsParts(design.peek(), reply) ? design.peek() : null; // read in another way, and asked the same
-  rereading = null;
-  const mine = set || known ? null : keptDesign(reply, !file);
+  const stays = sameQuestion && fitsParts(design.peek(), reply);
+  sameQuestion = false;
+  const mine = stays || known ? null : keptDesign(reply, !state.file.peek());
   leaving = null;
   if (known) begin(...goneOn(known, read, reply));
-  else begin(set ?? mine?.design ?? read, mine?.history, mine?.pose ?? null);
+  else if (stays) begin(...goneOn({ ...design.peek() }, read, reply)); // a new object: it is asked anew
+  else begin(mine?.design ?? read, mine?.history, mine?.pose ?? null);
+  if (kept.peek() && !ofThisFile.peek()) linkedViews.value = false;
+  if (returning) {
+    kept.value = returning.keeps;
+    if (JSON.stringify(returning.to) !== JSON.stringify(design.peek())) change(returning.to);
+    returning = null;
+  }
   if (known && chosen && state.indexOf.peek().has(chosen)) state.selected.value = chosen;
   const count = reply.notes.length;
   if (count) state.notice.value = `${count === 1 ? "One note" : `${count} notes`} on how the file was read, in the tab Answer`;
@@ -610,13 +660,14 @@ const otherFile = (name: string): void => void (state.notice.value = `The link c
 function reopen(): void {
   if (pendingFile) return openAs(pendingFile); // it was chosen before the line was there, or as it broke
   again = state.drawing.peek() !== null;
-  const link = file ? null : linked();
+  const link = state.file.peek() ? null : linked();
   if (link?.sample) return openAs({ name: link.sample, sample: true });
-  const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file ?? keptFile());
-  if (!file && isLink() && !link) state.notice.value = BROKEN_LINK; // and again once a file is open
+  const { file } = state;
+  const before = link ? [keptFile(), ...recent()].find((one) => one?.name === link.name) : (file.peek() ?? keptFile());
+  if (!file.peek() && isLink() && !link) state.notice.value = BROKEN_LINK; // and again once a file is open
   if (link && before) return openAs("data" in before ? { name: before.name, data: before.data, ...(before.reading && { reading: before.reading }) } : before);
   if (link) otherFile(link.name);
-  else if (before) ask("open", requestFor((file = before as Opening)));
+  else if (before) ask("open", requestFor((file.value = before as Opening)));
 }
 
 function worker(now: "ready" | "lost" | "restarted"): void {
@@ -647,9 +698,10 @@ function failed(of: string, lines: Finding[], about?: Design): void {
   }
   if (of === "open") {
     state.opening.value = "";
-    pendingFile = rereading = null;
+    pendingFile = returning = null;
+    sameQuestion = false;
     if (!state.drawing.peek()) {
-      file = null;
+      state.file.value = null;
       forgetFile();
     }
     state.unopened.value = lines.map((one) => one.words);

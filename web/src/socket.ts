@@ -31,6 +31,9 @@ export class Latest {
   }
 }
 
+/** What a request is called: its kind, or the question that a study asks. */
+export const nameOf = (kind: Kind, body: object): string => (kind === "study" && "of" in body ? String(body.of) : kind);
+
 /** Kind of the request that a reply belongs to. */
 export function requestOf(reply: Reply): string {
   switch (reply.kind) {
@@ -77,12 +80,12 @@ export class Socket {
   /** Sends a request and gives its id; 0 while there is no line. */
   ask<K extends Kind>(kind: K, body: Requests[K], goesOn = false): number {
     if (!this.ready) return 0;
-    const id = this.#latest.ask(kind, goesOn);
+    const id = this.#latest.ask(nameOf(kind, body), goesOn);
     this.#socket!.send(JSON.stringify({ kind, id, ...body }));
     return id;
   }
 
-  cancel(kind: Kind): void {
+  cancel(kind: string): void {
     const id = this.#latest.newest(kind);
     if (id === undefined) return;
     this.#latest.forget(kind);

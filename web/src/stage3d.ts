@@ -27,6 +27,10 @@ export interface Hand {
   free(part: number): boolean;
   hover(part: number | null): void;
   choose(part: number | null): void;
+  /** A contact was pressed. */
+  joint(parts: readonly [string, string]): void;
+  /** What can be done with a part, or with the ground, is wanted at a place of the window. */
+  menu(part: number | null, at: { x: number; y: number }): void;
   drag(part: number, grip: Triple, target: Triple): void;
   release(): void;
 }
@@ -49,6 +53,8 @@ export interface SolidView {
 /** Further than this with the pointer down is a drag [px]. */
 const SLACK = { mouse: 4, touch: 8 };
 const AXIS = 34; // pixels
+/** A contact is pressed within this distance of its foot [px]. */
+const NEAR = { mouse: 9, touch: 16 };
 /** Length of arrows of what is asked, as a share of the assembly's longest side. */
 const ARROW = 0.34;
 /** Parts that are set aside further carry no marks. */
@@ -68,6 +74,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   let ghost: Line | Group | null = null;
   const marks = new Group();
   world.add(marks);
+  /** Where contacts are marked. */
+  let spots: { at: Vector3; parts: [string, string] }[] = [];
   /** What the marks were made of, and whether the parts moved in the frame before: turning the view makes none anew. */
   let marked: unknown[] = [];
   let wasMoving = false;
@@ -140,6 +148,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
 
   function renewMarks(told: Marks | null, motion: Float32Array, factor: number, apart: number): void {
     drop(marks);
+    spots = [];
     if (!told || apart > APART) return;
     const strongest = Math.max(...told.contacts.map((one) => one.force), 1e-300);
     for (const { parts: names, point, normal, force } of told.contacts.slice(0, 60)) {
@@ -150,6 +159,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
       const local = new Vector3(...(point as Triple)).sub(home(p)).sub(shift).applyQuaternion(turn.clone().invert());
       const at = local.applyQuaternion(spun).add(home(p)).add(wide);
       const lit = told.highlit === point;
+      spots.push({ at, parts: names as [string, string] });
       marks.add(contact3d(at.toArray(), normal, lit ? 1.6 : force / strongest, lit ? 1.4 * size : size, colours.force));
     }
     for (const { at, along, goal } of asked(told.goals, motion, factor)) {
@@ -186,7 +196,20 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     const hit = caster.intersectObjects(parts.filter((one) => one.visible && !one.userData.see).map((one) => one.body), false)[0];
     return hit ? { part: parts.indexOf(hit.object.parent as Solid3d), at: hit.point } : null;
   }
+  /** The joint whose contact is marked where the pointer is. */
+  function jointAt(event: PointerEvent): [string, string] | null {
+    const frame = canvas.getBoundingClientRect();
+    const far = ({ at }: { at: Vector3 }): number => {
+      const { x, y } = at.clone().project(camera);
+      return Math.hypot(((x + 1) / 2) * frame.width - event.clientX + frame.left, ((1 - y) / 2) * frame.height - event.clientY + frame.top);
+    };
+    const [best] = spots.map((one) => ({ ...one, far: far(one) })).sort((a, b) => a.far - b.far);
+    return best && best.far <= (event.pointerType === "touch" ? NEAR.touch : NEAR.mouse) ? best.parts : null;
+  }
+  /** Where the second button went down: it moves the view, and opens what can be done where it does not move. */
+  let second: Vector2 | null = null;
   function press(event: PointerEvent): void {
+    if (event.button === 2) second = new Vector2(event.clientX, event.clientY);
     if (held || event.button !== 0 || !event.isPrimary) {
       if (held && !held.moved) { // a second finger: it was to move the view
         held = null;
@@ -231,6 +254,11 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     view.ask();
   }
   function lift(event: PointerEvent): void {
+    if (event.button === 2 && second) {
+      const { x, y } = second;
+      if (event.type === "pointerup" && Math.hypot(event.clientX - x, event.clientY - y) < SLACK.mouse) hand.menu(under(event)?.part ?? null, { x, y });
+      second = null;
+    }
     if (!held || event.pointerId !== held.pointer) return;
     const { part, moved } = held;
     const dragged = !controls.enabled;
@@ -238,7 +266,11 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     hideGhost();
     controls.enabled = true;
     if (dragged && moved) hand.release();
-    else if (!moved && event.type === "pointerup") hand.choose(part);
+    else if (!moved && event.type === "pointerup") {
+      const joint = jointAt(event);
+      if (joint) hand.joint(joint);
+      else hand.choose(part);
+    }
     view.ask();
   }
   /** Where the hand wants the part: its edges alone, for nothing is known about it yet. */

@@ -5,6 +5,7 @@ import { design, inSpace } from "./design.ts";
 import type {
   BoundReply, CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, LimitReply, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, Solids, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
+import type { Opening } from "./keep.ts";
 import type { Line } from "./socket.ts";
 import { boxOf, reachOfSolids } from "./solids.ts";
 
@@ -39,6 +40,10 @@ export const opening = signal("");
 export const atStart = signal(false);
 
 export const drawing = signal<Opened | null>(null);
+/** The file that was opened here; null where it is that of the command. */
+export const file = signal<Opening | null>(null);
+/** Name of the file that the command was given. */
+export const served = signal("");
 export const rings = signal<Ring[][]>([]);
 /** The design whose outlines are shown; null while they are as drawn. */
 export const shaped = signal<Design | null>(null);
@@ -63,10 +68,10 @@ export const reach = signal<About<ReachReply> | null>(null);
 /** Where the chosen part was pressed, at rest. */
 export const pressed = signal<Point | null>(null);
 export const space = signal<About<SpaceReply> | null>(null);
-/** What studies found, by kind. */
-export const studies = signal<{ tighten: About<StudyReply> | null; sample: About<StudyReply> | null }>({ tighten: null, sample: null });
+/** What studies found, by the name of the question. */
+export const studies = signal<Readonly<Record<string, About<StudyReply>>>>({});
 /** The study whose colours the parts have. */
-export const tinted = signal<"tighten" | "sample">("tighten");
+export const tinted = signal("");
 export const proof = signal<About<ProveReply> | null>(null);
 /** A quick bound of the answer, worked out after it. */
 export const bound = signal<About<BoundReply> | null>(null);

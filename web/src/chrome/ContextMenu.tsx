@@ -2,13 +2,14 @@
 
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { fixedNames, groupOf, pinned, pose, pulledNames, togglePinned, togglePull } from "../design.ts";
+import { fixedNames, goals, groupOf, inSpace, pinned, pose, pulledNames, togglePinned, togglePull, toggleTwist } from "../design.ts";
+import { isTwist } from "../protocol.ts";
 import { askModes, askReach, backToRest, fixOrNot } from "../session.ts";
 import { fitAll } from "../stage/camera.ts";
 import { chooseMany } from "../stage/lasso.ts";
-import { names } from "../state.ts";
+import { names, outlined } from "../state.ts";
 import { short } from "../words.ts";
-import { glueOrNot } from "./Selection.tsx";
+import { glueOrNot, seePast } from "./Selection.tsx";
 import { stepInMenu } from "./menuKeys.ts";
 
 /** Where it is open, in the window [px], and for which part; null of the ground. */
@@ -24,8 +25,13 @@ function entries(part: string | null): Entry[] {
     { words: pulledNames.value.has(part) ? "Do not pull it" : "Pull", key: "P", does: () => togglePull(part) },
     { words: groupOf(part) ? "Unglue" : "Glue to another part", key: "G", does: () => glueOrNot(part) },
     { words: pinned.value.has(part) ? "Unpin" : "Pin", key: "N", does: () => togglePinned(part), not: stands },
-    { words: "Wiggle", key: "W", does: () => askModes(part), not: stands },
-    { words: "Where it can be brought", key: "R", does: () => askReach(part), not: stands },
+    ...(inSpace() ? [
+      { words: goals.value.some((goal) => goal.part === part && isTwist(goal)) ? "Do not twist it" : "Twist", key: "T", does: () => toggleTwist(part) },
+      { words: outlined.value.has(part) ? "Fill it again" : "See past it", key: "H", does: () => seePast(part) },
+    ] : [
+      { words: "Wiggle", key: "W", does: () => askModes(part), not: stands },
+      { words: "Where it can be brought", key: "R", does: () => askReach(part), not: stands },
+    ]),
   ];
 }
 

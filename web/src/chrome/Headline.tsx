@@ -6,7 +6,7 @@ import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, li
 import { assembled } from "../sheetState.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
-import type { FlexReply, Kind } from "../protocol.ts";
+import type { FlexReply } from "../protocol.ts";
 import { size } from "../stage/camera.ts";
 import { mostMarks } from "../stage/marks.ts";
 import { ask, few, inLine, number, short } from "../words.ts";
@@ -111,13 +111,13 @@ function thinned(count: number): string[] {
 }
 
 const NAMES: Record<string, string> = {
-  flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "trying gaps at random",
+  flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "trying gaps at random", gap: "looking for the gap to draw",
   assemble: "putting panels together", lay: "laying a panel", space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
 /** Long work under way: what it is, how far, and a way to end it. One line, however much waits: the picture stays where it is. */
 function Work() {
-  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["assemble", "lay", "check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
+  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["assemble", "lay", "check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample", "gap"].includes(kind)));
   const first = rows.find(([, told]) => told !== null) ?? rows[0];
   if (!first) return null;
   const [kind, told] = first;
@@ -127,7 +127,7 @@ function Work() {
     <div class="work" key={kind} role="status">
       <progress aria-label={NAMES[kind]} value={told?.share ?? undefined} />
       <span title={words}>{words}</span>
-      <button type="button" class="link" onClick={() => cancel(kind as Kind)}>cancel</button>
+      <button type="button" class="link" onClick={() => cancel(kind)}>cancel</button>
       {waiting.length > 0 && <span class="waiting" title={waiting.join(", ")}>{waiting.length} more {waiting.length === 1 ? "waits" : "wait"}</span>}
     </div>
   );

@@ -28,6 +28,10 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
     typing.current = false;
     if (box.current) box.current.value = now.current;
   };
+  const tellSoon = (): void => { // unless somebody types again before
+    typing.current = false;
+    setTimeout(() => typing.current || tell());
+  };
   // whatever is being typed: a number that has changed by other hands is seen, and what was typed for another file is left out
   useEffect(tell, [text, label, drawing.value]);
   const take = (): void => {
@@ -39,7 +43,7 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
       notice.value = `${label}: “${given}” is not ${min === undefined ? "a number" : `a number of ${min} or more`}; it stays ${text || none}${text && unit ? ` ${unit}` : ""}`;
       box.current.value = text;
     } else if (typed !== value) onChange(typed);
-    setTimeout(tell); // what is taken may be another number than what was typed
+    tellSoon(); // what is taken may be another number than what was typed
   };
   const keys = (event: KeyboardEvent): void => {
     event.stopPropagation();
@@ -65,7 +69,7 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
   };
   return (
     <span class="numberbox" style={{ "--letters": (text || none || "").length }}>
-      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} placeholder={none} onInput={() => (typing.current = true)} onChange={take} onBlur={() => setTimeout(tell)} onKeyDown={keys} />
+      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} placeholder={none} onInput={() => (typing.current = true)} onChange={take} onBlur={tellSoon} onKeyDown={keys} />
       {unit && <span class="unit" aria-hidden="true">{unit}</span>}
     </span>
   );

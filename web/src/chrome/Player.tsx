@@ -1,12 +1,12 @@
 /** Under the canvas: play, the place on the path, magnification, and the zoom. */
 
 import { chosenFactor, FACTORS, place, play, playing, shown, suggested } from "../motion.ts";
-import { back, backToRest, showMode } from "../session.ts";
+import { back, backToRest, keepBeside, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
 import { answer, standalone, drawing, exploded, modes } from "../state.ts";
 import { inSpace } from "../design.ts";
-import { canKeep, keep, kept } from "../stage/kept.ts";
+import { canKeep, kept } from "../stage/kept.ts";
 import { lassoing } from "../stage/lasso.ts";
 import { Button } from "./Button.tsx";
 
@@ -59,13 +59,13 @@ export function Player() {
           />
         </label>
       )}
+      {!standalone.value && (
+        <Button
+          icon="pin" label={kept.value ? "Keep nothing beside" : "Keep this answer beside, to compare"} keyName="B" pressed={kept.value !== null}
+          disabled={!kept.value && !canKeep()} onClick={() => (kept.value ? (kept.value = null) : keepBeside())}
+        />
+      )}
       {!inSpace() && <div class="group">
-        {!standalone.value && (
-          <Button
-            icon="pin" label={kept.value ? "Keep nothing beside" : "Keep this answer beside, to compare"} keyName="B" pressed={kept.value !== null}
-            disabled={!kept.value && !canKeep()} onClick={() => (kept.value ? (kept.value = null) : keep())}
-          />
-        )}
         {!standalone.value && <Button icon="lasso" label="Choose many: draw a line round them" keyName="L" pressed={lassoing.value} onClick={() => (lassoing.value = !lassoing.value)} />}
         <Button
           icon="measure" label="Measure: press two edges or corners" keyName="M" pressed={measuring.value}

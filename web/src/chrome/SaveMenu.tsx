@@ -24,6 +24,7 @@ const CHOICES: Choice[] = [
   { what: "stills", words: "A picture of every step", ending: "zip", of: 2 },
   { what: "assembly", words: "Assembly file", ending: "json" },
   { what: "cut-svg", words: "Outlines to cut", ending: "svg", of: 2 },
+  { what: "cut-lbrn2", words: "Outlines to cut", ending: "lbrn2", of: 2 },
   { what: "cut-dxf", words: "Outlines to cut", ending: "dxf", needs: "dxf", of: 2 },
 ];
 
@@ -31,8 +32,9 @@ const CHOICES: Choice[] = [
 const kerf = signal(0);
 
 /** Outlines go into the file that was opened, where that is of their format, and all else in it stays. */
+const inFile = (ending: string): boolean => drawing.value?.name.toLowerCase().endsWith(`.${ending}`) ?? false;
 const named = ({ what, words, ending }: Choice): string =>
-  !what.startsWith("cut-") ? words : drawing.value?.name.toLowerCase().endsWith(`.${ending}`) ? `${words}, in your file` : `${words}, alone`;
+  !what.startsWith("cut-") ? words : inFile(ending) ? `${words}, in your file` : `${words}, alone`;
 
 export function SaveMenu() {
   const [open, setOpen] = useState(false);
@@ -67,7 +69,7 @@ export function SaveMenu() {
       {open && (
         <div class="popup">
           <div role="menu" aria-label="Save">
-            {CHOICES.filter(({ what, of }) => (what !== "stills" || film?.reply.kind === "plan") && (of ?? dimension.value) === dimension.value).map((one) => {
+            {CHOICES.filter(({ what, of }) => (what !== "stills" || film?.reply.kind === "plan") && (what !== "cut-lbrn2" || inFile("lbrn2")) && (of ?? dimension.value) === dimension.value).map((one) => {
               const { what, ending, needs, asked } = one;
               const missing = needs !== undefined && !can(needs);
               return (

@@ -5,7 +5,7 @@ import { askModes, askReach, fixOrNot } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
 import { along, farOf, place, playing, shown, turnOf } from "../motion.ts";
 import { isTwist } from "../protocol.ts";
-import { standalone, drawing, extent, gluing, indexOf, many, names, outlined, reach, selected } from "../state.ts";
+import { current, standalone, drawing, extent, gluing, indexOf, many, names, outlined, ranking, reach, selected } from "../state.ts";
 import { chooseMany, lassoing } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
@@ -126,6 +126,8 @@ function JointGap({ pair: [a, b] }: { pair: [string, string] }) {
   const step = stepOf(gap || extent.value.radius / 50);
   const value = own ?? gap;
   const most = 10 * step * Math.max(2, Math.ceil(value / (10 * step) - 1e-9) + 1);
+  const about = ranking.value && current(ranking.value) ? ranking.value.reply : null;
+  const matters = about?.joints.find(({ parts }) => parts.includes(a) && parts.includes(b));
   const slide = (to: number): void => setJointGap(a, b, Number((Math.round(to / step) * step).toPrecision(6)), `joint ${a}|${b}`);
   return (
     <div class="extra named" title="the gap between these two parts alone">
@@ -135,6 +137,7 @@ function JointGap({ pair: [a, b] }: { pair: [string, string] }) {
         onInput={(event) => slide(Number(event.currentTarget.value))} onPointerDown={settle} onPointerUp={settle} onBlur={settle}
       />
       <NumberBox value={value} min={0} step={step} unit="mm" label={`gap between ${a} and ${b}`} onChange={(to) => setJointGap(a, b, to)} />
+      {matters && <span class="quiet" title="what this joint's gap is worth to the answer">{number(matters.mm_per_mm, 3)} {about!.per}</span>}
       {own !== null && <button type="button" class="link" aria-label={`as all: give ${a} and ${b} the gap of all others`} onClick={() => setJointGap(a, b, null)}>as all</button>}
     </div>
   );

@@ -3,10 +3,12 @@
 import { useSignal } from "@preact/signals";
 import { forgetDesigns, forgetRecent, recent } from "../keep.ts";
 import type { SampleEntry } from "../protocol.ts";
-import { openAs } from "../session.ts";
-import { atStart, drawing, findings, hello, line, notice, unopened } from "../state.ts";
+import { make, openAs } from "../session.ts";
+import { atStart, drawing, findings, hello, line, notice, served, unopened } from "../state.ts";
 import { short } from "../words.ts";
 import { Button } from "./Button.tsx";
+
+const FIRST = { pattern: "chain", nx: 4, ny: 1, joint: "swallowtail", pitch: 20, sizes: {} } as const;
 
 export function Start() {
   const files = useSignal(recent());
@@ -19,13 +21,16 @@ export function Start() {
         <p class="lead">How far loose, interlocking parts can move, what stops them, and whether they come apart.</p>
         <section class="dropzone">
           <p class="big">Drop a drawing here</p>
-          <p>SVG, DXF, LightBurn or an assembly file (JSON).</p>
+          <p>SVG, DXF, LightBurn, a voxel puzzle or an assembly file (JSON).</p>
           <label class="button main worded" for="file"><span>Choose a file</span></label>
           <p class="quiet">It stays on this machine.</p>
         </section>
         {line.value !== "open" && <p class="quiet" role="status">{line.value === "connecting" ? "Reaching the server…" : "The server does not answer; this page tries again by itself."}</p>}
         {notice.value && <p role="status">{notice.value}</p>}
         {wrong.length > 0 && <div class="notice bad" role="alert"><ul>{wrong.map((words) => <li key={words}>{words}</li>)}</ul></div>}
+        {served.value && served.value !== drawing.value?.name && (
+          <p><Button icon="open" label={`Open ${served.value}, the file of the command`} onClick={() => openAs({ name: served.value, served: true })}>{short(served.value, 40)}, the file of the command</Button></p>
+        )}
         {files.value.length > 0 && (
           <section>
             <header><h2>Opened before</h2><button type="button" class="link" onClick={() => { forgetRecent(); forgetDesigns(); files.value = []; }}>forget them</button></header>
@@ -42,7 +47,7 @@ export function Start() {
         )}
         {samples.length > 0 && (
           <section>
-            <header><h2>Or press a sample</h2></header>
+            <header><h2>Or press a sample</h2><Button label="Make blocks with joints, whose sizes are set on the page" onClick={() => make(FIRST)} class="small">Make joints</Button></header>
             <ul class="samples">{samples.map((one) => <li key={one.name}><SampleCard sample={one} /></li>)}</ul>
           </section>
         )}

@@ -27,7 +27,7 @@ export function TopBar() {
       <span class="spring" />
       {!standalone.value && (
         <>
-          <input ref={box} class="unseen" type="file" accept=".svg,.dxf,.lbrn2,.lbrn,.json" tabIndex={-1} aria-label="drawing" onChange={take} id="file" />
+          <input ref={box} class="unseen" type="file" accept=".svg,.dxf,.lbrn2,.lbrn,.json,.puz,.xmpuzzle" tabIndex={-1} aria-label="drawing" onChange={take} id="file" />
           <Button icon="open" label="Open a drawing" keyName="O" onClick={() => box.current?.click()}>Open</Button>
           <SaveMenu />
           <span class="rule" />

@@ -10,6 +10,7 @@ import { ask, degrees, few, number, short, towards } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Explain, FORCE } from "../chrome/Meaning.tsx";
+import { MadeOf } from "./MadeOf.tsx";
 import { ReadAs } from "./ReadAs.tsx";
 import { AsOf } from "./AsOf.tsx";
 import { Command } from "./Command.tsx";
@@ -21,6 +22,7 @@ export function Answer() {
   return (
     <>
       <OnSheet />
+      <MadeOf />
       <Standing />
       <Asked />
       <Gap />
@@ -201,6 +203,8 @@ function Held() {
 
 /** What is left of rounding, a share of the drawing's size and a turn [degrees], of motions in the plane and in space. */
 const NOTHING = { 2: 1e-12, 3: 1e-6 };
+/** Beside the farthest motion, what is smaller than this share of it is nothing: four digits are shown. */
+const DIGITS = 5e-5;
 const NO_TURN = { 2: 1e-6, 3: 1e-4 };
 
 /** How far every part goes in the answer, the farthest first. */
@@ -210,7 +214,8 @@ function Moved() {
   const motion = end(path);
   const width = columns(path);
   const axes = width === 7 ? 3 : 2;
-  const nothing = NOTHING[axes] * extent.value.radius;
+  const most = Math.max(...names.value.map((_, i) => farOf(motion, i, width)));
+  const nothing = Math.max(NOTHING[axes] * extent.value.radius, DIGITS * most);
   const rows = names.value.map((name, i): { far: number; cells: Cell[] } => {
     const turn = width === 7 ? turnOf(motion, i, width) : motion[3 * i + 2]!;
     const far = farOf(motion, i, width);

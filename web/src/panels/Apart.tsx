@@ -3,9 +3,8 @@
 import { useSignal } from "@preact/signals";
 import { change, design, fixedNames, inSpace } from "../design.ts";
 import { shown } from "../motion.ts";
-import type { Point } from "../protocol.ts";
 import { ask, showEscape } from "../session.ts";
-import { standalone, checked, current, limit, many, planned, running, selected } from "../state.ts";
+import { standalone, checked, current, limit, many, opening, planned, running, selected } from "../state.ts";
 import { few } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { Run } from "../chrome/Run.tsx";
@@ -44,7 +43,7 @@ export function Apart() {
       )}
     </Section>
     {!standalone.value && <LargestGap />}
-    {!standalone.value && !inSpace() && <Planned />}
+    {!standalone.value && <Planned />}
     {standalone.value && <Command text={about?.reply.command} />}
     </>
   );
@@ -68,24 +67,26 @@ function LargestGap() {
   );
 }
 
-const DIRECTIONS: Record<string, Point | null> = { "nowhere": null, "in -y": [0, -1], "in +y": [0, 1], "in -x": [-1, 0], "in +x": [1, 0] };
+const IN_THE_PLANE: Record<string, number[] | null> = { "nowhere": null, "in -y": [0, -1], "in +y": [0, 1], "in -x": [-1, 0], "in +x": [1, 0] };
+const IN_SPACE: Record<string, number[] | null> = { "nowhere": null, "in -z": [0, 0, -1], "in +z": [0, 0, 1], "in -y": [0, -1, 0], "in +y": [0, 1, 0], "in -x": [-1, 0, 0], "in +x": [1, 0, 0] };
 
 /** In which order and along which paths parts are taken out: every step can be played. */
 function Planned() {
   const falls = useSignal("nowhere");
   const about = planned.value;
+  const directions = inSpace() ? IN_SPACE : IN_THE_PLANE;
   const chosen = many.value.size ? [...many.value] : selected.value ? [selected.value] : [];
   const loose = chosen.filter((name) => !fixedNames.value.has(name));
-  const run = (targets: string[]): void => void ask("plan", { design: design.peek(), targets, gravity: DIRECTIONS[falls.value] ?? null });
+  const run = (targets: string[]): void => void ask("plan", { design: design.peek(), targets, gravity: directions[falls.value] ?? null });
   return (
     <Section title="Take apart, put together">
       <p>The order in which parts are taken out, and every step of it: who moves, how, and with how much room. Backwards it is how to put it together.</p>
       <div class="asks">
         <label>loose parts fall <select value={falls.value} aria-label="direction in which loose parts fall" onChange={(event) => (falls.value = event.currentTarget.value)}>
-          {Object.keys(DIRECTIONS).map((name) => <option key={name} value={name}>{name}</option>)}
+          {Object.keys(directions).map((name) => <option key={name} value={name}>{name}</option>)}
         </select></label>
         <Run kind="plan" label="Plan how to take it apart" onClick={() => run([])}>Plan</Run>
-        {loose.length > 0 && !running.value.has("plan") && <Button label={`Plan how to take out ${few(loose)}`} onClick={() => run(loose)}>{`Only ${few(loose, 2)}`}</Button>}
+        {loose.length > 0 && !running.value.has("plan") && <Button label={`Plan how to take out ${few(loose)}`} onClick={() => run(loose)} disabled={opening.value !== ""}>{`Only ${few(loose, 2)}`}</Button>}
       </div>
       {about && (
         <div class={current(about) ? "result" : "result old"}>

@@ -1,7 +1,6 @@
-/** How the file was read: what was assumed or left out, and what can be said about it. */
+/** How the file was read: what was assumed or left out, and what can be said about it; then it is read again at once. */
 
-import { signal, useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { signal } from "@preact/signals";
 import { asRead, readAgain } from "../session.ts";
 import type { HowRead } from "../protocol.ts";
 import { drawing, standalone } from "../state.ts";
@@ -18,8 +17,6 @@ const LISTS = [
   ["hole", "holes", "names of outlines that are cut out of the part around or under them, @x,y for a point in one, or all", "none"],
 ] as const;
 
-const AS_SAID: HowRead = { unit: null, only: [], skip: [], join: null, solid: [], hole: [] };
-
 const unfolded = signal(false);
 
 const listed = (text: string): string[] => text.split(",").map((one) => one.trim()).filter(Boolean);
@@ -28,13 +25,13 @@ const points = (text: string): string[] => listed(text.replace(/@\s*([-\d.]+)\s*
 
 export function ReadAs() {
   const opened = drawing.value!;
-  const draft = useSignal(AS_SAID);
   const before = opened.reading;
-  useEffect(() => void (draft.value = before ?? AS_SAID), [opened]);
   if (standalone.value) return null;
   const { notes } = opened;
-  const put = (next: Partial<HowRead>): void => void (draft.value = { ...draft.value, ...next });
-  const other = JSON.stringify(draft.value) !== JSON.stringify(before ?? AS_SAID);
+  const put = (next: Partial<HowRead>): void => {
+    const wanted = { ...before!, ...next };
+    if (JSON.stringify(wanted) !== JSON.stringify(before)) readAgain(wanted);
+  };
   return (
     <Section title="How the file was read" side={<Button label="Set everything as the file says; undo leads back" onClick={asRead} class="small">As the file says</Button>}>
       <p class="quiet">The drawing is {number(opened.size[2] - opened.size[0])} × {number(opened.size[3] - opened.size[1])} mm.</p>
@@ -44,17 +41,16 @@ export function ReadAs() {
           <summary>Read it in another way</summary>
           <div class="reading">
             <label>unit of its numbers
-              <select value={draft.value.unit ?? ""} onChange={(event) => put({ unit: (event.currentTarget.value || null) as HowRead["unit"] })}>
+              <select value={before.unit ?? ""} onChange={(event) => put({ unit: (event.currentTarget.value || null) as HowRead["unit"] })}>
                 {Object.entries(UNITS).map(([unit, words]) => <option key={unit} value={unit}>{words}</option>)}
               </select>
             </label>
             {LISTS.map(([key, words, hint, none]) => (
               <label key={key} title={hint}>{words}
-                <input class="search" type="text" placeholder={none} value={(draft.value[key] ?? []).join(", ")} onChange={(event) => put({ [key]: points(event.currentTarget.value) })} />
+                <input class="search" type="text" placeholder={none} value={(before[key] ?? []).join(", ")} onChange={(event) => put({ [key]: points(event.currentTarget.value) })} />
               </label>
             ))}
-            <label title="open ends nearer than this are joined">join ends <NumberBox value={draft.value.join ?? 0} min={0} step={0.05} unit="mm" none="auto" label="open ends nearer than this are joined" onChange={(value) => put({ join: value || null })} /></label>
-            <Button label="Read the file again" onClick={() => readAgain(draft.value)} disabled={!other} class="small">Read again</Button>
+            <label title="open ends nearer than this are joined">join ends <NumberBox value={before.join ?? 0} min={0} step={0.05} unit="mm" none="auto" label="open ends nearer than this are joined" onChange={(value) => put({ join: value || null })} /></label>
           </div>
         </details>
       )}

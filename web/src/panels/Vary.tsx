@@ -1,9 +1,10 @@
-/** Which parts to make tighter, and how far it moves where gaps vary at random. */
+/** Questions that the server declares, each with its options and what it found. */
 
 import { useSignal } from "@preact/signals";
-import { asks, change, design, fixedNames } from "../design.ts";
-import { ask } from "../session.ts";
-import { answer, coloured, current, names, studies, tinted } from "../state.ts";
+import { asks, change, design, fixedNames, inSpace } from "../design.ts";
+import type { StudyField, StudyForm } from "../protocol.ts";
+import { askStudy } from "../session.ts";
+import { answer, coloured, current, hello, names, studies, tinted } from "../state.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
@@ -13,62 +14,72 @@ import { Command } from "./Command.tsx";
 import { Section } from "./Section.tsx";
 import { Sections } from "./Study.tsx";
 
+type Values = Record<string, number | boolean>;
+
 export function Vary() {
-  return <><Tighten /><Sample /></>;
+  const forms = (hello.value?.studies ?? []).filter(({ spatial }) => spatial || !inSpace());
+  return <>{forms.map((form) => <Asked key={form.of} form={form} />)}</>;
 }
 
-const asked = (): boolean => asks(design.value) && answer.value?.reply.objective != null;
+/** What an option is before it is set; 0 or false where it is left out. */
+function suggested({ kind, default: value, of_gap, of_parts }: StudyField): number | boolean {
+  if (of_gap !== null) return Number((of_gap * design.value.gap).toPrecision(2));
+  if (kind === "flag") return value === true;
+  const free = names.value.filter((part) => !fixedNames.value.has(part)).length;
+  return of_parts ? Math.max(1, Math.min(Number(value ?? 0), free)) : Number(value ?? 0);
+}
 
-function Tighten() {
-  const free = names.value.filter((name) => !fixedNames.value.has(name)).length;
-  const parts = useSignal(Math.max(1, Math.min(3, free)));
+function Asked({ form }: { form: StudyForm }) {
+  const set = useSignal<Values>({});
+  const value = (field: StudyField): number | boolean => set.value[field.name] ?? suggested(field);
+  const take = (field: StudyField, to: number | boolean): void => {
+    set.value = { ...set.value, [field.name]: field.kind === "count" ? Math.round(Number(to)) : to };
+  };
+  const run = (): void => {
+    const other = form.fields.findIndex((field) => field.title.startsWith("or ") && set.value[field.name]); // in place of what stands before it
+    const said = form.fields.filter((field, k) => (k < other ? set.value[field.name] : value(field) || field.default !== null));
+    askStudy(form.of, Object.fromEntries(said.map((field) => [field.name, value(field)])));
+  };
+  const ready = form.needs_end ? asks(design.value) && answer.value?.reply.objective != null : true;
+  const lacking = form.fields.some((field) => field.of_gap !== null && !value(field));
   return (
-    <Section title="Which parts should be tighter?">
-      <p>The parts whose gap, made smaller, takes most of the motion away.</p>
+    <Section title={form.title}>
+      <p>{form.text}</p>
       <div class="asks">
-        <label>how many <NumberBox value={parts.value} min={1} step={1} label="how many parts to make tighter" onChange={(v) => (parts.value = Math.round(v))} /></label>
-        <Run kind="tighten" label="Find the parts to make tighter" onClick={() => void ask("tighten", { design: design.peek(), parts: parts.value })} disabled={!asked()}>Find them</Run>
+        {form.fields.map((field) => (
+          <label key={field.name}>{field.title} {field.kind === "flag"
+            ? <input type="checkbox" checked={value(field) === true} onChange={(event) => take(field, event.currentTarget.checked)} />
+            : <NumberBox value={Number(value(field))} min={field.least ?? undefined} step={stepFor(field)} unit={field.unit || undefined} label={field.title} none={field.default === null && field.of_gap === null ? "any" : undefined} onChange={(to) => take(field, to)} />}
+          </label>
+        ))}
+        <Run kind={form.of} label={form.button} onClick={run} disabled={!ready || lacking}>{form.button}</Run>
       </div>
-      <Result of="tighten" />
+      <Result of={form.of} />
     </Section>
   );
 }
 
-function Sample() {
-  const { gap } = design.value;
-  const spread = useSignal(0);
-  const limit = useSignal(0);
-  const draws = useSignal(100);
-  const used = spread.value || Number((gap / 20).toPrecision(2));
-  const run = (): void => void ask("sample", { design: design.peek(), spread: used, draws: draws.value, ...(limit.value > 0 && { limit: limit.value }) });
-  return (
-    <Section title="When gaps vary">
-      <p>No cut is exact. Every try gives each part an extra gap of its own by chance, and says how far it then moves: the worst case, and how many stay below a limit.</p>
-      <div class="asks">
-        <label>standard deviation <NumberBox value={used} min={0} step={stepOf(gap / 5)} unit="mm" label="standard deviation of the gap" onChange={(v) => (spread.value = v)} /></label>
-        <label>tries <NumberBox value={draws.value} min={1} step={50} label="number of tries" onChange={(v) => (draws.value = Math.min(Math.round(v), 5000))} /></label>
-        <label>good up to <NumberBox value={limit.value} min={0} step={stepOf(10 * gap)} unit="mm" none="any" label="largest motion that is good" onChange={(v) => (limit.value = v)} /></label>
-        <Run kind="sample" label="Try gaps at random" onClick={run} disabled={!asked() || used <= 0}>Try random gaps</Run>
-      </div>
-      <Result of="sample" />
-    </Section>
-  );
-}
+const stepFor = ({ kind, default: value, of_gap }: StudyField): number =>
+  kind === "count" ? (Number(value ?? 0) >= 50 ? 50 : 1) : stepOf(of_gap === null ? 10 * design.value.gap : design.value.gap / 5);
 
-function Result({ of }: { of: "tighten" | "sample" }) {
+function Result({ of }: { of: string }) {
   const about = studies.value[of];
   if (!about) return null;
   const { said, study, tints, command } = about.reply;
   const mine = coloured.value && tinted.value === of;
+  const colours = Object.keys(tints.values).length > 0;
   return (
     <div class={current(about) ? "result" : "result old"}>
-      <p class="strong">{of === "tighten" ? `Then ${said.title}` : said.title}</p>
+      <p class="strong">{said.title}</p>
       <p class="quiet">{said.facts.join(" · ")}</p>
       {!current(about) && <p class="quiet">said of an earlier design</p>}
       {current(about) && Object.keys(about.reply.extra).length > 0 && (
         <p class="likely"><Button label="Set these parts' extra gaps so; undo takes it back" onClick={() => change({ extra: { ...design.value.extra, ...about.reply.extra } })} class="small main">Make them tighter</Button></p>
       )}
-      <label class="check"><input type="checkbox" checked={mine} onChange={(event) => { tinted.value = of; coloured.value = event.currentTarget.checked; }} /> colour the parts</label>
+      {current(about) && about.reply.gap !== null && about.reply.gap !== design.value.gap && (
+        <p class="likely"><Button label="Set this gap; undo takes it back" onClick={() => change({ gap: about.reply.gap! })} class="small main">Set this gap</Button></p>
+      )}
+      {colours && <label class="check"><input type="checkbox" checked={mine} onChange={(event) => { tinted.value = of; coloured.value = event.currentTarget.checked; }} /> colour the parts</label>}
       {mine && tints.per && <Blamebar most={Math.max(...Object.values(tints.values))} per={tints.per} />}
       <Sections of={study} />
       <Command text={command} />

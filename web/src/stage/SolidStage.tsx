@@ -2,6 +2,7 @@
 
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { menuAt } from "../chrome/ContextMenu.tsx";
 import { design, fixedNames, goals } from "../design.ts";
 import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts";
 import { askDrag, release } from "../session.ts";
@@ -10,6 +11,7 @@ import type { SolidView } from "../stage3d.ts";
 import * as state from "../state.ts";
 import { solidView } from "./camera.ts";
 import { blameColour, colours, isDark } from "./colours.ts";
+import { chooseMany } from "./lasso.ts";
 import { choose } from "./Stage.tsx";
 import { blame, roles } from "./roles.ts";
 
@@ -63,6 +65,12 @@ function connected(box: HTMLElement, open: Open): () => void {
     free: (part) => !fixedNames.peek().has(names.peek()[part]!),
     hover: (part) => void (state.hovered.value = part === null ? null : names.peek()[part]!),
     choose: (part) => choose(part === null ? null : names.peek()[part]!),
+    joint: (parts) => chooseMany(parts),
+    menu(part, at) {
+      const name = part === null ? null : names.peek()[part]!;
+      if (name) chooseMany([name]);
+      menuAt.value = { ...at, part: name };
+    },
     drag(part, grip, target) {
       grabbing.value = true;
       state.selected.value = names.peek()[part]!;

@@ -8,7 +8,7 @@ import { end, factor, place, playing, pose, sampled, shown } from "../motion.ts"
 import type { Point } from "../protocol.ts";
 import { askDrag, askReach, release } from "../session.ts";
 import * as state from "../state.ts";
-import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, pointIn, size, view, zoomBy, zoomByWheel } from "./camera.ts";
+import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, pointIn, size, view, wheelFactor, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
 import { groupAt, lead, led, type Wanted } from "./lead.ts";
 import { chooseMany, chooseToo, close, draw, lassoing } from "./lasso.ts";
@@ -248,7 +248,10 @@ function pointers(canvas: HTMLCanvasElement): () => void {
       }
     }
   };
-  const wheel = (event: WheelEvent): void => zoomByWheel(canvas, event);
+  const wheel = (event: WheelEvent): void => {
+    event.preventDefault();
+    zoomBy(wheelFactor(event), pointIn(canvas, event));
+  };
   const leave = (): void => void (state.hovered.value = null);
   const menu = (event: MouseEvent): void => {
     if (state.standalone.peek() || !state.drawing.peek()) return;

@@ -60,11 +60,10 @@ export function pointIn(canvas: HTMLCanvasElement, { clientX, clientY }: MouseEv
   return [clientX - box.left, clientY - box.top];
 }
 
-/** Zooms about the pointer as its wheel turns. */
-export function zoomByWheel(canvas: HTMLCanvasElement, event: WheelEvent): void {
-  event.preventDefault();
+/** By how much a turn of the wheel zooms. */
+export function wheelFactor(event: WheelEvent): number {
   const lines = event.deltaMode === 1 ? 16 : 1;
-  zoomBy(Math.exp(-event.deltaY * lines * (event.ctrlKey ? 0.01 : 0.0016)), pointIn(canvas, event));
+  return Math.exp(-event.deltaY * lines * (event.ctrlKey ? 0.01 : 0.0016));
 }
 
 export function panBy(dx: number, dy: number): void {
