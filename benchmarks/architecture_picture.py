@@ -22,12 +22,13 @@ LANES = (
         "other questions",
         ["bound", "form_closure", "disassembly", "planning", "sensitivity", "live", "mating", "spatial"],
     ),
-    ("what people and programs get", ["questions", "gap_questions", "schema", "report", "app", "cli"]),
+    ("what people and programs get", ["questions", "schema", "report", "studies", "app", "cli"]),
     ("judges, which share nothing with what they judge, and comparisons", ["audit", "verify", "compare", "bench"]),
 )
 EVERYWHERE = (
     "errors",
     "deadline",
+    "context",
     "provenance",
     "files",
     "displayable",

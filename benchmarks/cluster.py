@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import wiggleroom as wr
-from wiggleroom.sensitivity.sample import Sample, sample
+from wiggleroom.sensitivity.sample import Sample
 
 FRAME = Path(__file__).parents[1] / "examples" / "06_frame" / "frame.json"
 DEVIATION = 0.001
@@ -37,7 +37,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2, 4])
     asked = parser.parse_args()
     assembly = wr.read(FRAME)
-    alone, one = timed(lambda: sample(assembly, DEVIATION, draws=asked.draws, workers=1))
+    alone, one = timed(lambda: wr.sample(assembly, DEVIATION, draws=asked.draws, workers=1))
     print(f"{asked.draws} draws, {os.cpu_count()} processors\n")
     print("| where | wall s | times as quick as one process | largest difference |\n| --- | ---: | ---: | ---: |")
     print(f"| this process | {one:.1f} | 1 | 0 |", flush=True)
@@ -47,7 +47,7 @@ def main() -> None:
                 client.wait_for_workers(count)
             address = cluster.scheduler_address
             found, seconds = timed(
-                lambda address=address: sample(assembly, DEVIATION, draws=asked.draws, cluster=address)
+                lambda address=address: wr.sample(assembly, DEVIATION, draws=asked.draws, cluster=address)
             )
         off = float(np.abs(found.value - alone.value).max())
         print(

@@ -37,7 +37,7 @@ MIN_FACTORISATIONS = 30
 FLEX = "import sys; from wiggleroom.cli import main; sys.exit(main())"
 IMPORTS = (
     "import gc; from wiggleroom.cli import COLLECTION_THRESHOLD; gc.set_threshold(COLLECTION_THRESHOLD); "
-    "import wiggleroom.cli.flex_command, wiggleroom.maximise, wiggleroom.report.results.table, wiggleroom.report.results.json_results"
+    "import wiggleroom.cli.study_command, wiggleroom.maximise, wiggleroom.report.findings.flex, wiggleroom.report.results.json_results"
 )
 """All that `flex` imports, as the command does it."""
 READ = "import sys; from wiggleroom.questions import read; read(sys.argv[1])"

@@ -13,8 +13,9 @@ from collections import Counter, deque
 
 import numpy as np
 
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import Boxes, Drawing, Part
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import Boxes, SpatialAssembly, SpatialDrawing, SpatialPart
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 
 STEPS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
@@ -51,6 +52,18 @@ def random_burr(rng: np.random.Generator, count: int) -> list[set]:
             parts[who[int(rng.integers(len(who)))]].add(v)
         if all(p and connected(p) for p in parts):
             return parts
+
+
+def hollowed(parts: list[set], rng: np.random.Generator, share: float) -> list[set]:
+    """The parts without some of their cells, each still connected."""
+    found = []
+    for part in parts:
+        left = set(part)
+        for v in sorted(part):
+            if rng.random() < share and len(left) > 1 and connected(left - {v}):
+                left.remove(v)
+        found.append(left)
+    return found
 
 
 def comes_apart_on_grid(parts: list[set], most: int = 20_000) -> bool | None:
@@ -98,6 +111,37 @@ def comes_apart_on_grid(parts: list[set], most: int = 20_000) -> bool | None:
     return False
 
 
+def fewest_moves(parts: list[set], most: int = 20_000) -> int:
+    """Least number of moves to where some parts are out, by any set of parts any number of cells along an axis; 0 where none get out.
+
+    It tries all sets of parts and all distances, cell by cell.
+    """
+    count = len(parts)
+    sets = [set(s) for k in range(1, count) for s in itertools.combinations(range(count), k)]
+    start = ((0, 0, 0),) * count
+    depth, todo = {start: 0}, deque([start])
+    while todo:
+        place = todo.popleft()
+        if len(depth) > most:
+            raise ValueError("too many places")
+        for group, step in itertools.product(sets, STEPS):
+            moved = place
+            for far in itertools.count(1):
+                moved = tuple(tuple(np.add(o, step).tolist()) if k in group else o for k, o in enumerate(moved))
+                cells = [
+                    {(v[0] + o[0], v[1] + o[1], v[2] + o[2]) for v in p} for p, o in zip(parts, moved, strict=True)
+                ]
+                if any(cells[i] & cells[j] for i in group for j in set(range(count)) - group):
+                    break
+                if far > 14:
+                    return depth[place] + 1
+                shifted = tuple(tuple(np.subtract(o, moved[0]).tolist()) for o in moved)
+                if shifted not in depth:
+                    depth[shifted] = depth[place] + 1
+                    todo.append(shifted)
+    return 0
+
+
 def leaves(parts: list[set], place: tuple, first: int, step: tuple[int, int, int], far: int = 14) -> bool:
     """Whether a piece goes straight until it is out, alone or with others that it meets."""
     cells = [{(v[0] + o[0], v[1] + o[1], v[2] + o[2]) for v in p} for p, o in zip(parts, place, strict=True)]
@@ -119,12 +163,12 @@ def leaves(parts: list[set], place: tuple, first: int, step: tuple[int, int, int
     return False
 
 
-def assembled(parts: list[set], gap: float = 0.05) -> SpatialAssembly:
+def assembled(parts: list[set], gap: float = 0.05) -> Assembly:
     drawn = tuple(
-        SpatialPart(f"p{k}", Boxes(np.array([[v, np.add(v, 1)] for v in sorted(cells)], float)), np.zeros(3), np.eye(3))
+        Part(f"p{k}", solid=Boxes(np.array([[v, np.add(v, 1)] for v in sorted(cells)], float)))
         for k, cells in enumerate(parts)
     )
-    return assemble_spatial(SpatialDrawing(drawn, gap))
+    return assemble_spatial(Drawing(drawn, gap))
 
 
 def main(count: int, pieces: int, seed: int) -> None:

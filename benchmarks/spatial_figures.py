@@ -13,6 +13,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,10 +26,10 @@ from benchmarks.attack.families_solid import draw_solids
 from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
 from benchmarks.spatial_overlaps import Judge, finger_box, prisms, voxel_judge, worst_on
 from benchmarks.spatial_overlaps import box as corners
-from wiggleroom.drawing.model import Goal, Pull, Region, Turn
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import Boxes, Drawing, Goal, Part, Plate, Pull, Region, Surface, Turn
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import Boxes, Plate, SpatialAssembly, SpatialDrawing, SpatialPart, Surface
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.verdict import Verdict
 
@@ -36,8 +37,8 @@ FAMILIES = ("tee", "swallowtail", "dovetail", "finger", "jigsaw", "revolute")
 PLANAR = frozenset({"z", "rx", "ry"})
 
 
-def part(name: str, solid: Plate | Boxes | Surface, at=(0.0, 0.0, 0.0), fixed=False, lock=frozenset()) -> SpatialPart:
-    return SpatialPart(name, solid, np.array(at, float), np.eye(3), fixed, lock)
+def part(name: str, solid: Plate | Boxes | Surface, at=(0.0, 0.0, 0.0), fixed=False, lock=frozenset()) -> Part:
+    return Part(name, at=at, fixed=fixed, solid=solid, lock=lock)
 
 
 def square(side: float) -> np.ndarray:
@@ -49,16 +50,16 @@ def polygon(count: int, radius: float) -> np.ndarray:
     return radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-def plate(hole: np.ndarray, thick: float) -> SpatialPart:
+def plate(hole: np.ndarray, thick: float) -> Part:
     return part("plate", Plate((Region(square(40.0), (hole[::-1],)),), thick), (0, 0, -thick / 2), fixed=True)
 
 
-def timed(assembly: SpatialAssembly, goal: Goal) -> tuple[Answer[SpatialAssembly], float]:
+def timed(assembly: Assembly, goal: Goal) -> tuple[Answer, float]:
     began = time.process_time()
     return flex_spatial(assembly, goal), time.process_time() - began
 
 
-def line(what: str, answer: Answer[SpatialAssembly], seconds: float, truth: float | None = None) -> None:
+def line(what: str, answer: Answer, seconds: float, truth: float | None = None) -> None:
     value = "" if answer.objective is None else f"{answer.objective:.8f}"
     off = (
         ""
@@ -71,14 +72,10 @@ def line(what: str, answer: Answer[SpatialAssembly], seconds: float, truth: floa
 def pegs() -> None:
     """Square peg of 10 in a hole of 10.4, 12 thick: shift, tilt, twist."""
     peg = part("peg", Boxes(np.array([[[-5.0, -5, -20], [5, 5, 20]]])))
-    assembly = assemble_spatial(SpatialDrawing((plate(square(10.4), 12.0), peg)))
+    assembly = assemble_spatial(Drawing((plate(square(10.4), 12.0), peg)))
     tilt = brentq(lambda a: 10 / np.cos(a) + 12 * np.tan(a) - 10.4, 1e-4, 0.3)
     twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 1e-3, 0.3)
-    locked = assemble_spatial(
-        SpatialDrawing(
-            (plate(square(10.4), 12.0), SpatialPart(**(vars(peg) | {"lock": frozenset({"rx", "ry", "rz"})})))
-        )
-    )
+    locked = assemble_spatial(Drawing((plate(square(10.4), 12.0), replace(peg, lock=frozenset({"rx", "ry", "rz"})))))
     line("peg, shift", *timed(locked, Pull("peg", (1, 0, 0))), 0.2)
     line("peg, tilt", *timed(assembly, Turn("peg", (1, 0, 0))), tilt)
     line("peg, twist", *timed(assembly, Turn("peg", (0, 0, 1))), twist)
@@ -93,7 +90,7 @@ def chains() -> None:
         links = tuple(
             part(p.name, Plate(p.regions, 0.4), (*p.at[:2], 0.0), p.fixed, PLANAR) for p in flat.drawing.parts
         )
-        assembly = assemble_spatial(SpatialDrawing(links, 0.01))
+        assembly = assemble_spatial(Drawing(links, 0.01))
         line(f"chain of ten, {joint}", *timed(assembly, Pull(last.name, (0, 1, 0), (*last.at[:2], 0.2))), truth)
 
 
@@ -112,7 +109,7 @@ def between_plates() -> None:
             part(name, Boxes(np.array([[[*low, z], [*high, z + thick]]])), fixed=True)
             for name, z in (("below", -thick), ("above", thick))
         ]
-        assembly = assemble_spatial(SpatialDrawing((*links, *covers), gap))
+        assembly = assemble_spatial(Drawing((*links, *covers), gap))
         answer, seconds = timed(assembly, Pull(last.name, (0, 1, 0), (*last.at[:2], thick / 2)))
         line(f"chain of ten between plates, {joint}", answer, seconds, truth.objective)
         if answer.verdict is Verdict.UNBOUNDED:
@@ -213,7 +210,7 @@ def tetrahedron(even: bool, lean: float = np.sqrt(0.5)) -> Surface:
     return Surface(corners, np.array(faces, dtype=np.int64))
 
 
-def plate_of_tetrahedra(count: int, gap: float) -> SpatialAssembly:
+def plate_of_tetrahedra(count: int, gap: float) -> Assembly:
     """Tetrahedra that lean on each other; those of the rim stand."""
     solids = (tetrahedron(True), tetrahedron(False))
     rim = (0, count - 1)
@@ -221,7 +218,7 @@ def plate_of_tetrahedra(count: int, gap: float) -> SpatialAssembly:
         part(f"t{i}-{j}", solids[(i + j) % 2], (i, j, 0), fixed=i in rim or j in rim)
         for j, i in itertools.product(range(count), repeat=2)
     )
-    return assemble_spatial(SpatialDrawing(blocks, gap))
+    return assemble_spatial(Drawing(blocks, gap))
 
 
 def tetrahedra() -> None:
@@ -238,7 +235,7 @@ def pin() -> None:
     """A pin of 96 sides in a hole of 96, turns locked: along a corner both polygons touch with their sides."""
     hole, inner = polygon(96, 5.2), polygon(96, 5.0)
     stuck = part("peg", Plate((Region(inner),), 8.0), (0, 0, -4), lock=frozenset({"z", "rx", "ry", "rz"}))
-    assembly = assemble_spatial(SpatialDrawing((plate(hole, 12.0), stuck)))
+    assembly = assemble_spatial(Drawing((plate(hole, 12.0), stuck)))
     line("pin of 96 sides", *timed(assembly, Pull("peg", (1, 0, 0))), 0.2)
 
 
@@ -265,7 +262,7 @@ def starts() -> None:
         print(f"  with {more} more climbs {further[more]} go further, in {spent[more]:.0f} s")
 
 
-def clocked(assembly: SpatialAssembly, more: int) -> tuple[Answer[SpatialAssembly], float]:
+def clocked(assembly: Assembly, more: int) -> tuple[Answer, float]:
     began = time.process_time()
     return wr.flex(assembly, search=more), time.process_time() - began
 

@@ -26,10 +26,9 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection, Voronoi
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
-from wiggleroom.drawing.model import Pull, Region, Turn
+from wiggleroom.drawing.model import AXES, UNTURNED, Boxes, Drawing, Part, Plate, Pull, Region, Surface, Turn
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.solids.spatial_model import AXES, Boxes, Plate, SpatialDrawing, SpatialPart, Surface
 from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
@@ -54,7 +53,7 @@ def box(low: np.ndarray, high: np.ndarray) -> np.ndarray:
 
 
 def part(name, solid, at, R=None, fixed=False):
-    return SpatialPart(name, solid, np.array(at, float), np.eye(3) if R is None else R, fixed)
+    return Part(name, at=at, fixed=fixed, solid=solid, R=UNTURNED if R is None else R)
 
 
 def voxel_judge(voxels: set, e: float) -> list[np.ndarray]:
@@ -86,7 +85,7 @@ def burr(rng):
         part(f"p{k}", Boxes(np.array([[v, np.add(v, 1)] for v in sorted(voxels)], float)), [0, 0, 0], fixed=k == 0)
         for k, voxels in enumerate(parts)
     ]
-    return SpatialDrawing(tuple(drawn), gap), [voxel_judge(v, gap / 2) for v in parts]
+    return Drawing(tuple(drawn), gap), [voxel_judge(v, gap / 2) for v in parts]
 
 
 def pegs(rng):
@@ -118,7 +117,7 @@ def pegs(rng):
             clipped.append(HalfspaceIntersection(rows, inner).intersections @ R.T)
         else:
             clipped.append(wall)
-    return SpatialDrawing(drawn), [clipped, [_upright(peg, -length / 2, length / 2) @ R.T]]
+    return Drawing(drawn), [clipped, [_upright(peg, -length / 2, length / 2) @ R.T]]
 
 
 def _upright(flat, low, high):
@@ -151,7 +150,7 @@ def cells(rng):
         surface = Surface(corners, np.array(faces, dtype=np.int64))
         drawn.append(part(f"c{k}", surface, [0, 0, 0], fixed=k not in inner))
         judged.append([corners])
-    return SpatialDrawing(tuple(drawn)), judged
+    return Drawing(tuple(drawn)), judged
 
 
 def prisms(polygon, low, high, gap, R, at):
@@ -187,7 +186,7 @@ def joints(rng):
         solid = extruded(polygon, 0.0, thick) if as_mesh else Plate((Region(ring),), thick)
         drawn.append(part(f"l{k}", solid, at, R, fixed=k == 0))
         judged.append(prisms(polygon, 0.0, thick, gap, R, at))
-    return SpatialDrawing(tuple(drawn), gap), judged
+    return Drawing(tuple(drawn), gap), judged
 
 
 def crate(rng):
@@ -213,7 +212,7 @@ def crate(rng):
             solid = Plate((Region(np.array(polygon.exterior.coords)[:-1]),), thick)
             drawn.append(part(f"b{len(drawn)}", solid, at, R, fixed=not drawn))
             judged.append(prisms(polygon, 0.0, thick, gap, R, at))
-    return SpatialDrawing(tuple(drawn), gap), judged
+    return Drawing(tuple(drawn), gap), judged
 
 
 def finger_box(rng):
@@ -244,7 +243,7 @@ def finger_box(rng):
         solid = Plate((Region(np.array(polygon.exterior.coords)[:-1]),), thick)
         drawn.append(part(f"s{k}", solid, at, R, fixed=k == 0))
         judged.append(prisms(polygon, 0.0, thick, gap, R, at))
-    return SpatialDrawing(tuple(drawn), gap), judged
+    return Drawing(tuple(drawn), gap), judged
 
 
 FAMILIES = (burr, pegs, cells, joints, crate, finger_box)

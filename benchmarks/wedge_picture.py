@@ -15,6 +15,8 @@ from wiggleroom.bench.accuracy import (
     GAP,
     HALF_PLANES,
     HULLS,
+    PAIR,
+    PAIRS,
     WALLS,
     _accepted,
     _farthest,
@@ -22,7 +24,6 @@ from wiggleroom.bench.accuracy import (
     _polyhedron,
     truth,
 )
-from wiggleroom.bench.pairs import PAIR, PAIRS
 from wiggleroom.files import write_whole
 from wiggleroom.freespace.free_space import free_space
 from wiggleroom.report.pictures import palette
