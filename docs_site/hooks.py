@@ -22,6 +22,8 @@ ELSEWHERE = {
     "extras/freecad/README.md": "extras-freecad.md",
     "examples/drawings/SOURCES.md": "drawings-sources.md",
     "benchmarks/results/measurements.md": "measurements.md",
+    "benchmarks/results/public_drawings.md": "public-drawings.md",
+    "benchmarks/results/sheets.md": "measured-sheets.md",
 }
 """Pages that stand outside docs/, and their places in the site."""
 TYPED = ("json.md", "page-protocol.md")
@@ -102,7 +104,7 @@ GROUPS = {
         "tight_verdict",
         "blocking",
     ),
-    "Study": ("rank", "tighten", "sweep", "sample", "allowable_gap", "worst_case", "read_tolerances"),
+    "Study": ("rank", "tighten", "sweep", "sample", "allowable_gap", "clearances", "worst_case", "read_tolerances"),
     "Show and make": ("film", "patterns", "coupon"),
     "Goals": ("Pull", "Turn", "W", "Towards", "Translation", "Closer"),
     "Errors": ("WiggleroomError", "InputError", "MissingExtraError", "StoppedError", "TouchingError"),
