@@ -25,7 +25,8 @@ from wiggleroom.drawing.model import ConvexPiece, Surface
 from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
-from wiggleroom.spatial.linking_number import CurveGraph, curve_graph, linked
+from wiggleroom.spatial.linking_number import linked
+from wiggleroom.spatial.open_rings import RingBody, held_by_opening
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 from wiggleroom.spatial.turning_in_place import common_edges, round_centres
@@ -84,7 +85,7 @@ class PairwiseConfinement:
     ready: SpatialPrepared
     context: Context
     _group: list[int] = field(init=False)
-    _curves: dict[int, CurveGraph] = field(init=False, default_factory=dict)
+    _rings: dict[int, RingBody] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         moves = self.ready.grouping.bodies.moves
@@ -136,13 +137,16 @@ class PairwiseConfinement:
         first, second = (self._parts(unit) for unit in (one, two))
         if any((min(p, q), max(p, q)) in self.ready.grouping.bodies.ignored for p in first for q in second):
             return False
-        return linked(self._curve_graph(one), self._curve_graph(two))
+        mine, theirs = self._ring(one), self._ring(two)
+        return linked(mine.closed, theirs.closed) or held_by_opening(mine, theirs) or held_by_opening(theirs, mine)
 
-    def _curve_graph(self, unit: list[int]) -> CurveGraph:
-        """Closed curves in some bodies at rest; worked out once."""
-        if unit[0] not in self._curves:
-            self._curves[unit[0]] = curve_graph(self._framed(unit, np.eye(3), np.zeros(3))[0])
-        return self._curves[unit[0]]
+    def _ring(self, unit: list[int]) -> RingBody:
+        """Pieces, surfaces and closed curves of some bodies at rest; worked out once."""
+        if unit[0] not in self._rings:
+            assembly = self.ready.assembly
+            surfaces = [placed_surface(assembly.parts[k], assembly.solids[k].surface) for k in self._parts(unit)]
+            self._rings[unit[0]] = RingBody(self._framed(unit, np.eye(3), np.zeros(3))[0], surfaces)
+        return self._rings[unit[0]]
 
     def _parts(self, unit: list[int]) -> list[int]:
         return np.flatnonzero(np.isin(self.ready.grouping.body_of, unit)).tolist()

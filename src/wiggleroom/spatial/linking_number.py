@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from wiggleroom.drawing.model import ConvexPiece
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.solid_angle import solid_angles
 from wiggleroom.spatial.solids.separating_axis import separation
+
+if TYPE_CHECKING:
+    import networkx as nx
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -53,14 +57,26 @@ def curve_graph(pieces: Sequence[ConvexPiece]) -> CurveGraph:
     >>> curve_graph([cuboid(*np.array(bar, dtype=float)) for bar in bars]).cycles.shape
     (1, 8)
     """
+    return closed_curves(pieces, piece_graph(pieces))
+
+
+def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
+    """Convex pieces that overlap or share faces; every edge has a point that both have in common, `shared` (3,) [mm]."""
     import networkx as nx
 
-    middles = [p.corners.mean(axis=0) for p in pieces]
     graph = nx.Graph()
-    for i, j in _near(pieces):
+    for i, j in near_pairs(pieces):
         shared = common_point(pieces[i], pieces[j])
         if shared is not None:
             graph.add_edge(i, j, shared=shared)
+    return graph
+
+
+def closed_curves(pieces: Sequence[ConvexPiece], graph: nx.Graph) -> CurveGraph:
+    """Closed curves along the edges of a graph of convex pieces, through the point `shared` (3,) [mm] of every edge."""
+    import networkx as nx
+
+    middles = [p.corners.mean(axis=0) for p in pieces]
     number = {frozenset(edge): k for k, edge in enumerate(graph.edges)}
     segments = [s for i, j, at in graph.edges.data("shared") for s in ([middles[i], at], [at, middles[j]])]
     cycles = nx.cycle_basis(graph)
@@ -110,16 +126,16 @@ def linked(one: CurveGraph, other: CurveGraph) -> bool:
     return bool(((nearest != 0) & (np.abs(numbers - nearest) < INTEGER)).any())
 
 
-def _near(pieces: Sequence[ConvexPiece]) -> list[tuple[int, int]]:
-    """Pairs i < j of pieces whose boxes touch."""
+def near_pairs(pieces: Sequence[ConvexPiece], reach: float = 0.0) -> list[tuple[int, int]]:
+    """Pairs i < j of pieces whose boxes touch, or come within a reach [mm] of each other."""
     import shapely
 
     low = np.array([p.corners.min(axis=0) for p in pieces])
     high = np.array([p.corners.max(axis=0) for p in pieces])
-    reach = SAME_PLANE * float((high - low).max())
+    reach = max(reach / 2, SAME_PLANE * float((high - low).max()))
     flat = shapely.box(*(low[:, :2] - reach).T, *(high[:, :2] + reach).T)
     i, j = shapely.STRtree(flat).query(flat)
-    keep = (i < j) & (low[i, 2] <= high[j, 2] + reach) & (low[j, 2] <= high[i, 2] + reach)
+    keep = (i < j) & (low[i, 2] <= high[j, 2] + 2 * reach) & (low[j, 2] <= high[i, 2] + 2 * reach)
     return sorted(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
 
 
