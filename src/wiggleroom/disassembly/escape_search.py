@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -21,6 +20,7 @@ from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.search.progress import Progress
+from wiggleroom.search.state_tree import Exit, Level, StateTree
 from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]
@@ -69,6 +69,14 @@ class EscapeSearch:
     asked: GoalSequence = ()
 
 
+@dataclass(frozen=True, eq=False)
+class _Ended:
+    """The end of a motion, and where neighbours (k,) lie to each other there (k, 3); at rest there is no answer."""
+
+    answer: Answer | None
+    place: Floats
+
+
 def search_for_escape(
     ready: Prepared,
     ground: int,
@@ -99,32 +107,36 @@ def search_for_escape(
     if context.stopped:
         return EscapeSearch(None, None, False, False, 0, 0)
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
-    places = [relative_pose(bodies, near.a, near.b)]
-    waiting: deque[tuple[Answer | None, GoalSequence]] = deque([(None, ())])
-    questions, unanswered = 0, 0
-    while waiting:
-        start, before = waiting.popleft()
+    rest = _Ended(None, relative_pose(bodies, near.a, near.b))
+    tree: StateTree[_Ended, tuple[Goal, ...]] = StateTree(
+        rest, lambda end, _: all(_differ(ready, near.b, end.place, p.state.place) for p in tree.states), 1 + MAX_STATES
+    )
+    questions, unanswered, spent = 0, 0, False
+
+    def motions(here: int) -> Iterator[tuple[_Ended, tuple[Goal, ...]] | Exit[EscapeSearch]]:
+        nonlocal questions, unanswered, spent
         for goals in _questions(ready, ground, group, nearly, only_turns):
-            if questions >= most or context.stopped:
-                return EscapeSearch(None, None, False, False, questions, unanswered)
+            spent = questions >= most
+            if spent:
+                return
+            context.go_on()
             questions += 1
             context.tell(Progress("search", questions))
-            answer = answer_or_none(ready, goals, start, context)
+            answer = answer_or_none(ready, goals, tree.states[here].state.answer, context)
             if answer is None or answer.path != PathState.CHECKED:
                 unanswered += 1
                 continue
             unanswered += answer.verdict is Verdict.STOPPED
-            motions = of_bodies(ready.assembly, bodies, answer.waypoints)
-            found = escape_path(ready, ground, group, motions, EXIT_TESTS, context)
+            path = of_bodies(ready.assembly, bodies, answer.waypoints)
+            found = escape_path(ready, ground, group, path, EXIT_TESTS, context)
             if found is not None:
-                return EscapeSearch(*found, True, False, questions, unanswered, (*before, goals))
-            if only_turns:
-                continue
-            place = relative_pose(bodies, near.a, near.b, motions[-1])
-            if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
-                places.append(place)
-                waiting.append((answer, (*before, goals)))
-    return EscapeSearch(None, None, True, len(places) > MAX_STATES, questions, unanswered)
+                asked = (*tree.steps_to(here), goals)
+                yield Exit(EscapeSearch(*found, True, False, questions, unanswered, asked))
+            if not only_turns:
+                yield _Ended(answer, relative_pose(bodies, near.a, near.b, path[-1])), goals
+
+    found = tree.search(Level(motions, lambda: spent), context=context)
+    return found or EscapeSearch(None, None, tree.whole and not spent, tree.full, questions, unanswered)
 
 
 def escape_by_goals(

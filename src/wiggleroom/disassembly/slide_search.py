@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,9 +13,8 @@ from wiggleroom.context import Context
 from wiggleroom.disassembly.slide_space import Slide, SlideSpace
 from wiggleroom.disassembly.turn_space import MIN_TILT, LocalTurn, TurnSpace
 from wiggleroom.disassembly.turn_space import WORK_BUDGET as TURN_BUDGET
-from wiggleroom.errors import StoppedError
 from wiggleroom.search.progress import Progress
-from wiggleroom.search.state_tree import StateTree
+from wiggleroom.search.state_tree import EqualKeys, Exit, Level, StateTree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -93,7 +92,7 @@ class SlideSearch:
     states : int
         Different states that were visited.
     whole : bool
-        True where no state is left to go on from.
+        True where no state is left to go on from, and nothing leaves.
     on_lattice : bool
         True where every stop lies on a lattice: then these are all states, while off it others lie between.
     turned : int
@@ -132,31 +131,21 @@ def slide_search(
         Work at most, on slides and on turns.
     context : Context
     """
-    turns = TurnSpace(space, targets)
-    search = _BreadthFirst(space, turns, motion, targets, budget, context)
-    whole = search.slide()
-    if search.path is not None or not whole:
-        return search.result(whole)
-    # no slide leads out: bodies are turned in every state, and slide on from where that leads
-    turned, tilts = 0, dict[int, tuple[float, int, LocalTurn]]()
-    while turned < len(search.tree.states):
-        if turns.work > turn_budget or context.stopped:
-            whole = False
-            break
-        state = search.tree.states[turned].motion
-        for turn in turns.turns(state):
-            if turn.aligned:
-                search.reach(turn_end(state, turn), turned, turn)
-                continue
-            kind, angle = int(turns.kind[turn.who]), turn.angle
-            if kind not in tilts or angle > tilts[kind][0] + MIN_TILT:
-                tilts[kind] = angle, turned, turn
-        turned += 1
-        whole = search.slide()
-        if search.path is not None or not whole:
-            break
-    most = sorted(tilts.values(), key=lambda t: -t[0])
-    return search.result(whole, turned, tuple(Tilt(search.sequence(k), t.who, t.angle) for _, k, t in most))
+    search = _SlidesAndTurns(space, motion, targets, context)
+    found = search.tree.search(
+        Level(search.slides, lambda: search.work > budget * (1.0 if space.on_lattice else OFF_LATTICE_SHARE)),
+        Level(search.turns, lambda: search.unwanted is not None or search.turn_space.work > turn_budget),
+        context=context,
+    )
+    most = sorted(search.tilts.values(), key=lambda t: -t[0])
+    return SlideSearch(
+        found or search.unwanted,
+        len(search.tree.states),
+        search.tree.whole,
+        space.on_lattice,
+        search.turned,
+        tuple(Tilt(search.sequence(k), t.who, t.angle) for _, k, t in most),
+    )
 
 
 def turn_end(state: Floats, turn: LocalTurn) -> Floats:
@@ -166,77 +155,68 @@ def turn_end(state: Floats, turn: LocalTurn) -> Floats:
     return after
 
 
-class _BreadthFirst:
-    """The tree of states and those that wait to be gone on from."""
+class _SlidesAndTurns:
+    """The steps from states: slides from all of them before turns from any."""
 
-    def __init__(
-        self, space: SlideSpace, turns: TurnSpace, motion: Floats, targets: Ints, budget: float, context: Context
-    ) -> None:
-        self.space, self.targets, self._context = space, targets, context
-        self.tree: StateTree[Slide | LocalTurn | None] = StateTree(space.bodies.radius, space.clearance)
-        self.path: SlidePath | None = None
-        self._key = _Canonical(space, turns.kind, turns.order).key
-        self._seen: set[bytes] = set()
-        self._waiting: deque[int] = deque()
-        self._begin = space.work
-        self._budget = budget * (1.0 if space.on_lattice else OFF_LATTICE_SHARE)
-        self.reach(motion, -1, None)
+    def __init__(self, space: SlideSpace, motion: Floats, targets: Ints, context: Context) -> None:
+        self.turn_space = TurnSpace(space, targets)
+        key = _Canonical(space, self.turn_space.kind, self.turn_space.order).key
+        self.tree: StateTree[Floats, Slide | LocalTurn] = StateTree(motion, EqualKeys(motion, key))
+        self.unwanted: SlidePath | None = None
+        """What leaves first, where it is not to."""
+        self.turned, self.tilts = 0, dict[int, tuple[float, int, LocalTurn]]()
+        self._space, self._targets, self._context, self._begin = space, targets, context, space.work
 
-    def reach(self, motion: Floats, parent: int, step: Slide | LocalTurn | None) -> None:
-        """Keep a state if it is new."""
-        named = self._key(motion)
-        if named not in self._seen:
-            self._seen.add(named)
-            self._waiting.append(self.tree.append(motion, parent, step))
+    @property
+    def work(self) -> float:
+        """Work of all slides, in pairs of edges compared."""
+        return self._space.work - self._begin + STATE_WORK * len(self.tree.states)
 
-    def slide(self) -> bool:
-        """Go on from all that wait until something leaves; False where the work, or the time, was over before."""
-        while self._waiting:
-            if len(self.tree.states) % TELL_EVERY == 0:
-                self._context.tell(Progress("slides", len(self.tree.states)))
-            spent = self.space.work - self._begin + STATE_WORK * len(self.tree.states)
-            if spent > self._budget or self._context.stopped:
-                return False
-            here = self._waiting.popleft()
-            state = self.tree.states[here].motion
-            try:
-                found = self.space.slides(state, self._context)
-            except StoppedError:
-                return False
-            leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
-            for last in leaving:
-                if not len(self.targets) or np.isin(self.targets, last.who).any():
-                    self.path = SlidePath(self.sequence(here), last)
-                    return True
-            if self.path is None and leaving:
-                self.path = SlidePath(self.sequence(here), leaving[0])
-            for slide in found:
-                if np.isinf(slide.length):
-                    continue
+    def slides(self, here: int) -> Iterator[tuple[Floats, Slide] | Exit[SlidePath]]:
+        """Slides from a state; one without end where something leaves that is to."""
+        if len(self.tree.states) % TELL_EVERY == 0:
+            self._context.tell(Progress("slides", len(self.tree.states)))
+        state = self.tree.states[here].state
+        found = self._space.slides(state, self._context)
+        leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
+        for last in leaving:
+            if not len(self._targets) or np.isin(self._targets, last.who).any():
+                yield Exit(SlidePath(self.sequence(here), last))
+        if leaving and self.unwanted is None:
+            self.unwanted = SlidePath(self.sequence(here), leaving[0])
+        for slide in found:
+            if np.isfinite(slide.length):
                 after = state.copy()
                 after[slide.who, :2] += slide.length * slide.direction
-                self.reach(after, here, slide)
-        return True
+                yield after, slide
+
+    def turns(self, here: int) -> Iterator[tuple[Floats, LocalTurn]]:
+        """Turns of single bodies from a state."""
+        state = self.tree.states[here].state
+        for turn in self.turn_space.turns(state):
+            if turn.aligned:
+                yield turn_end(state, turn), turn
+                continue
+            kind, angle = int(self.turn_space.kind[turn.who]), turn.angle
+            if kind not in self.tilts or angle > self.tilts[kind][0] + MIN_TILT:
+                self.tilts[kind] = angle, here, turn
+        self.turned += 1
 
     def sequence(self, state: int) -> MoveSequence:
         """The moves to a state."""
         line = [self.tree.states[k] for k in self.tree.line(state)]
-        states, moves = [line[0].motion], list[int]()
+        states, moves = [line[0].state], list[int]()
         for number, (before, after) in enumerate(pairwise(line)):
             step = after.step
             if isinstance(step, LocalTurn):
-                path = np.repeat(before.motion[None], len(step.path) - 1, 0)
+                path = np.repeat(before.state[None], len(step.path) - 1, 0)
                 path[:, step.who] += step.path[1:]
                 states += list(path)
                 moves += [number] * len(path)
             else:
-                states.append(after.motion)
+                states.append(after.state)
                 moves.append(number)
         return MoveSequence(np.array(states), np.array(moves, dtype=np.int64))
-
-    def result(self, whole: bool, turned: int = 0, tilts: tuple[Tilt, ...] = ()) -> SlideSearch:
-        """How it ended."""
-        return SlideSearch(self.path, len(self.tree.states), whole, self.space.on_lattice, turned, tilts)
 
 
 class _Canonical:

@@ -16,12 +16,12 @@ from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.translation_blocking import taken_along
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import ZERO_MOTION, Objective, PointMotion
+from wiggleroom.search.climb_tree import ClimbTree
 from wiggleroom.search.incumbent import Incumbent, PathSegment, Start, start_at_rest
 from wiggleroom.search.local_search import ESCAPE_DISTANCE, LocalSearch, Policy
 from wiggleroom.search.moves import CLIMB, RANDOM_CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.recession import MIN_SLOPE, grows
-from wiggleroom.search.state_tree import ClimbTree
 
 Floats = NDArray[np.float64]
 
@@ -192,7 +192,7 @@ class _GlobalSearch:
             self.values.append(self.optima[met])
         if between is None:
             return
-        climbed = self._escape_from(between) or self._climb(self.tree.states[between].step.start)
+        climbed = self._escape_from(between) or self._climb(self.tree.start(between))
         if climbed is None:
             return
         climb, found = climbed
@@ -210,7 +210,7 @@ class _GlobalSearch:
 
     def _escape_from(self, state: int) -> tuple[LocalSearch, Incumbent] | None:
         """A search that has gone on from the end of a straight path out of a state; None where none is known that leads on without end."""
-        far = self._escape(self.tree.states[state].step.start)
+        far = self._escape(self.tree.start(state))
         climbed = None if far is None else self._climb(far)
         return climbed if climbed is not None and climbed[0].unlimited else None
 
@@ -243,7 +243,7 @@ class _GlobalSearch:
     def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
         """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
         search = self._search(objective, RANDOM_CLIMB)
-        found = self._run(search, self.tree.states[state].step.start)
+        found = self._run(search, self.tree.start(state))
         if found is None or search.stopped:
             return None, None
         known = self.tree.known(found.motion)

@@ -1,60 +1,89 @@
-"""The tree of visited states, which global searches grow."""
+"""The tree of states that a search grows from the first one, and the driver that grows it; the same in the plane and in space."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import math
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import InitVar, dataclass, field
 from typing import Generic, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
+from wiggleroom.context import Context
+from wiggleroom.errors import StoppedError
 
-from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
-
-Floats = NDArray[np.float64]
-
-NOVELTY_DISTANCE = 0.5
-"""A state is new where, against every earlier state, some body is displaced by more than this share of the clearance."""
-
+State = TypeVar("State")
 Transition = TypeVar("Transition")
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, eq=False)
-class VisitedState(Generic[Transition]):
+class VisitedState(Generic[State, Transition]):
     """A state, and how it was reached.
 
     Parameters
     ----------
-    motion : (n, 3) float64 [mm, mm, rad]
-        Of the bodies.
+    state : State
     parent : int
         State from which it was reached; -1 for the first.
-    step : Transition
+    step : Transition or None
         What leads from the parent to it.
     """
 
-    motion: Floats
+    state: State
     parent: int
-    step: Transition
+    step: Transition | None
+
+
+@dataclass(frozen=True, eq=False)
+class Exit(Generic[Found]):
+    """What ends a search: `found` is what was looked for."""
+
+    found: Found
+
+
+@dataclass(frozen=True, eq=False)
+class Level(Generic[State, Transition, Found]):
+    """One kind of steps from a state.
+
+    Parameters
+    ----------
+    steps : callable
+        Given the number of a state: states that steps lead to, each with its step, or an exit.
+    spent : callable
+        True where the work that such steps may take is done, which ends the search.
+    """
+
+    steps: Callable[[int], Iterable[tuple[State, Transition] | Exit[Found]]]
+    spent: Callable[[], bool] = bool
 
 
 @dataclass(eq=False)
-class StateTree(Generic[Transition]):
+class StateTree(Generic[State, Transition]):
     """States that were reached from the first of them.
 
     Parameters
     ----------
-    radius : (n,) float64 [mm]
-        Of the bodies.
-    clearance : float [mm]
+    first : State
+    is_new : callable
+        False where a state, with the step that leads to it, is merged with one that is known.
+    most : int
+        States kept at most, the first among them.
     """
 
-    radius: Floats
-    clearance: float
-    states: list[VisitedState[Transition]] = field(default_factory=list, init=False)
+    first: InitVar[State]
+    is_new: Callable[[State, Transition], bool]
+    most: float = math.inf
+    states: list[VisitedState[State, Transition]] = field(default_factory=list, init=False)
+    full: bool = field(default=False, init=False)
+    """True once a new state was not kept because there are as many as may be."""
+    whole: bool = field(default=False, init=False)
+    """True once all steps from all states were taken."""
 
-    def append(self, motion: Floats, parent: int, step: Transition) -> int:
+    def __post_init__(self, first: State) -> None:
+        self.states.append(VisitedState(first, -1, None))
+
+    def append(self, state: State, parent: int, step: Transition) -> int:
         """Keep a state; its number."""
-        self.states.append(VisitedState(motion, parent, step))
+        self.states.append(VisitedState(state, parent, step))
         return len(self.states) - 1
 
     def line(self, state: int) -> list[int]:
@@ -64,60 +93,54 @@ class StateTree(Generic[Transition]):
             found.append(self.states[found[-1]].parent)
         return found[::-1]
 
-    def known(self, motion: Floats) -> int | None:
-        """The state at which no body lies otherwise by more than a share of the clearance; None where the motion is new."""
-        change = np.abs(np.array([state.motion for state in self.states]) - motion)
-        moved = (np.hypot(change[..., 0], change[..., 1]) + self.radius * change[..., 2]).max(axis=1)
-        nearest = int(moved.argmin())
-        return nearest if moved[nearest] <= NOVELTY_DISTANCE * self.clearance else None
+    def steps_to(self, state: int) -> list[Transition]:
+        """The steps from the first state to a state."""
+        return [step for k in self.line(state) if (step := self.states[k].step) is not None]
+
+    def search(self, *levels: Level[State, Transition, Found], context: Context) -> Found | None:
+        """Take the steps of the first level from every state, oldest first, then those of the next from the oldest, and so on anew.
+
+        What the first exit found; None where no step is left, where the work is spent, and where it was asked to stop.
+        """
+        begun = [0] * len(levels)
+        while True:
+            which = next((k for k, at in enumerate(begun) if at < len(self.states)), None)
+            if which is None:
+                self.whole = True
+                return None
+            if context.stopped or levels[which].spent():
+                return None
+            here = begun[which]
+            begun[which] += 1
+            try:
+                for step in levels[which].steps(here):
+                    if isinstance(step, Exit):
+                        return step.found
+                    if self.is_new(*step):
+                        if len(self.states) < self.most:
+                            self.append(step[0], here, step[1])
+                        else:
+                            self.full = True
+            except StoppedError:
+                return None
 
 
-@dataclass(frozen=True, eq=False)
-class Climbed:
-    """How a search climbed to a state.
+class EqualKeys(Generic[State]):
+    """Merges states of equal keys.
 
     Parameters
     ----------
-    start : Start
-        Where a search from the state begins; its only segment is the point where it does.
-    segments : tuple of PathSegment
-        The path from where the search from the parent begins to where that from the state does.
+    first : State
+    key : callable
+        Of a state, from which it is told from others.
     """
 
-    start: Start
-    segments: tuple[PathSegment, ...] = ()
+    def __init__(self, first: State, key: Callable[[State], Hashable]) -> None:
+        self._key = key
+        self.number = {key(first): 0}
+        """Number of the state of each key, in the order in which they came."""
 
-
-class ClimbTree(StateTree[Climbed]):
-    """States that were reached from rest, which is the first of them, by climbing objectives.
-
-    Parameters
-    ----------
-    rest : Start
-    radius, clearance
-        As for `StateTree`.
-    """
-
-    def __init__(self, rest: Start, radius: Floats, clearance: float) -> None:
-        super().__init__(radius, clearance)
-        self.visits = [0]
-        """How often a search began at each state."""
-        self.append(rest.inner, -1, Climbed(rest))
-
-    def add(self, end: Incumbent, parent: int) -> int:
-        """Keep the end of a search from a state; its number."""
-        start = end.start()
-        here = PathSegment(start.segments[-1].program, start.segments[-1].points[-1:])
-        self.visits.append(0)
-        return self.append(end.motion, parent, Climbed(replace(start, segments=(here,)), start.segments))
-
-    def segments_to(self, state: int) -> tuple[PathSegment, ...]:
-        """The path from rest to where the search from a state begins."""
-        return tuple(segment for k in self.line(state) for segment in self.states[k].step.segments)
-
-    def pick(self, random: np.random.Generator) -> int:
-        """A state to go on from: at random, those that were seldom chosen rather than others."""
-        weight = 1.0 / (1.0 + np.array(self.visits)) ** 2
-        chosen = int(random.choice(len(weight), p=weight / weight.sum()))
-        self.visits[chosen] += 1
-        return chosen
+    def __call__(self, state: State, _: object = None) -> bool:
+        """True where no state of this key came before."""
+        key, count = self._key(state), len(self.number)
+        return self.number.setdefault(key, count) == count

@@ -6,7 +6,7 @@ the search ends without a path out, none exists by whole steps; turns, and what 
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.context import Context
+from wiggleroom.search.state_tree import EqualKeys, Exit, Level, StateTree
 from wiggleroom.spatial.lattice import Lattice
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
@@ -169,35 +170,25 @@ def lattice_search(found: Lattice, context: Context) -> LatticeSearch:
     """Look for a path out by whole steps, breadth first over moves, so that it has as few as any such path."""
     n = len(found.stands)
     rest = np.zeros((n, 3), dtype=np.int16)
-    before: dict[bytes, bytes | None] = {rest.tobytes(): None}
-    todo = deque([rest.tobytes()])
+    tree: StateTree[Steps, None] = StateTree(rest, EqualKeys(rest, lambda steps: steps.tobytes()))
     out = np.empty((MAX_NEXT, n, 3), dtype=np.int16)
+    most = min(MAX_STATES, MAX_PAIRS // n**2)
     complete = True
 
-    def arrangement(key: bytes) -> Steps:
-        return np.frombuffer(key, dtype=np.int16).reshape(n, 3)
-
-    most = min(MAX_STATES, MAX_PAIRS // n**2)
-    while todo:
-        if len(before) > most or context.stopped:
-            return LatticeSearch(complete=False)
-        here = todo.popleft()
+    def moves(here: int) -> Iterator[tuple[Steps, None] | Exit[LatticeSearch]]:
+        nonlocal complete
         count, away = next_steps(
-            found.blocked, found.first, found.shape, found.low, found.stands, arrangement(here), out
+            found.blocked, found.first, found.shape, found.low, found.stands, tree.states[here].state, out
         )
         if away >= 0:
-            path = [arrangement(here)]
-            while (earlier := before[here]) is not None:
-                here = earlier
-                path.append(arrangement(here))
-            return LatticeSearch(tuple(path[::-1]), away // 2, 1 - 2 * (away % 2))
+            path = tuple(tree.states[k].state for k in tree.line(here))
+            yield Exit(LatticeSearch(path, away // 2, 1 - 2 * (away % 2)))
         complete = complete and count < MAX_NEXT
-        for moved in out[:count]:
-            key = moved.tobytes()
-            if key not in before:
-                before[key] = here
-                todo.append(key)
-    return LatticeSearch(complete=complete)
+        for k in range(count):
+            yield out[k].copy(), None
+
+    ended = tree.search(Level(moves, lambda: len(tree.states) > most), context=context)
+    return ended or LatticeSearch(complete=complete and tree.whole)
 
 
 def lattice_motions(ready: SpatialPrepared, found: Lattice, search: LatticeSearch) -> Floats:

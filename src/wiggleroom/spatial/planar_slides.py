@@ -11,16 +11,16 @@ the complement of Minkowski differences, Lozano-Pérez 1983.
 from __future__ import annotations
 
 import itertools
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.search.state_tree import EqualKeys, Exit, Level, StateTree
 from wiggleroom.spatial.overlaps.difference_section import MinkowskiDifference, minkowski_difference, slab_shadow
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
@@ -55,6 +55,10 @@ class _Slab:
         return (self.low + self.high) / 2
 
 
+_Node = tuple[int, int]
+_Doors = StateTree[_Node, shapely.Point]
+
+
 @dataclass(frozen=True, eq=False)
 class _Reached:
     """Free translations that are connected with where the body is.
@@ -64,13 +68,13 @@ class _Reached:
     frame : (3, 3) float64
         Its rows are the axes in which the slabs are.
     slabs : list of _Slab
-    before : dict
-        Polygons (slab, number) that are reached, and from which and through which door each is.
+    tree : StateTree
+        Polygons (slab, number) that are reached, and the doors between them.
     """
 
     frame: Floats
     slabs: list[_Slab]
-    before: dict[tuple[int, int], tuple[tuple[int, int], shapely.Point] | None]
+    tree: _Doors
 
     def path_to(self, translation: Floats) -> Floats | None:
         """Translations (k, 3) [mm] from none to one (3,); None where it is not reached."""
@@ -79,9 +83,10 @@ class _Reached:
         for k, slab in enumerate(self.slabs):
             if not slab.low <= z <= slab.high:
                 continue
-            for i, polygon in enumerate(slab.free):
-                if (k, i) in self.before and polygon.contains(flat):
-                    points = _path_to(self.slabs, self.before, (k, i))
+            for number, visited in enumerate(self.tree.states):
+                polygon = slab.free[visited.state[1]] if visited.state[0] == k else None
+                if polygon is not None and polygon.contains(flat):
+                    points = _path_to(self.slabs, self.tree, number)
                     last = [np.array([*xy, slab.middle]) for xy in _inside(polygon, points[-1][:2], np.array([x, y]))]
                     return _bends(np.array([*points, *last, (x, y, z)])) @ self.frame
         return None
@@ -185,9 +190,10 @@ class TranslationSpace:
         shadows = self._shadows(turned, sloping > 0)
         for margin in MARGINS:
             slabs = _slabs(shadows, margin * self._ready.clearance, self._ready.size)
-            before = _connected(slabs, lambda _: False)[0] if slabs else {}
-            if before:
-                return _Reached(frame, slabs, before)
+            tree = _from_origin(slabs)
+            if tree is not None:
+                tree.search(Level(partial(_neighbours, slabs, tree)), context=UNLIMITED)
+                return _Reached(frame, slabs, tree)
         return None
 
     def path_to(self, translation: Floats) -> Floats | None:
@@ -201,8 +207,8 @@ class TranslationSpace:
         """How far the translations that are connected with none reach along the axes, at most [mm]; infinite where they are not known."""
         if not self._differences or self._reached is None:
             return np.inf
-        slabs, before = self._reached.slabs, self._reached.before
-        bounds = np.array([[*slabs[k].free[i].bounds, slabs[k].low, slabs[k].high] for k, i in before])
+        slabs, reached = self._reached.slabs, [visited.state for visited in self._reached.tree.states]
+        bounds = np.array([[*slabs[k].free[i].bounds, slabs[k].low, slabs[k].high] for k, i in reached])
         low, high = bounds[:, [0, 1, 4]].min(axis=0), bounds[:, [2, 3, 5]].max(axis=0)
         return float((high - low).max())
 
@@ -292,39 +298,32 @@ def _through(slabs: Sequence[_Slab]) -> Floats | None:
     """Translations (k, 3) from none to the lowest or the highest slab, through pieces that touch; None where there is no path."""
     if not any(s.low < 0 <= s.high for s in slabs):
         return np.zeros((1, 3))
-    before, end = _connected(slabs, lambda node: node[0] in (0, len(slabs) - 1))
-    return None if end is None else _path_to(slabs, before, end)
+    tree = _from_origin(slabs)
+    if tree is None:
+        return None
+
+    def onwards(here: int) -> Iterator[tuple[_Node, shapely.Point] | Exit[int]]:
+        if tree.states[here].state[0] in (0, len(slabs) - 1):
+            yield Exit(here)
+        yield from _neighbours(slabs, tree, here)
+
+    end = tree.search(Level(onwards), context=UNLIMITED)
+    return None if end is None else _path_to(slabs, tree, end)
 
 
-def _connected(
-    slabs: Sequence[_Slab], is_end: Callable[[tuple[int, int]], bool]
-) -> tuple[dict[tuple[int, int], tuple[tuple[int, int], shapely.Point] | None], tuple[int, int] | None]:
-    """Polygons connected with the origin, each with the one before it and the door between, as far as the first end; and that end."""
+def _from_origin(slabs: Sequence[_Slab]) -> _Doors | None:
+    """The tree of polygons connected with the origin, that round it alone so far; None where the origin is not free."""
     origin = shapely.Point(0.0, 0.0)
     first = next((k for k, s in enumerate(slabs) if s.low < 0 <= s.high), None)
-    begin = (
-        next(((first, i) for i, p in enumerate(slabs[first].free) if p.contains(origin)), None)
-        if first is not None
-        else None
-    )
-    if begin is None:
-        return {}, None
-    before: dict[tuple[int, int], tuple[tuple[int, int], shapely.Point] | None] = {begin: None}
-    todo = deque([begin])
-    while todo:
-        here = todo.popleft()
-        if is_end(here):
-            return before, here
-        for node, door in _neighbours(slabs, here):
-            if node not in before:
-                before[node] = (here, door)
-                todo.append(node)
-    return before, None
+    if first is None:
+        return None
+    begin = next(((first, i) for i, p in enumerate(slabs[first].free) if p.contains(origin)), None)
+    return None if begin is None else StateTree(begin, EqualKeys(begin, lambda node: node))
 
 
-def _neighbours(slabs: Sequence[_Slab], node: tuple[int, int]) -> Iterator[tuple[tuple[int, int], shapely.Point]]:
+def _neighbours(slabs: Sequence[_Slab], tree: _Doors, here: int) -> Iterator[tuple[_Node, shapely.Point]]:
     """Polygons above and below that overlap one, and a point well inside of what they share."""
-    k, i = node
+    k, i = tree.states[here].state
     mine = slabs[k].free[i]
     for up in (k + 1, k - 1):
         if not 0 <= up < len(slabs):
@@ -342,20 +341,15 @@ def _polygons(shape: shapely.Geometry) -> list[shapely.Polygon]:
     return [p for p in parts.tolist() if p.geom_type == "Polygon" and p.area > SLIVER * p.length**2]
 
 
-def _path_to(slabs: Sequence[_Slab], before: dict, node: tuple[int, int]) -> Floats:
-    """Translations (k, 3) to a polygon, backwards through those by which it was reached."""
-    chain = [node]
-    doors: list[shapely.Point] = []
-    while (known := before[chain[-1]]) is not None:
-        chain.append(known[0])
-        doors.append(known[1])
+def _path_to(slabs: Sequence[_Slab], tree: _Doors, end: int) -> Floats:
+    """Translations (k, 3) to a polygon, through the doors to it."""
+    line = [tree.states[number].state for number in tree.line(end)]
     points = [np.zeros(3)]
-    for (k, i), door in zip(reversed(chain[1:]), reversed(doors), strict=True):
+    for (k, i), door in zip(line, tree.steps_to(end), strict=False):
         z = slabs[k].middle
         flat = _inside(slabs[k].free[i], points[-1][:2], np.array([door.x, door.y]))
         points += [np.array([*xy, z]) for xy in flat]
-    k = node[0]
-    points.append(np.array([*points[-1][:2], slabs[k].middle]))
+    points.append(np.array([*points[-1][:2], slabs[line[-1][0]].middle]))
     return _bends(np.array(points))
 
 
@@ -389,20 +383,11 @@ def _inside(polygon: shapely.Polygon, start: Floats, end: Floats) -> list[Floats
             beside[both[0]].append((both[1], middle))
             beside[both[1]].append((both[0], middle))
     first, last = (int(shapely.distance(triangles, shapely.Point(p)).argmin()) for p in (start, end))
-    before: dict[int, tuple[int, Floats] | None] = {last: None}
-    todo = deque([last])
-    while todo:
-        t = todo.popleft()
-        for other, middle in beside[t]:
-            if other not in before:
-                before[other] = (t, middle)
-                todo.append(other)
-    points, t = [start], first
-    while (step := before.get(t)) is not None:
-        t = step[0]
-        points.append(step[1])
-    points.append(end)
-    return _shortened(polygon, points)
+    known = EqualKeys(last, lambda t: t)
+    tree: StateTree[int, Floats] = StateTree(last, known)
+    tree.search(Level(lambda here: beside[tree.states[here].state]), context=UNLIMITED)
+    doors = tree.steps_to(known.number[first]) if first in known.number else []
+    return _shortened(polygon, [start, *doors[::-1], end])
 
 
 def _shortened(polygon: shapely.Polygon, points: list[Floats]) -> list[Floats]:

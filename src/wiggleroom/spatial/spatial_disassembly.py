@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.remaining import only
+from wiggleroom.search.state_tree import Exit, Level, StateTree
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
 from wiggleroom.spatial.lattice import lattice
 from wiggleroom.spatial.lattice_search import lattice_motions, lattice_search
@@ -31,7 +32,6 @@ from wiggleroom.spatial.turning_in_place import common_edges, turn_in_place, tur
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MAX_DIRECTIONS = 13
 """Straight paths are tried along at most this many axes, both ways: those of most faces."""
@@ -127,6 +127,30 @@ def _spins(ready: SpatialPrepared, context: Context) -> tuple[str, ...]:
     return tuple(found)
 
 
+_Departure = tuple[list[int], Floats]
+"""Parts that leave, and the path of all (k, n, 6) [mm, rad] from rest on which they do."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Leg:
+    """What leads from one place to the next.
+
+    Parameters
+    ----------
+    path : (k, n, 6) float64 [mm, rad]
+        Checked motions of all parts, the first those of the place before.
+    turned : int
+        The body that turned alone; -1 where none did.
+    """
+
+    path: Floats
+    turned: int = -1
+
+
+_Steps = Iterator[tuple[Floats, _Leg] | Exit[_Departure]]
+"""Places that are reached from one, and what leaves from it."""
+
+
 @dataclass(eq=False)
 class DisassemblyStage:
     """The next parts that leave, looked for from where all are."""
@@ -143,84 +167,79 @@ class DisassemblyStage:
     """True where a body, or neighbours as one, can turn in place, or the work for turns was not enough to tell: then a search says
     nothing of what stays."""
 
+    def __post_init__(self) -> None:
+        self._rest = np.zeros((len(self.ready.assembly.parts), 6))
+        self._axes = _face_axes(self.ready)
+        self._tree: StateTree[Floats, _Leg] = StateTree(self._rest, self._is_new, MAX_PLACES)
+        self._roadmap = TurnRoadmap(self.ready, self._axes[:MAX_AXES], self.context)
+        self._held = PairwiseConfinement(self.ready, self.context)
+        self._efforts = [] if self.ready.assembly.overshoot else list(EFFORTS)
+
     def verdict(self) -> tuple[Separability, Certainty]:
         """What became of the parts where no path out was found; what holds a cover need not hold what it covers."""
         if self.ready.assembly.overshoot > 0:
             return Separability.UNKNOWN, Certainty.SEARCHED
         if self.proven:
             return Separability.INTERLOCKED, Certainty.PROVEN
-        cut = self.cut_short() or self.loose or (self.cut and not self.exhaustive)
+        cut = self.context.stopped or self.loose or (self.cut and not self.exhaustive)
         return (Separability.UNKNOWN if cut else Separability.INTERLOCKED), Certainty.SEARCHED
 
-    def escape_path(self) -> tuple[list[int], Floats] | None:
+    def escape_path(self) -> _Departure | None:
         """Parts that leave, and the path of all (k, n, 6); None where none was found."""
-        rest = np.zeros((len(self.ready.assembly.parts), 6))
-        places: list[Floats] = [rest[None]]
-        axes = self._axes()
-        roadmap = TurnRoadmap(self.ready, axes[:MAX_AXES], self.context)
-        out = self._straight(rest[None], axes)
-        if out is not None or self.cut_short():
+        tree, roadmap = self._tree, self._roadmap
+        out = self._straight(self._rest[None], self._axes)
+        if out is not None or self.context.stopped:
             return out
-        held = PairwiseConfinement(self.ready, self.context)
-        self.proven = not self.ready.assembly.overshoot and held.prove_by_shape()
+        self.proven = not self.ready.assembly.overshoot and self._held.prove_by_shape()
         if self.proven:
             return None
         out = self._by_steps()
-        if out is not None or self.cut_short():
-            return out
-        asked, efforts = 0, list(EFFORTS)
-        while asked < len(places):
-            # straight paths are cheap: all of them from all places first
-            for path in places[asked:]:
-                if asked in PROVE_AFTER and not self.ready.assembly.overshoot:
-                    self.proven = held.prove(efforts.pop(0))
-                if self.proven or self.cut_short():
-                    return None
-                out = self._straight(path, axes)
-                if out is not None:
-                    return out
-                out = self._rearranged(path, roadmap, places)
-                if out is not None:
-                    return out
-                self._slide(path, axes, places)
-                asked += 1
-        self.loose = roadmap.turns or roadmap.spent or roadmap.skipped
-        for effort in efforts if not self.ready.assembly.overshoot else []:
-            self.proven = held.prove(effort)
-            if self.proven or self.cut_short():
-                return None
-        known = len(places)
-        for path in places[:MAX_PULLED]:
-            out = self._pulled(path, axes, places)
-            if out is not None or self.cut_short():
-                return out
-        self.cut |= known > MAX_PULLED or len(places) > known
-        self.loose = self.loose or self._turn_together()
-        return None
+        if out is None:
+            levels = (Level(steps, lambda: self.proven) for steps in (self._moved_alone, self._pulled))
+            out = tree.search(*levels, context=self.context)
+        if out is None and not self.proven:
+            self.cut |= tree.full or len(tree.states) > MAX_PULLED
+            self.loose = roadmap.turns or roadmap.spent or roadmap.skipped or self._turn_together()
+        return out
+
+    def _is_new(self, motion: Floats, leg: _Leg) -> bool:
+        """True where a turned body is not connected by translations with where it was, or a part lies elsewhere than in all places."""
+        if leg.turned >= 0:
+            return self._roadmap.is_new(motion, leg.turned)
+        apart = min(np.abs(motion[:, :3] - place.state[:, :3]).max() for place in self._tree.states)
+        return bool(apart > NEW_PLACE * self.ready.clearance)
+
+    def _path(self, here: int) -> Floats:
+        """Motions (k, n, 6) from rest to a place."""
+        return np.concatenate([self._rest[None], *(leg.path[1:] for leg in self._tree.steps_to(here))])
+
+    def _prove(self) -> None:
+        """Try the next proof that nothing leaves, if one is left."""
+        if self._efforts:
+            self.proven = self._held.prove(self._efforts.pop(0))
 
     def _turn_together(self) -> bool:
         """True where two neighbours, or all that move, turn in place as one: each may keep the other from turning alone."""
         assembly, group = self.ready.assembly, self.ready.grouping
         moving = np.flatnonzero(group.bodies.moves)
-        rest = np.zeros((len(assembly.parts), 6))
-        near = near_pieces(group.bodies, group.pose_of(rest), NEW_PLACE * self.ready.clearance)[:, [0, 2]]
+        near = near_pieces(group.bodies, group.pose_of(self._rest), NEW_PLACE * self.ready.clearance)[:, [0, 2]]
         pairs = np.unique(np.sort(near[np.isin(near, moving).all(axis=1)], axis=1), axis=0)
         for bodies in (moving.tolist(), *pairs[:MAX_TOGETHER].tolist()):
             who = np.flatnonzero(np.isin(group.body_of, bodies))
-            if len(bodies) < 2 or self.cut_short():
+            if len(bodies) < 2 or self.context.stopped:
                 continue
             glue = (*assembly.drawing.glue, tuple(assembly.names[k] for k in who))
             ready = prepare_spatial(replace(assembly, drawing=replace(assembly.drawing, glue=glue)))
             body = int(ready.grouping.body_of[who[0]])
-            if any(turns_in_place(ready, rest, body, common_edges(ready, body))):
+            if any(turns_in_place(ready, self._rest, body, common_edges(ready, body))):
                 return True
         return False
 
-    def _straight(self, path: Floats, axes: Floats) -> tuple[list[int], Floats] | None:
+    def _straight(self, path: Floats, axes: Floats) -> _Departure | None:
         """Parts that leave straight from the end of a path; None also where it was asked to stop."""
         for axis in axes:
             for direction in (axis, -axis):
-                if self.cut_short():
+                if self.context.stopped:
                     return None
                 departure = StraightDeparture(self.ready, path[-1], direction)
                 group = departure.first()
@@ -228,9 +247,10 @@ class DisassemblyStage:
                     return group, np.concatenate([path, departure.end(group)[None]])
         return None
 
-    def _by_steps(self) -> tuple[list[int], Floats] | None:
+    def _by_steps(self) -> _Departure | None:
         """A path out by whole steps, for parts on a lattice; notes where there is none."""
-        grid = lattice(self.ready)
+        ready = self.ready
+        grid = lattice(ready)
         if grid is None:
             return None
         found = lattice_search(grid, self.context)
@@ -238,54 +258,50 @@ class DisassemblyStage:
             # clearances that add up to a step let parts through where whole steps do not
             self.exhaustive = found.complete and grid.clearance * len(grid.stands) < grid.step.min()
             return None
-        path = lattice_motions(self.ready, grid, found)
-        if any(self.ready.checker.overlaps(one, other) for one, other in itertools.pairwise(path)):
+        path = lattice_motions(ready, grid, found)
+        if any(ready.checker.overlaps(one, other) for one, other in itertools.pairwise(path)):
             return None
         return self._straight(path, grid.frame[:, found.axis][None])
 
-    def _slide(self, path: Floats, axes: Floats, places: list[Floats]) -> None:
-        """Places that a body alone reaches by going straight until little more than its clearance is left."""
-        ready, body_of = self.ready, self.ready.grouping.body_of
-        moves = ready.grouping.bodies.free[:, :3]
-        for b in np.flatnonzero(moves.any(axis=1)):
-            mine = np.flatnonzero(body_of == b)
-            for direction in (*axes, *-axes):
-                if self.cut_short():
-                    return
-                if not moves[b][np.abs(direction) > 1e-12].all():
-                    continue
-                far = ready.checker.room(path[-1], mine, direction, ready.size)
-                if NEW_PLACE * ready.clearance < far < ready.size:
-                    self._add_slide(path, mine, direction, far, places)
+    def _moved_alone(self, here: int) -> _Steps:
+        """What leaves straight, or by translations or a turn of one body; and where slides and turns of one body lead.
 
-    def _rearranged(self, path: Floats, roadmap: TurnRoadmap, places: list[Floats]) -> tuple[list[int], Floats] | None:
-        """A path out by translations or a turn of a body alone; where a turn leads is a new place."""
-        ready = self.ready
-        for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
-            roadmap.note_locked(path[-1], b)
-            space = roadmap.new_space(path[-1], b) if ready.grouping.bodies.free[b, :3].all() else None
-            if space is not None and (found := space.way_out()) is not None:
-                slid, axis = found
-                out = self._along(np.concatenate([path, slid[1:]]), axis, b)
-                if out is not None:
-                    return out
-            for turned, axis, many in roadmap.turned_in_place(path[-1], b):
-                if self.cut_short():
-                    return None
-                whole = np.concatenate([path, turned[1:]])
-                out = self._along(whole, axis, b)
-                if out is not None:
-                    return out
-                if many:
-                    self._add_turned(whole, b, roadmap, places)
-            if space is not None:
-                for turned in roadmap.turned_from(path[-1], b, space):
-                    self._add_turned(np.concatenate([path, turned[1:]]), b, roadmap, places)
-            if self.cut_short():
-                return None
-        return None
+        Straight paths are cheap: all of them from all places first.
+        """
+        if here in PROVE_AFTER:
+            self._prove()
+            if self.proven:
+                return
+        motion, path = self._tree.states[here].state, self._path(here)
+        out = self._straight(path, self._axes)
+        if out is not None:
+            yield Exit(out)
+        for b in np.flatnonzero(self.ready.grouping.bodies.moves).tolist():
+            yield from self._rearranged(motion, path, b)
+        yield from self._slides(motion)
 
-    def _along(self, path: Floats, axis: Floats, body: int) -> tuple[list[int], Floats] | None:
+    def _rearranged(self, motion: Floats, path: Floats, body: int) -> _Steps:
+        """A path out by translations or a turn of a body alone, and where its turns lead."""
+        roadmap = self._roadmap
+        roadmap.note_locked(motion, body)
+        space = roadmap.new_space(motion, body) if self.ready.grouping.bodies.free[body, :3].all() else None
+        if space is not None and (found := space.way_out()) is not None:
+            slid, axis = found
+            out = self._along(np.concatenate([path, slid[1:]]), axis, body)
+            if out is not None:
+                yield Exit(out)
+        for turned, axis, many in roadmap.turned_in_place(motion, body):
+            self.context.go_on()
+            out = self._along(np.concatenate([path, turned[1:]]), axis, body)
+            if out is not None:
+                yield Exit(out)
+            if many:
+                yield turned[-1], _Leg(turned, body)
+        for turned in () if space is None else roadmap.turned_from(motion, body, space):
+            yield turned[-1], _Leg(turned, body)
+        self.context.go_on()
+
+    def _along(self, path: Floats, axis: Floats, body: int) -> _Departure | None:
         """A body that leaves along an axis, ahead or back, from the end of a path, and what it takes along."""
         for direction in (axis, -axis):
             departure = StraightDeparture(self.ready, path[-1], direction)
@@ -294,71 +310,60 @@ class DisassemblyStage:
                 return group, np.concatenate([path, departure.end(group)[None]])
         return None
 
-    def _add_turned(self, path: Floats, body: int, roadmap: TurnRoadmap, places: list[Floats]) -> None:
-        """Take the end of a path in among the places where its orientation, or what it reaches by translations, is new."""
-        if roadmap.is_new(path[-1], body):
-            if len(places) < MAX_PLACES:
-                places.append(path)
-            else:
-                self.cut = True
+    def _slides(self, motion: Floats) -> _Steps:
+        """Places that a body alone reaches by going straight until little more than its clearance is left."""
+        ready, body_of = self.ready, self.ready.grouping.body_of
+        moves = ready.grouping.bodies.free[:, :3]
+        for b in np.flatnonzero(moves.any(axis=1)):
+            mine = np.flatnonzero(body_of == b)
+            for direction in (*self._axes, *-self._axes):
+                self.context.go_on()
+                if not moves[b][np.abs(direction) > 1e-12].all():
+                    continue
+                far = ready.checker.room(motion, mine, direction, ready.size)
+                if not NEW_PLACE * ready.clearance < far < ready.size:
+                    continue
+                end = motion.copy()
+                end[mine, :3] += (far - ready.clearance) * direction
+                if not ready.checker.doubtful(motion, end, first=True, only=mine.tolist()):
+                    yield end, _Leg(np.stack([motion, end]))
 
-    def _add_slide(self, path: Floats, mine: Ints, direction: Floats, far: float, places: list[Floats]) -> None:
-        """Note the place where some parts have gone straight from the end of a path, their clearance short of how far they can."""
-        end = path[-1].copy()
-        end[mine, :3] += (far - self.ready.clearance) * direction
-        if not self.ready.checker.doubtful(path[-1], end, first=True, only=mine.tolist()):
-            self._add_place(np.concatenate([path, end[None]]), places)
+    def _pulled(self, here: int) -> _Steps:
+        """Pull every body in every direction, from the first places."""
+        while self._efforts and not self.proven:
+            self._prove()
+            self.context.go_on()
+        if self.proven or here >= MAX_PULLED:
+            return
+        ready, motion, path = self.ready, self._tree.states[here].state, self._path(here)
+        begin = ready.grouping.pose_of(motion)
+        for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
+            for direction in (sign * axis for axis in self._axes[:3] for sign in (1.0, -1.0)):
+                self.context.go_on()
+                goal = SumOfTerms((Displacement(b, np.zeros(3), direction, begin.T[b]),))
+                self.questions += 1
+                done = SpatialSearch(ready, goal, self.context.silent, begin).run()
+                if not len(done.program.a):
+                    continue
+                self.cut |= not done.good and done.found.error > UNDECIDED
+                gone = list(done.leaving)
+                if not gone and done.good and done.found.status is SolverStatus.ESCAPING:
+                    gone = leaving_parts(ready, done.path[-1], goal)
+                if gone:
+                    yield Exit((gone, np.concatenate([path, done.path[1:]])))
+                leg = _Leg(np.concatenate([motion[None], done.path[1:]]))
+                self.cut |= self._is_new(done.path[-1], leg)  # what lies beyond is gone on from, but not all of it
+                yield done.path[-1], leg
 
-    def cut_short(self) -> bool:
-        """True once somebody asked to stop."""
-        if self.context.stopped:
-            self.cut = True
-        return self.cut and self.context.stopped
 
-    def _axes(self) -> Floats:
-        """Normals of faces in the world, those of most faces first."""
-        normals = np.vstack([piece.normals for body in self.ready.grouping.bodies.pieces for piece in body])
-        whole = np.round(normals / 1e-6)
-        first_of_three = np.take_along_axis(whole, (whole != 0).argmax(axis=1)[:, None], axis=1)
-        _, first, count = np.unique(
-            whole * np.sign(first_of_three) + 0.0, axis=0, return_index=True, return_counts=True
-        )
-        found = normals[first[np.lexsort((first, -count))[:MAX_DIRECTIONS]]]
-        return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
-
-    def _pulled(self, path: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
-        """Pull every body in every direction from the end of a path: a path out, or else new places are added."""
-        ready = self.ready
-        bodies = ready.grouping.bodies
-        begin = ready.grouping.pose_of(path[-1])
-        for b in np.flatnonzero(bodies.moves):
-            for axis in axes[:3]:
-                for direction in (axis, -axis):
-                    if self.cut_short():
-                        return None
-                    goal = SumOfTerms((Displacement(int(b), np.zeros(3), direction, begin.T[b]),))
-                    self.questions += 1
-                    done = SpatialSearch(ready, goal, self.context.silent, begin).run()
-                    if not len(done.program.a):
-                        continue
-                    self.cut |= not done.good and done.found.error > UNDECIDED
-                    whole = np.concatenate([path, done.path[1:]])
-                    gone = list(done.leaving)
-                    if not gone and done.good and done.found.status is SolverStatus.ESCAPING:
-                        gone = leaving_parts(ready, whole[-1], goal)
-                    if gone:
-                        return gone, whole
-                    self._add_place(whole, places)
-        return None
-
-    def _add_place(self, path: Floats, places: list[Floats]) -> None:
-        """Take the end of a path in among the places where nothing near it is known."""
-        apart = min(np.abs(path[-1, :, :3] - p[-1, :, :3]).max() for p in places)
-        if apart > NEW_PLACE * self.ready.clearance:
-            if len(places) < MAX_PLACES:
-                places.append(path)
-            else:
-                self.cut = True
+def _face_axes(ready: SpatialPrepared) -> Floats:
+    """Normals of faces in the world (k, 3), those of most faces first."""
+    normals = np.vstack([piece.normals for body in ready.grouping.bodies.pieces for piece in body])
+    whole = np.round(normals / 1e-6)
+    first_of_three = np.take_along_axis(whole, (whole != 0).argmax(axis=1)[:, None], axis=1)
+    _, first, count = np.unique(whole * np.sign(first_of_three) + 0.0, axis=0, return_index=True, return_counts=True)
+    found = normals[first[np.lexsort((first, -count))[:MAX_DIRECTIONS]]]
+    return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
 
 
 def reduced(assembly: Assembly, keep: Sequence[int]) -> Assembly:
