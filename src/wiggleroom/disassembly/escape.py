@@ -14,7 +14,7 @@ from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
-from wiggleroom.disassembly.disassembly_stage import NO_BODIES, Stage, leave, leave_after_motion, leave_moving
+from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, Stage
 from wiggleroom.disassembly.enclosure import enclosed_by_held
 from wiggleroom.disassembly.escape_by_pairs import escape_by_known_pairs, escape_by_pairs
 from wiggleroom.disassembly.escape_effort import EscapeEffort
@@ -25,6 +25,7 @@ from wiggleroom.disassembly.escape_search import (
     escape_path,
     search_for_escape,
 )
+from wiggleroom.disassembly.leaving import leave, leave_after_motion, leave_moving
 from wiggleroom.disassembly.remaining import displaced, without_parts
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
 from wiggleroom.disassembly.slide_search import MoveSequence, SlideSearch, Tilt, slide_search

@@ -15,7 +15,8 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.disassembly_sequence import Departure, Disassembly, disassemble
+from wiggleroom.disassembly.disassemble import disassemble
+from wiggleroom.disassembly.disassembly_sequence import Departure, Disassembly
 from wiggleroom.disassembly.escape_effort import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
 from wiggleroom.disassembly.ground import with_ground

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.disassembly_sequence import Disassembly, disassemble
+from wiggleroom.disassembly.disassemble import disassemble
+from wiggleroom.disassembly.disassembly_sequence import Disassembly
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop

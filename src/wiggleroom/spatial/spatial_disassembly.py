@@ -12,15 +12,19 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, DisassemblySequence, Stage, Stages
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.remaining import only
+from wiggleroom.drawing.model import Part
+from wiggleroom.planning.steps import moves_of
 from wiggleroom.search.state_tree import Exit, Level, StateTree
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
 from wiggleroom.spatial.lattice import lattice
 from wiggleroom.spatial.lattice_search import lattice_motions, lattice_search
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.rigid import near_pieces
+from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.solids.convex import distinct_axes
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
@@ -32,6 +36,7 @@ from wiggleroom.spatial.turning_in_place import common_edges, turn_in_place, tur
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MAX_DIRECTIONS = 13
 """Straight paths are tried along at most this many axes, both ways: those of most faces."""
@@ -66,47 +71,76 @@ def check_spatial(assembly: Assembly, *, every: bool = True, context: Context = 
         If there is only one part, or all are fixed.
     """
     began = time.perf_counter()
-    left = with_ground(assembly)
-    names = assembly.names
-    alive = list(range(len(names)))
-    far = np.zeros((len(names), 6))
-    escapes: list[Escape] = []
-    asked, verdict, sure = 0, Separability.INTERLOCKED, Certainty.SEARCHED
-    spins: tuple[str, ...] = ()
-    while True:
-        stage = DisassemblyStage(prepare_spatial(left), context)
-        found = stage.escape_path()
-        asked += stage.questions
-        if found is None:
-            verdict, sure = stage.verdict()
-            spins = _spins(stage.ready, context) if every else ()
-            break
-        who, own = found
-        path = np.repeat(far[None], len(own), axis=0)
-        path[:, alive] = own
-        escapes.append(Escape(tuple(names[alive[k]] for k in who), path))
-        far = np.zeros_like(far)
-        for e in escapes:
-            gone = [names.index(n) for n in e.parts]
-            far[gone] = e.path[-1, gone]
-        keep = [k for k in range(len(alive)) if k not in set(who)]
-        alive = [alive[k] for k in keep]
-        left = reduced(left, keep)
-        if not every or len(alive) < 2 or not grouped(left).bodies.moves.any():
-            break
-    if escapes:
-        verdict, sure = Separability.COMES_APART, Certainty.PROVEN
-    remains = tuple(names[k] for k in alive)
+    names, look = assembly.names, SpatialStages(with_ground(assembly), context)
+    n = len(names)
+    sequence = DisassemblySequence(names, look.stages, np.zeros((n, 6)), returning=True)
+    last, alive = sequence.take_apart(np.arange(n), every=every)
+    escapes = tuple(Escape(tuple(names[k] for k in one.parts), one.path) for one in sequence.departures)
     return Interlock(
         assembly,
-        verdict,
-        sure,
-        tuple(escapes),
-        spins=spins,
-        remains=remains,
-        questions=asked,
+        Separability.COMES_APART if escapes else last.ended,
+        Certainty.PROVEN if escapes else last.certainty,
+        escapes,
+        spins=_spins(look.held, context) if every and look.held is not None else (),
+        remains=tuple(names[k] for k in alive),
+        questions=sequence.questions,
         seconds=time.perf_counter() - began,
     )
+
+
+@dataclass(eq=False)
+class SpatialStages:
+    """The next parts in space that leave.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Something in it stands.
+    context : Context
+    held : SpatialPrepared or None
+        Parts of which none were found to leave, where those were asked about last.
+    """
+
+    assembly: Assembly
+    context: Context
+    held: SpatialPrepared | None = None
+
+    @property
+    def stages(self) -> Stages:
+        """As a sequence takes them."""
+        return Stages(self.left, self.next, continued)
+
+    @property
+    def stuck(self) -> list[str]:
+        """Names of parts that were found not to leave others that stand."""
+        return [] if self.held is None else [part.name for part in self.held.assembly.parts if not part.fixed]
+
+    def left(self, alive: Ints, motion: Floats) -> Assembly | None:
+        """Some parts where they are, with something that stands; None where some have left and nothing else can."""
+        if len(alive) == len(motion):
+            return self.assembly
+        self.held = None
+        left = displaced(reduced(self.assembly, alive.tolist()), motion[alive])
+        if len(grouped(left).bodies.at) < 2:
+            return None
+        left = with_ground(left)
+        return left if grouped(left).bodies.moves.any() else None
+
+    def next(self, left: Assembly, _: Ints, __: Floats) -> Stage:
+        """The next of these parts that leave."""
+        ready = prepare_spatial(left)
+        stage = DisassemblyStage(ready, self.context)
+        found = stage.escape_path()
+        self.held = ready if found is None else None
+        if found is None:
+            verdict, sure = stage.verdict()
+            whole = verdict is not Separability.UNKNOWN
+            return Stage(verdict, sure, NO_BODIES, None, NO_BODIES, stage.questions, whole=whole)
+        who, path = found
+        moves = moves_of(path)
+        return Stage(
+            Separability.COMES_APART, Certainty.PROVEN, np.array(who), path, NO_BODIES, stage.questions, moves=moves
+        )
 
 
 def _spins(ready: SpatialPrepared, context: Context) -> tuple[str, ...]:
@@ -351,9 +385,7 @@ class DisassemblyStage:
                     gone = leaving_parts(ready, done.path[-1], goal)
                 if gone:
                     yield Exit((gone, np.concatenate([path, done.path[1:]])))
-                leg = _Leg(np.concatenate([motion[None], done.path[1:]]))
-                self.cut |= self._is_new(done.path[-1], leg)  # what lies beyond is gone on from, but not all of it
-                yield done.path[-1], leg
+                self.cut |= self._is_new(done.path[-1], _Leg(done.path))  # what lies beyond is not gone on from
 
 
 def _face_axes(ready: SpatialPrepared) -> Floats:
@@ -372,3 +404,33 @@ def reduced(assembly: Assembly, keep: Sequence[int]) -> Assembly:
     drawn = tuple(assembly.drawing.parts[k] for k in keep)
     gaps = tuple(joint for joint in assembly.drawing.gaps if set(joint.parts) <= set(left.names))
     return replace(left, drawing=replace(left.drawing, parts=drawn, gaps=gaps))
+
+
+def continued(before: Floats, path: Floats) -> Floats:
+    """Motions since rest (k, n, 6) [mm, rad] along a path that begins where a motion (n, 6) has taken the parts.
+
+    >>> turn = np.array([[1.0, 0, 0, 0, 0, np.pi / 2]])
+    >>> continued(turn, np.array([[[0, 2.0, 0, 0, 0, np.pi / 4]]]))[0, 0].round(6).tolist()
+    [1.0, 2.0, 0.0, 0.0, 0.0, 2.356194]
+    """
+    out = np.empty_like(path)
+    out[:, :, :3] = before[:, :3] + path[:, :, :3]
+    turns = exponential(path[:, :, 3:].reshape(-1, 3)).reshape(*path.shape[:2], 3, 3) @ exponential(before[:, 3:])
+    out[:, :, 3:] = logarithm(turns.reshape(-1, 3, 3)).reshape(*path.shape[:2], 3)
+    return out
+
+
+def displaced(assembly: Assembly, motion: Floats) -> Assembly:
+    """The assembly as made, at rest where a motion (n, 6) [mm, rad] has taken it."""
+    if not motion.any():
+        return assembly
+    turns = exponential(motion[:, 3:])
+
+    def at(parts: tuple[Part, ...]) -> tuple[Part, ...]:
+        found = []
+        for part, turn, shift, middle in zip(parts, turns, motion[:, :3], assembly.reference, strict=True):
+            place = turn @ (np.asarray(part.at) - middle) + middle + shift
+            found.append(replace(part, at=tuple(place.tolist()), R=turn @ part.R))
+        return tuple(found)
+
+    return Assembly(at(assembly.parts), replace(assembly.drawing, parts=at(assembly.drawing.parts)))

@@ -1,8 +1,6 @@
-"""One stage of a disassembly: motions continued straight until those who leave are beyond all others, or what shows that none do."""
+"""Motions continued straight until the bodies that leave are beyond all others."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
@@ -10,6 +8,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, Stage
 from wiggleroom.disassembly.slide_search import MoveSequence
 from wiggleroom.disassembly.translation import TranslationEscape
 from wiggleroom.geometry.placed_bodies import placed
@@ -20,49 +19,8 @@ from wiggleroom.verdict import Certainty, Separability
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NO_BODIES = np.zeros(0, dtype=np.int64)
-"""None of them."""
 EXIT_DISTANCE = 0.1
 """Parts that left end this share of the drawing's size beyond all others."""
-
-
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """What becomes of the bodies that are left: a path of some of them, or the end.
-
-    Parameters
-    ----------
-    ended : Separability
-    certainty : Certainty
-    who : (k,) int64
-        Bodies that leave.
-    path : (k, n, 3) float64 [mm, mm, rad] or None
-        Motions of all bodies on which they leave, from where all are to where those who leave are beyond all others.
-    held : (n,) int64
-        Bodies of the same number certainly never turn half round against each other; empty where something leaves.
-    questions, unanswered : int
-        Largest motions that were searched, and how many of them found no end whose path is certain.
-    states : int
-        States that slides, and turns of single bodies, led to.
-    whole : bool
-        True where these are all states to which slides lead.
-    turned : int
-        Of these states those in which every body was turned both ways.
-    moves : (k - 1,) int64
-        Number of the move that each piece of the path belongs to.
-    """
-
-    ended: Separability
-    certainty: Certainty
-    who: Ints
-    path: Floats | None
-    held: Ints
-    questions: int = 0
-    unanswered: int = 0
-    states: int = 0
-    whole: bool = True
-    turned: int = 0
-    moves: Ints = field(default_factory=lambda: NO_BODIES)
 
 
 def leave_after_motion(

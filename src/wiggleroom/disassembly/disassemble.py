@@ -1,0 +1,127 @@
+"""The parts of a drawing taken away one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.context import Context
+from wiggleroom.disassembly.closed_pairs import enclosed_links
+from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, Disassembly, DisassemblySequence, Stage, Stages
+from wiggleroom.disassembly.enclosure import Enclosed, enclosed
+from wiggleroom.disassembly.escape import next_stage
+from wiggleroom.disassembly.escape_effort import EscapeEffort
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
+from wiggleroom.disassembly.remaining import displaced, only
+from wiggleroom.errors import FreeSpaceError, StoppedError, TouchingError
+from wiggleroom.geometry.bodies import bodies
+from wiggleroom.geometry.rigid_motions import of_parts
+from wiggleroom.search.prepare import Survey, survey
+from wiggleroom.verdict import Certainty, Separability
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+HoldingCost = Callable[[Floats, NDArray[np.bool_], Ints], int]
+"""How many parts must be held: of a state (n, 3) of all parts, of those that are there (n,), once some leave (k,)."""
+
+
+def disassemble(
+    assembly: Assembly,
+    *,
+    targets: tuple[str, ...] = (),
+    effort: EscapeEffort | None = None,
+    every: bool = True,
+    holding_cost: HoldingCost | None = None,
+    context: Context,
+) -> Disassembly:
+    """Take parts of a drawing away one after the other, as long as some leave.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Something in it stands.
+    targets : tuple of names
+        It ends once these have left; what else leaves is taken away only where they cannot leave before.
+    effort : EscapeEffort, optional
+    every : bool
+        False: it ends once anything has left.
+    holding_cost : callable, optional
+        How much trouble it makes that some parts leave from a state; of those that could leave straight, those with the least leave first.
+    context : Context
+
+    Raises
+    ------
+    FreeSpaceError
+        If no free space was found round where two parts lie, and boxes of motions did not decide it either.
+    TouchingError
+        If two parts touch at rest.
+    """
+    look = _PlanarStages(assembly, frozenset(targets), effort or EscapeEffort(), holding_cost, context)
+    stages = Stages(look.left, look.next, lambda before, path: before + path)
+    n = len(assembly.names)
+    sequence = DisassemblySequence(assembly.names, stages, np.zeros((n, 3)))
+    last, alive = sequence.take_apart(np.arange(n), targets=targets, every=every)
+    return Disassembly(
+        tuple(sequence.departures), last, look.placed(alive, sequence.motion), look.around, sequence.questions, sequence.unanswered,
+        sequence.states, sequence.turned,
+    )  # fmt: skip
+
+
+@dataclass(eq=False)
+class _PlanarStages:
+    """The next parts of a drawing that leave."""
+
+    assembly: Assembly
+    targets: frozenset[str]
+    effort: EscapeEffort
+    holding_cost: HoldingCost | None
+    context: Context
+    around: Enclosed | None = None
+    """What lies in closed holes among the parts that were left last."""
+
+    def placed(self, alive: Ints, motion: Floats) -> Assembly:
+        """Some parts where they are."""
+        return self.assembly if len(alive) == len(motion) else only(displaced(self.assembly, motion), alive)
+
+    def left(self, alive: Ints, motion: Floats) -> Assembly | None:
+        """Some parts where they are; None where some have left and one body is left, or all are fixed."""
+        left = self.placed(alive, motion)
+        fixed = bodies(left).fixed
+        return None if len(alive) < len(motion) and (len(fixed) < 2 or fixed.all()) else left
+
+    def next(self, left: Assembly, alive: Ints, motion: Floats) -> Stage:
+        """The next of these parts that leave."""
+        begins = len(alive) == len(self.assembly.names)
+        if not begins:
+            self.effort = replace(self.effort, passages=PassagesByGap(), exits=[])  # the others lie elsewhere now
+        self.around = None
+        try:
+            surveyed = survey(left, self.context.stop)
+            self.around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, self.context)
+            begin = enclosed_links(surveyed.bodies.fixed, self.around)
+            if begin.all_tied:
+                return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
+            wanted = [surveyed.bodies.body_of[k] for k, name in enumerate(left.names) if name in self.targets]
+            aims, cost = np.unique(wanted).astype(np.int64), self._cost(alive, motion, surveyed)
+            stage = next_stage(left, surveyed, begin, self.effort, aims, cost, self.context)
+        except (FreeSpaceError, StoppedError, TouchingError) as why:
+            if begins and not isinstance(why, StoppedError):
+                raise
+            # the others may have come to touch, or nearly, once some have left: then no more is known
+            return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
+        if stage.path is None:
+            return stage
+        who = np.sort([p for b in stage.who for p in surveyed.bodies.members[b]])
+        return replace(stage, who=who, path=of_parts(left, surveyed.bodies, stage.path))
+
+    def _cost(self, alive: Ints, motion: Floats, surveyed: Survey) -> Callable[[Ints], int] | None:
+        """The burden of bodies that leave from where all are now."""
+        cost, members = self.holding_cost, surveyed.bodies.members
+        if cost is None:
+            return None
+        there = np.isin(np.arange(len(motion)), alive)
+        return lambda who: cost(motion, there, alive[[p for b in who for p in members[b]]])
