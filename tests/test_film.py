@@ -18,7 +18,7 @@ from wiggleroom.drawing.model import Drawing, Part, Pull, Turn
 from wiggleroom.report.films import scene as scenes
 from wiggleroom.report.films.film import film, film_of_answer
 from wiggleroom.report.films.film_timing import TimedPath, ease_in_out
-from wiggleroom.report.films.scene import Scene, scene
+from wiggleroom.report.films.scene import Caption, Scene, scene
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.verdict import Verdict
 
@@ -26,8 +26,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def made(case: wr.Answer, **changes: object) -> Scene:
-    asked = {"rate": 10.0, "goals": case.goals, "title": "t", "facts": (), "command": ""} | changes
-    return scene(case.assembly, case.waypoints, **asked)
+    return scene(case.assembly, case.waypoints, Caption("t", goals=case.goals), **({"rate": 10.0} | changes))
 
 
 def far_off() -> wr.Assembly:
@@ -150,7 +149,7 @@ def test_what_goes_far_away_fades_and_the_frame_stays_near() -> None:
 def test_what_moves_far_but_is_held_does_not_fade() -> None:
     found = wr.flex(wr.patterns.chain(10, joint="swallowtail", gap=0.03), search=0)
     assert 0.5 * found.assembly.size < found.objective < found.assembly.size
-    made = scene(found.assembly, found.waypoints, rate=12, goals=(), title="", facts=(), command="")
+    made = scene(found.assembly, found.waypoints, Caption(), rate=12)
     assert all((track.opacity == 1).all() for track in made.tracks)
     x, y, wide, high = made.stage
     ends = np.array([track.place[-1, :2] for track in made.tracks])

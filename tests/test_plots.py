@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
+from wiggleroom.report.finding import Bars, Curve, Histogram
 from wiggleroom.report.pictures import palette
 from wiggleroom.report.pictures.axes import span, ticks
 from wiggleroom.report.pictures.finding_picture import shade
-from wiggleroom.report.pictures.plots import bars, curve, histogram
+from wiggleroom.report.pictures.plots import Heading, bars, curve, histogram
 from wiggleroom.report.pictures.text import text_width
 
+TITLE, XY = Heading("t"), ("x", "y")
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -40,7 +42,7 @@ def axis(svg: str, *, of_x: bool) -> tuple[float, float]:
 @pytest.mark.parametrize("size", [1e-5, 1.0, 3e4])
 def test_points_lie_where_the_numbers_on_the_axes_say(size: float) -> None:
     x, y = np.array([0.1, 0.25, 0.6, 0.9]), np.array([0.3, 1.7, -0.4, 2.2]) * size
-    svg = curve(x, y, labels=("gap mm", "motion mm"), title="t")
+    svg = curve(Curve(x, y, ("gap mm", "motion mm")), TITLE)
     dots = np.array([[float(c.get("cx", "0")), float(c.get("cy", "0"))] for c in all_of(svg, "circle")])
     for k, values in enumerate((x, y)):
         scale, zero = axis(svg, of_x=k == 0)
@@ -48,14 +50,14 @@ def test_points_lie_where_the_numbers_on_the_axes_say(size: float) -> None:
 
 
 def test_a_curve_breaks_where_there_is_no_value() -> None:
-    svg = curve(np.arange(5.0), np.array([1.0, 2.0, np.nan, np.inf, 3.0]), labels=("x", "y"), title="t")
+    svg = curve(Curve(np.arange(5.0), np.array([1.0, 2.0, np.nan, np.inf, 3.0]), XY), TITLE)
     assert len(all_of(svg, "circle")) == 3
     (line,) = [p.get("d", "") for p in all_of(svg, "path") if p.get("stroke-width") == "2.5"]
     assert (line.count("M"), line.count("L")) == (2, 1)
 
 
 def test_a_mark_stands_at_its_value() -> None:
-    svg = curve(np.linspace(0, 1, 4), np.ones(4), labels=("x", "y"), title="t", marks=[(0.7, "comes apart")])
+    svg = curve(Curve(np.linspace(0, 1, 4), np.ones(4), XY, [(0.7, "comes apart")]), TITLE)
     scale, zero = axis(svg, of_x=True)
     (line,) = [p.get("d", "") for p in all_of(svg, "path") if p.get("stroke-dasharray")]
     assert (float(line[1:].split(",")[0]) - zero) / scale == pytest.approx(0.7, abs=2e-3)
@@ -64,7 +66,7 @@ def test_a_mark_stands_at_its_value() -> None:
 
 def test_a_histogram_counts_every_finite_value_once() -> None:
     values = np.concatenate([np.random.default_rng(1).normal(2.0, 0.1, 500), [np.inf, np.nan]])
-    svg = histogram(values, label="motion mm", title="t")
+    svg = histogram(Histogram(values, "motion mm"), TITLE)
     scale, _ = axis(svg, of_x=False)
     boxes = [r for r in all_of(svg, "rect") if r.get("stroke")]
     assert sum(float(r.get("height", "0")) for r in boxes) / -scale == pytest.approx(500, rel=2e-3)
@@ -72,27 +74,27 @@ def test_a_histogram_counts_every_finite_value_once() -> None:
 
 
 def test_bars_are_as_long_as_their_values_and_sorted() -> None:
-    svg = bars(["a", "b<", "c"], np.array([1.0, -4.0, 2.0]), label="mm per mm", title="t")
+    svg = bars(Bars(["a", "b<", "c"], np.array([1.0, -4.0, 2.0]), "mm per mm"), TITLE)
     wide = [float(r.get("width", "0")) for r in all_of(svg, "rect") if r.get("stroke")]
     np.testing.assert_allclose(np.array(wide) / wide[2], [4, 2, 1], rtol=1e-3)
     names = [t.text for t in all_of(svg, "text") if t.text in ("a", "b<", "c")]
     assert names == ["b<", "c", "a"]
-    assert "and 15 smaller ones" in bars([str(k) for k in range(40)], np.arange(40.0), label="x", title="t")
+    assert "and 15 smaller ones" in bars(Bars([str(k) for k in range(40)], np.arange(40.0), "x"), TITLE)
 
 
 @pytest.mark.parametrize("values", [[], [np.inf], [1.0] * 5, [0.0]])
 def test_odd_values_are_drawn_too(values: list[float]) -> None:
-    ElementTree.fromstring(histogram(np.array(values), label="x", title="t").encode())
+    ElementTree.fromstring(histogram(Histogram(np.array(values), "x"), TITLE).encode())
     if values:
-        found = curve(np.array(values), np.array(values), labels=("x", "y"), title="t")
+        found = curve(Curve(np.array(values), np.array(values), XY), TITLE)
         assert "nan" not in found
 
 
 def test_wrong_shapes_are_refused() -> None:
     with pytest.raises(wr.InputError):
-        curve(np.zeros(3), np.zeros(2), labels=("x", "y"), title="t")
+        curve(Curve(np.zeros(3), np.zeros(2), XY), TITLE)
     with pytest.raises(wr.InputError):
-        bars(["a"], np.array([np.nan]), label="x", title="t")
+        bars(Bars(["a"], np.array([np.nan]), "x"), TITLE)
 
 
 @pytest.mark.parametrize("most", [3, 8])
@@ -129,7 +131,7 @@ def test_larger_numbers_are_darker_also_without_colour() -> None:
 
 def test_bars_above_the_limit_are_red_and_no_bar_holds_both() -> None:
     values = np.random.default_rng(3).normal(2.0, 0.1, 400)
-    svg = histogram(values, label="motion mm", title="t", marks=[(2.0, "half")], limit=(2.07, "limit"))
+    svg = histogram(Histogram(values, "motion mm", [(2.0, "half")], (2.07, "limit")), TITLE)
     up, _ = axis(svg, of_x=False)
     across, zero = axis(svg, of_x=True)
     boxes = [r for r in all_of(svg, "rect") if r.get("stroke")]
@@ -141,7 +143,7 @@ def test_bars_above_the_limit_are_red_and_no_bar_holds_both() -> None:
     grid = next(p.get("d", "") for p in all_of(svg, "path") if p.get("stroke") == palette.GRID)
     assert max(ends) <= float(grid.split("L")[1].split(",")[0])
     assert "limit" in svg
-    assert palette.FIXED[0] not in histogram(values, label="x", title="t", limit=(9.0, "far"))
+    assert palette.FIXED[0] not in histogram(Histogram(values, "x", limit=(9.0, "far")), TITLE)
 
 
 @pytest.mark.parametrize("framed", [True, False])
@@ -152,9 +154,8 @@ def test_no_line_and_no_other_label_crosses_the_label_of_a_line(seed: int, frame
     ends = {f"{100 * q:g} % below": float(np.quantile(values, q)) for q in (0.05, 0.5, 0.95)}
     marks = [(end, f"{words} {end:.4g}") for words, end in ends.items()]
     limit = float(np.quantile(values, random.uniform()))
-    svg = histogram(
-        values, label="motion mm", title="", marks=marks, limit=(limit, f"limit {limit:.4g}"), framed=framed
-    )
+    figure = Histogram(values, "motion mm", marks, (limit, f"limit {limit:.4g}"))
+    svg = histogram(figure, Heading("", framed=framed))
     said = re.findall(r'paint-order[^>]*><text x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]*)<', svg)
     lines = [tuple(map(float, line)) for line in re.findall(r'<path d="M([\d.]+),([\d.]+)v([\d.]+)"', svg)]
     assert len(said) == len(lines) == 4

@@ -26,18 +26,6 @@ PROTOCOLS = {
     *(("live/live_session.py", name) for name in LIVE),  # the public Live, in the plane and in space
     *(("spatial/spatial_live.py", name) for name in LIVE),
 }
-LONG = {
-    ("freespace/cells/cells.py", "grow_cells"),
-    ("freespace/outer/caging_surface.py", "_next"),
-    ("report/films/scene.py", "scene"),
-    ("report/pictures/picture.py", "drawn_parts"),
-    ("report/pictures/plots.py", "curve"),
-    ("report/pictures/plots.py", "histogram"),
-    ("report/solids/spatial_picture.py", "write_moved_parts"),
-    ("solve/predictor_corrector.py", "predictor_corrector_step"),
-    ("verify/known_ranges.py", "__init__"),
-}
-"""Functions that still take more; none may join them."""
 
 
 def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> list[str]:
@@ -70,7 +58,7 @@ def _internal() -> Iterator[tuple[str, str, tuple[str, ...]]]:
 
 
 def test_no_function_takes_many_things() -> None:
-    assert {(path, name) for path, name, taken in internal() if len(taken) > MOST} == LONG
+    assert {(path, name) for path, name, taken in internal() if len(taken) > MOST} == set()
 
 
 def test_what_ends_the_work_and_who_hears_of_it_come_together() -> None:

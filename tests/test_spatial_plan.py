@@ -20,7 +20,7 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.steps import Step, moves_of
 from wiggleroom.report.page.plan_pictures import write_stills
 from wiggleroom.report.results.plan_results import PlanTolerances
-from wiggleroom.report.solids.spatial_picture import spatial_svg
+from wiggleroom.report.solids.spatial_picture import Shown, spatial_svg
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_plan_geometry import SpatialPlanGeometry
 from wiggleroom.studies.plan import PlanQuestion
@@ -355,7 +355,7 @@ def test_a_still_shows_what_is_there_where_it_is(tmp_path: Path) -> None:
 def test_faces_of_one_plane_are_one_shape(tmp_path: Path) -> None:
     """A cube shows three faces, whatever triangles they consist of."""
     cube = spatial({"name": "a", "boxes": [[0, 0, 0, 10, 10, 10]]}, {"name": "b", "boxes": [[20, 0, 0, 30, 10, 10]]})
-    drawn = spatial_svg(cube, np.zeros((2, 6)), [])
+    drawn = spatial_svg(cube, np.zeros((2, 6)), [], Shown())
     assert drawn.count('fill-rule="evenodd"') == 6
 
 

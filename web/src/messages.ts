@@ -712,7 +712,7 @@ export interface Mend {
 }
 
 /** Something that is wrong with a design, where it is, and what would help. */
-export interface Finding {
+export interface Fault {
   about: "gap" | "parts" | "pulled" | "stands";
   words: string;
   parts: string[]; // names of parts
@@ -727,7 +727,7 @@ export interface Failed {
   id: number;
   of: string;
   findings: string[];
-  review?: Finding[];
+  review?: Fault[];
 }
 
 /** A part without its outline. */

@@ -3,7 +3,7 @@
 import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, correctPose, design, dimension, goals, history, inSpace, leave, list, pinned, type Pose, pose, question, questionOf, type Step, toggleFixed } from "./design.ts";
 import { between, chosenFactor, end, motionOf, play, poseOf, shareWithin, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type HowRead, type Made, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { type CheckReply, type Design, type Fault, type Frames, type Kind, type Opened, type PlanReply, type Point, type HowRead, type Made, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { fitsParts, flush, forgetFile, isLink, keepDesign, keepFile, keepReading, keepRecent, keepServed, keptDesign, keptReading, keptFile, keptServed, leaveLink, linked, recent, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { type Kept, kept, linked as linkedViews, ofThisFile, presentAnswer } from "./stage/kept.ts";
@@ -131,8 +131,8 @@ export function backToRest(): void {
 let reviewed: Design | null = null;
 
 /** What findings of a kind depend on. */
-const DEPENDS: Record<Finding["about"], (keyof Design)[]> = { stands: ["fixed"], pulled: ["goals"], gap: ["gap", "extra", "gaps", "glue"], parts: ["gap", "extra", "gaps"] };
-const changed = (about: Finding["about"], before: Design, now: Design): boolean => DEPENDS[about].some((key) => before[key] !== now[key]);
+const DEPENDS: Record<Fault["about"], (keyof Design)[]> = { stands: ["fixed"], pulled: ["goals"], gap: ["gap", "extra", "gaps", "glue"], parts: ["gap", "extra", "gaps"] };
+const changed = (about: Fault["about"], before: Design, now: Design): boolean => DEPENDS[about].some((key) => before[key] !== now[key]);
 
 function preview(gap: number): void {
   const opened = state.drawing.peek()!;
@@ -677,9 +677,9 @@ function worker(now: "ready" | "lost" | "restarted"): void {
 }
 
 /** A line about nothing in particular. */
-const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [], missing: false });
+const said = (words: string): Fault => ({ about: "parts", words, parts: [], point: null, mends: [], missing: false });
 
-function failed(of: string, lines: Finding[], about?: Design): void {
+function failed(of: string, lines: Fault[], about?: Design): void {
   if (about && about !== design.peek() && !["flex", "shape", "drag"].includes(of)) {
     state.notice.value = `of an earlier design: ${lines.map((one) => one.words).join("; ")}`;
     return;

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design, inSpace } from "./design.ts";
 import type {
-  BoundReply, CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, LimitReply, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, Solids, SpaceReply, StudyReply, StudyTab,
+  BoundReply, CheckReply, Design, DragReply, Fault, FlexReply, Frames, Hello, LimitReply, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, Solids, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Opening } from "./keep.ts";
 import type { Line } from "./socket.ts";
@@ -18,11 +18,11 @@ export const standalone = signal<Told | null>(null);
 export const line = signal<Line>("connecting");
 export const hello = signal<Hello | null>(null);
 export const workerState = signal<"ready" | "lost" | "restarted">("ready");
-export const findings = signal<Finding[]>([]);
+export const findings = signal<Fault[]>([]);
 /** Why a file could not be opened; what was open before stays, with what is wrong with it. */
 export const unopened = signal<string[]>([]);
 /** The finding that is shown in the picture. */
-export const pointed = signal<Finding | null>(null);
+export const pointed = signal<Fault | null>(null);
 /** What failed last: its findings go when it succeeds. */
 export const trouble = signal("");
 const noticed = signal<{ words: string; design: Design } | null>(null);

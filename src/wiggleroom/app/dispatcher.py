@@ -12,7 +12,7 @@ from wiggleroom.app.open_requests import opened
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.app.worker_protocol import StartOrder
 from wiggleroom.errors import InputError, StoppedError, WiggleroomError, where_raised
-from wiggleroom.schema.replies import Finding
+from wiggleroom.schema.replies import Fault
 from wiggleroom.schema.requests import AnyRequest, DragRequest, FlexRequest, OpenRequest, ShapeRequest
 
 ANSWERS = {
@@ -77,7 +77,7 @@ class Dispatcher:
             )
         return False, False
 
-    def _review(self, request: AnyRequest) -> list[Finding]:
+    def _review(self, request: AnyRequest) -> list[Fault]:
         """Everything that is wrong with the design of a request, where that can be said."""
         if self._document is None or not isinstance(request, FlexRequest | ShapeRequest | DragRequest):
             return []

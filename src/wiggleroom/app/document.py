@@ -15,7 +15,7 @@ from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.context import Context
 from wiggleroom.errors import InputError
-from wiggleroom.schema.replies import Finding, Opened
+from wiggleroom.schema.replies import Fault, Opened
 from wiggleroom.schema.requests import Design
 from wiggleroom.verdict import SearchState, Verdict
 
@@ -76,7 +76,7 @@ class Document:
             content.design.extra = design.extra
         return content
 
-    def review(self, design: Design) -> list[Finding]:
+    def review(self, design: Design) -> list[Fault]:
         """List what is wrong with a design; raises InputError where that cannot be said."""
         if isinstance(self.designs, DesignCache):
             from wiggleroom.app.review import review

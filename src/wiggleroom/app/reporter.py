@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wiggleroom.app.messages import encode, failed, motion_frame
 from wiggleroom.app.worker_protocol import Outgoing
 from wiggleroom.errors import go_on
-from wiggleroom.schema.replies import Finding, ProgressReply
+from wiggleroom.schema.replies import Fault, ProgressReply
 from wiggleroom.schema.reply_base import Reply
 
 PROGRESS_INTERVAL = 0.05
@@ -50,7 +50,7 @@ class Reporter:
         if not self._quiet:
             self._say(Outgoing(self.ticket, encode(content), [motion_frame(self.number, m) for m in motions]))
 
-    def failed(self, findings: Sequence[str], review: Sequence[Finding] = ()) -> None:
+    def failed(self, findings: Sequence[str], review: Sequence[Fault] = ()) -> None:
         """Say what is wrong, one line each, and everything that is wrong with the design."""
         if not self._quiet:
             content = failed(self.number, self.kind, [on_the_page(line) for line in findings])

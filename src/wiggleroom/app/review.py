@@ -19,7 +19,7 @@ from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.drawing.writers.glue_groups import collidable
 from wiggleroom.report.results.answer_words import number, short
-from wiggleroom.schema.replies import Finding, Mend
+from wiggleroom.schema.replies import Fault, Mend
 from wiggleroom.schema.requests import Design
 
 MAX_FINDINGS = 60
@@ -34,7 +34,7 @@ GAP_SHARE = 1 / 2000
 """A gap that opens what touches, as a share of the drawing's size."""
 
 
-def review(designs: DesignCache, design: Design) -> list[Finding]:
+def review(designs: DesignCache, design: Design) -> list[Fault]:
     """List what is wrong with a design.
 
     Raises
@@ -47,11 +47,11 @@ def review(designs: DesignCache, design: Design) -> list[Finding]:
     found = [*_roles(drawing, design), *_unmakeable(drawing, lines)]
     found += _meeting(drawing, parts, design)
     if len(found) > MAX_FINDINGS:
-        found = [*found[:MAX_FINDINGS], Finding("parts", f"and {len(found) - MAX_FINDINGS} more")]
+        found = [*found[:MAX_FINDINGS], Fault("parts", f"and {len(found) - MAX_FINDINGS} more")]
     return found
 
 
-def _roles(drawing: Drawing, design: Design) -> list[Finding]:
+def _roles(drawing: Drawing, design: Design) -> list[Fault]:
     """What a question about motion lacks."""
     found = []
     fixed = [part.name for part in drawing.parts if part.fixed]
@@ -62,7 +62,7 @@ def _roles(drawing: Drawing, design: Design) -> list[Finding]:
         name = fixed[-1]
         mend = Mend(f"Let {short(name)} go", fixed=fixed[:-1])
         found.append(
-            Finding(
+            Fault(
                 "stands", "Everything is fixed: leave at least one part free to move", mends=[mend] * (len(fixed) > 1)
             )
         )
@@ -70,12 +70,12 @@ def _roles(drawing: Drawing, design: Design) -> list[Finding]:
         goal = suggested(drawing)
         mend = Mend(f"Pull {short(goal.part)}", goals=[goal])
         words = "Nothing is pulled: say which part, and which way"
-        found.append(Finding("pulled", words, [goal.part], mends=[mend], missing=True))
+        found.append(Fault("pulled", words, [goal.part], mends=[mend], missing=True))
     return found
 
 
-def nothing_stands(names: Sequence[str], size: NDArray[np.float64], design: Design) -> Finding:
-    """Finding that no part is fixed; it proposes the largest part that is neither pulled nor glued to a pulled one.
+def nothing_stands(names: Sequence[str], size: NDArray[np.float64], design: Design) -> Fault:
+    """Fault that no part is fixed; it proposes the largest part that is neither pulled nor glued to a pulled one.
 
     Where there is no such part, nothing is proposed: whatever was fixed, what is asked would change.
     """
@@ -86,9 +86,9 @@ def nothing_stands(names: Sequence[str], size: NDArray[np.float64], design: Desi
     still = next((names[k] for k in order if names[k] not in moved), None)
     if still is None:
         words = "Nothing stands, and every part is pulled or glued to a pulled one: stop pulling one of them and fix it"
-        return Finding("stands", words, missing=True)
+        return Fault("stands", words, missing=True)
     words = "Nothing stands: some part must hold still for others to move against"
-    return Finding("stands", words, [still], mends=[Mend(f"Fix {short(still)}", fixed=[still])], missing=True)
+    return Fault("stands", words, [still], mends=[Mend(f"Fix {short(still)}", fixed=[still])], missing=True)
 
 
 def _areas(drawing: Drawing) -> NDArray[np.float64]:
@@ -105,7 +105,7 @@ def usual_size(drawing: Drawing) -> float:
     return float(np.median(np.sqrt(_areas(drawing))))
 
 
-def _unmakeable(drawing: Drawing, lines: Sequence[str]) -> list[Finding]:
+def _unmakeable(drawing: Drawing, lines: Sequence[str]) -> list[Fault]:
     """What is wrong with single parts; a smaller gap may help where they cannot be made."""
     mends: list[Mend] = []
     gap = min(drawing.gap, 2 * MAX_GAP_SHARE * usual_size(drawing)) if 0 < drawing.gap < math.inf else 0.0
@@ -115,10 +115,10 @@ def _unmakeable(drawing: Drawing, lines: Sequence[str]) -> list[Finding]:
             mends = [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
             break
     names = [part.name for part in drawing.parts]
-    return [Finding("parts", on_the_page(line), [n for n in names if f'"{n}"' in line], mends=mends) for line in lines]
+    return [Fault("parts", on_the_page(line), [n for n in names if f'"{n}"' in line], mends=mends) for line in lines]
 
 
-def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Finding]:
+def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fault]:
     """Pairs of parts that overlap or touch at rest."""
     if len(parts) < 2:
         return []
@@ -137,10 +137,10 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
 
     def finding(
         words: str, a: str, b: str, names: list[str], place: shapely.Geometry, alone: bool, missing: bool = False
-    ) -> Finding:
+    ) -> Fault:
         x, y = shapely.get_coordinates(place)[0].tolist()
         glued = [Mend("Glue them", glue=[*design.glue, [a, b]])]
-        return Finding("gap", words, names, (x, y), [*wider, *glued] if alone else wider, missing)
+        return Fault("gap", words, names, (x, y), [*wider, *glued] if alone else wider, missing)
 
     found = []
     for (a, b), depth in pairs.items():

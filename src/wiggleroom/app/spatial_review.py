@@ -7,7 +7,7 @@ from wiggleroom.app.spatial_designs import SpatialDesignCache, suggested_pull
 from wiggleroom.disassembly.ground import drawn_sizes
 from wiggleroom.errors import TouchingError
 from wiggleroom.report.results.answer_words import number, short
-from wiggleroom.schema.replies import Finding, Mend
+from wiggleroom.schema.replies import Fault, Mend
 from wiggleroom.schema.requests import Design
 from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
@@ -15,7 +15,7 @@ OVERLAP_MARGIN = 1.25
 """A gap that is to open an overlap is this many times as large."""
 
 
-def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Finding]:
+def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Fault]:
     """List what is wrong with a design.
 
     Raises
@@ -30,13 +30,13 @@ def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Finding]
     elif all(p.fixed for p in assembly.parts):
         name = design.fixed[-1]
         mends = [Mend(f"Let {short(name)} go", fixed=design.fixed[:-1])] if len(design.fixed) > 1 else []
-        found.append(Finding("stands", "Everything is fixed: leave at least one part free to move", mends=mends))
+        found.append(Fault("stands", "Everything is fixed: leave at least one part free to move", mends=mends))
         return found
     if not design.goals and len(assembly.parts) > 1:
         goal = suggested_pull(assembly)
         mend = Mend(f"Pull {short(goal.part)}", goals=[goal])
         words = "Nothing is pulled: say which part, and which way"
-        found.append(Finding("pulled", words, [goal.part], mends=[mend], missing=True))
+        found.append(Fault("pulled", words, [goal.part], mends=[mend], missing=True))
     try:
         prepare_spatial(assembly)
     except TouchingError as problem:
@@ -44,7 +44,7 @@ def spatial_review(designs: SpatialDesignCache, design: Design) -> list[Finding]
     return found
 
 
-def _meeting(problem: TouchingError, gap: float, size: float, design: Design) -> Finding:
+def _meeting(problem: TouchingError, gap: float, size: float, design: Design) -> Fault:
     """Two parts that overlap or touch at rest."""
     a, b = problem.parts
     deep = max(0.0, -problem.clearance)
@@ -55,4 +55,4 @@ def _meeting(problem: TouchingError, gap: float, size: float, design: Design) ->
         else f"{short(a)} and {short(b)} touch at rest: there is no room to move"
     )
     mends = [Mend(f"Use a gap of {number(wanted)} mm", gap=wanted)] if wanted < size / 20 else []
-    return Finding("gap", words, [a, b], mends=[*mends, Mend("Glue them", glue=[*design.glue, [a, b]])])
+    return Fault("gap", words, [a, b], mends=[*mends, Mend("Glue them", glue=[*design.glue, [a, b]])])

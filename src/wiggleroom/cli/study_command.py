@@ -153,10 +153,10 @@ def _draw(finding: Finding, place: Path, command: str) -> None:
     from wiggleroom.cli.outputs import PIXELS, note_missing_letters
     from wiggleroom.cli.watch import bar
     from wiggleroom.report.pictures.file_endings import ending
-    from wiggleroom.report.write_finding import write_finding
+    from wiggleroom.report.write_picture import write_picture
 
     with bar("frames", "drawing") as count:
-        write_finding(finding, place, command, count)
+        write_picture(finding, place, command=command, progress=count)
     if ending(place) in PIXELS:
         note_missing_letters(place, finding.assembly.names)
 

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from itertools import zip_longest
 
+from wiggleroom.drawing.dimension import PUZZLES
+
 DRAWINGS = (".svg", ".dxf", ".lbrn2", ".lbrn")
-PUZZLES = (".puz", ".xmpuzzle")
 
 
 def with_json_alone(argv: Sequence[str]) -> list[str]:

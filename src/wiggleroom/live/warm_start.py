@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.cells.cells import Cells, grow_cells, replaced, select
+from wiggleroom.freespace.cells.cells import Cells, CellWish, grow_cells, replaced, select
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -122,13 +122,13 @@ def _cells_at(ready: Prepared, motion: Floats, inner: Floats, *, kept: bool) -> 
     bodies, a, b = ready.bodies, ready.cells.a, ready.cells.b
     there, room = relative_pose(bodies, a, b, motion), np.full(len(a), ready.clearance)
     keep = there[:, None, :] if kept else there[:, None, :][:, :0]
-    cells, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, inner), room, keep=keep)
+    cells, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, inner), room, wish=CellWish(keep))
     for share, angle in product(ASIDE_SHARES, np.pi / 4 * np.arange(8)):
         bad = np.flatnonzero(~good)
         if not len(bad):
             break
         aside = there[bad] + share * ready.clearance * np.array([np.cos(angle), np.sin(angle), 0.0])
-        grown, fits = grow_cells(bodies, a[bad], b[bad], aside, room[bad], keep=keep[bad])
+        grown, fits = grow_cells(bodies, a[bad], b[bad], aside, room[bad], wish=CellWish(keep[bad]))
         cells = replaced(cells, bad[fits], select(grown, np.flatnonzero(fits)))
         good[bad[fits]] = True
     return cells if good.all() else None

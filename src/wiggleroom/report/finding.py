@@ -131,7 +131,7 @@ class PartTints:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """A table or a figure under a heading of its own, on a page besides those that are always shown."""
+    """A figure under its heading."""
 
     title: str
     figure: Figure
@@ -153,20 +153,15 @@ class Finding:
         Lines under the title.
     sure : sequence of (term, sentence)
         How sure it is.
-    tables : sequence of Table
+    sections : sequence of Table and Panel
+        As a page shows them one under the other; a figure that comes first is the picture.
     data : Table, optional
         For spreadsheets: heads are names of columns.
-    figure : Curve, Histogram or Bars, optional
-        Without one the picture is that of `motion`, its parts coloured by `tints`.
-    figure_title : str
-        Heading of the figure on a page.
     motion : Answer, Interlock, Checked or Plan, optional
-        What a page shows, and a picture where there is no figure; its table where there is no `data`.
+        What a page shows, and a picture where no figure comes first, with parts coloured by `tints`; its table where there is no `data`.
     tints : PartTints, optional
     tab : str
         Name of the page's tab.
-    panels : sequence of Panel
-        More figures, on a page.
     code : int
         Exit code of the command: 0 answered, 1 the answer is no, 3 no verdict.
     colour : str
@@ -185,17 +180,25 @@ class Finding:
     assembly: Any
     facts: Sequence[str] = ()
     sure: Sequence[tuple[str, str]] = ()
-    tables: Sequence[Table] = ()
+    sections: Sequence[Table | Panel] = ()
     data: Table | None = None
-    figure: Figure | None = None
-    figure_title: str = ""
     motion: Any = None
     tints: PartTints | None = None
     tab: str = "Study"
-    panels: Sequence[Panel] = ()
     code: int = 0
     colour: str = ""
     verdict: str = ""
     page: Callable[[], Mapping[str, Any]] | None = None
     extra: Mapping[str, float] = field(default_factory=dict)
     gap: float | None = None
+
+    @property
+    def figure(self) -> Figure | None:
+        """The figure that comes first; None where the picture is that of the motion."""
+        first = self.sections[0] if self.sections else None
+        return first.figure if isinstance(first, Panel) else None
+
+    @property
+    def tables(self) -> list[Table]:
+        """All tables."""
+        return [section for section in self.sections if isinstance(section, Table)]

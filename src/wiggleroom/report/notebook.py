@@ -21,7 +21,7 @@ from wiggleroom.planning.steps import Step
 from wiggleroom.report.finding import Finding
 from wiggleroom.report.free_space.space_report import space_facts, space_headline
 from wiggleroom.report.page.finding_page import page_of_finding
-from wiggleroom.report.page.pages import page_of_answer, page_of_assembly
+from wiggleroom.report.page.pages import page_of_assembly
 from wiggleroom.report.page.plan_pictures import page_of_plan
 from wiggleroom.report.page.solid_page import page_of_spatial_assembly
 from wiggleroom.report.pictures.finding_picture import subtitle
@@ -42,11 +42,11 @@ from wiggleroom.report.results.plan_results import (
     tolerance_sentences,
 )
 from wiggleroom.report.results.separability import Checked, border_sentence, check_facts, check_title
-from wiggleroom.report.write_spatial import spatial_page
-from wiggleroom.report.write_study import StudyResult, page_of_study
+from wiggleroom.report.write_picture import page_of
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared
 
+Study = Interlock | LargestGap | FreeSpace | Checked | Plan
 HEIGHT = 560
 """Height of the frame [px]."""
 MAX_MOVES = 5
@@ -162,14 +162,14 @@ def _page(found: Displayable | Finding) -> str | None:
         case Prepared():
             return page_of_assembly(found.assembly)
         case Answer():
-            return spatial_page(found) if found.assembly.dimension == 3 else page_of_answer(found)
+            return page_of(found)
         case PlanSample() | PlanRanking() | SmallestGap():
             return page_of_plan(found.plan, _tolerances(found))
         case Finding():
             return None if found.figure is None and found.motion is None else page_of_finding(found)
-    return page_of_study(found) if isinstance(found, StudyResult) and _has_page(found) else None
+    return page_of(found) if isinstance(found, Study) and _has_page(found) else None
 
 
-def _has_page(found: StudyResult) -> bool:
+def _has_page(found: Study) -> bool:
     """False where there is nothing to put on a page."""
     return not isinstance(found, LargestGap) or (found.apart is not None or found.interlocked is not None)

@@ -236,7 +236,7 @@ class Mend(Struct):
     goals: list[GoalEntry] | UnsetType = UNSET
 
 
-class Finding(Struct):
+class Fault(Struct):
     """Something that is wrong with a design, where it is, and what would help."""
 
     about: Literal["stands", "pulled", "gap", "parts"]
@@ -299,7 +299,7 @@ class Failed(Reply, kw_only=True):
 
     of: str
     findings: list[str]
-    review: list[Finding] | UnsetType = UNSET
+    review: list[Fault] | UnsetType = UNSET
 
 
 AnyReply = (

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.cells import grow_cells, select
+from wiggleroom.freespace.cells.cells import CellWish, grow_cells, select
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.program.nonlinear_program import build_program
@@ -63,7 +63,7 @@ def carried_incumbent(
     a, b = key // n, key % n
     keep = relative_pose(bodies, a, b, path[-1])[:, None]
     room = np.full(len(a), ready.clearance)
-    cells, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, path[-2]), room, keep=keep)
+    cells, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, path[-2]), room, wish=CellWish(keep))
     if not good.all():
         return None
     free = build_program(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.overlaps import OVERLAP_TOLERANCE
 from wiggleroom.errors import StoppedError, go_on
-from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells, replaced, select
+from wiggleroom.freespace.cells.cells import Cells, CellWish, concatenated, grow_cells, replaced, select
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.relative_pose import relative_pose
@@ -194,12 +194,12 @@ def _cells(search: LocalSearch, program: DistanceProgram, inner: Floats, end: Fl
         roomy &= np.minimum.reduceat(_row_values(bodies, cells, pose), cells.row[:-1]) > KEPT_ROOM * room
     tight = np.flatnonzero(~roomy)
     made, grown = grow_cells(
-        bodies, a[tight], b[tight], seed[tight], room[tight], keep=keep[tight, None, :], stop=search.stop
+        bodies, a[tight], b[tight], seed[tight], room[tight], wish=CellWish(keep[tight, None, :]), stop=search.stop
     )
     cells, left = replaced(cells, tight, made), tight[~grown]
     if len(left):
         others, grown = grow_cells(
-            bodies, a[left], b[left], seed[left], room[left], target=keep[left], stop=search.stop
+            bodies, a[left], b[left], seed[left], room[left], wish=CellWish(target=keep[left]), stop=search.stop
         )
         if not grown.all():
             return None

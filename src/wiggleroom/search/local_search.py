@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, StoppedError, go_on
-from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells
+from wiggleroom.freespace.cells.cells import Cells, CellWish, concatenated, grow_cells
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.program.nonlinear_program import Program, build_program
 from wiggleroom.program.objectives import Objective
@@ -387,7 +387,7 @@ class LocalSearch:
         bodies = self.ready.bodies
         seed, target = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, wanted)
         room = np.full(len(a), self.ready.clearance)
-        return grow_cells(bodies, a, b, seed, room, target=target, stop=self.preparation_stop)
+        return grow_cells(bodies, a, b, seed, room, wish=CellWish(target=target), stop=self.preparation_stop)
 
 
 def nudged(program: Program, u: Floats) -> Floats:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.cells import Cells, grow_cells, replaced, select
+from wiggleroom.freespace.cells.cells import Cells, CellWish, grow_cells, replaced, select
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
@@ -138,10 +138,7 @@ def regrown(
         b,
         seed,
         room,
-        keep=keep[:, None, :],
-        excluded_edge=excluded_edge,
-        target=target,
-        to_the_end=turned_out,
+        wish=CellWish(keep[:, None, :], excluded_edge, target, turned_out),
         stop=search.preparation_stop,
     )
     cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))

@@ -101,9 +101,7 @@ def solve(
         return Iterate(u, s, lam, at, unit, np.zeros_like(u), SETTINGS.proximal_share * tolerance)
 
     def predictor_corrector(state: Iterate, dual_residual: Floats, least: float) -> bool:
-        step = predictor_corrector_step(
-            state, matrix, retraction, dual_residual, watch.mu, watch.infeasibility_ratio, watch.imbalance_ratio, least
-        )
+        step = predictor_corrector_step(state, matrix, retraction, dual_residual, watch, least)
         if step is not None:
             take_step(state, step.capped(farthest), retraction, watch.infeasible)
         return step is not None

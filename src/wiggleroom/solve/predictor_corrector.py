@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.parallel.batches import in_batches
 from wiggleroom.program.retraction import Retraction
+from wiggleroom.solve.convergence import ConvergenceMonitor
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import SETTINGS, settings_for
 from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, newton
@@ -78,9 +79,7 @@ def predictor_corrector_step(
     matrix: Factor,
     retraction: Retraction,
     dual_residual: Floats,
-    mu: float,
-    infeasibility_ratio: float,
-    imbalance_ratio: float,
+    watch: ConvergenceMonitor,
     least: float,
 ) -> NewtonStep | None:
     """The next step, and with it the barrier parameter.
@@ -90,13 +89,13 @@ def predictor_corrector_step(
     step that raised the objective much no less than `moving_centring`. The corrector then aims at the next mu. The diagonal is strengthened
     until the matrix is positive definite and the step is not too short.
 
-    `imbalance_ratio` is the work of the dual residual along the whole motion so far: early this tells how far bodies still go, at the end
+    The imbalance ratio is the work of the dual residual along the whole motion so far: early this tells how far bodies still go, at the end
     of a long motion it says far too much. There the Newton decrement, what the residual would bring in the quadratic model, takes its place
     where it is less. A strengthened diagonal makes that too small, so it counts without one alone.
 
     Source: Mehrotra 1992; the lower limits of the centring are ours. Newton decrement: Boyd and Vandenberghe 2004, section 9.5.
     """
-    s, lam, at = state.s, state.lam, state.at
+    s, lam, at, mu = state.s, state.lam, state.at, watch.mu
     settings = settings_for(len(state.u))
     data = at.condensed(lam / s, lam, retraction.balance(dual_residual, at), 1.0 / state.unit)
     shift = MIN_SHIFT if state.shift <= settings.min_kept_shift else state.shift / SETTINGS.shift_decay
@@ -110,11 +109,11 @@ def predictor_corrector_step(
         predictor = newton(state, matrix, dual_residual, goal)
         gap = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal_step, predictor.dual_step)
         centring = (gap / max(len(s), 1) / mu) ** 3 if mu > 0 else 0.0
-        behind = imbalance_ratio
+        behind = watch.imbalance_ratio
         if behind > SETTINGS.max_infeasibility_ratio and shift <= MIN_SHIFT:
             decrement = dot(dual_residual, matrix.solve(dual_residual))
             behind = min(behind, SETTINGS.decrement_weight * decrement / (mu * len(s)))
-        behind = max(behind, infeasibility_ratio)
+        behind = max(behind, watch.infeasibility_ratio)
         if behind > SETTINGS.max_infeasibility_ratio:  # feasibility must not fall behind complementarity
             centring = max(centring, min(settings.max_centring, behind))
         if state.growth > settings.min_growth:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 from wiggleroom.studies.registry import finding_of
@@ -22,15 +21,9 @@ def draw(
     MissingExtraError
         If a film needs a library that is not installed.
     """
-    finding = finding_of(found, command)
-    if finding is None:
-        from wiggleroom.report.write_picture import write_picture
+    from wiggleroom.report.write_picture import write_picture
 
-        write_picture(found, path, command=command, progress=progress)
-        return
-    from wiggleroom.report.write_finding import write_finding
-
-    write_finding(finding, Path(path), command, progress)
+    write_picture(finding_of(found, command) or found, path, command=command, progress=progress)
 
 
 def mime_bundle(found: Any) -> dict[str, str]:

@@ -20,7 +20,7 @@ from wiggleroom.verify.caging_check import check_caging_surface
 from wiggleroom.verify.certificate_structure import check_structure, check_unchanged, read_certificate
 from wiggleroom.verify.chord_check import Material
 from wiggleroom.verify.claim import Claim, claim_of, sentence
-from wiggleroom.verify.known_ranges import Case, Enclosure
+from wiggleroom.verify.known_ranges import Bodies, Case, Enclosure
 from wiggleroom.verify.space_checker import SpatialClaim, in_space, verify_spatial
 from wiggleroom.verify.space_claim import spatial_sentence
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
@@ -101,8 +101,7 @@ def _verify(content: Any) -> Verified:
     chords = _check_chords(content, work)
     bodies = content["bodies"]
     case = Case(
-        [point(body["origin"]) for body in bodies],
-        [body["fixed"] for body in bodies],
+        Bodies([point(body["origin"]) for body in bodies], [body["fixed"] for body in bodies]),
         [Enclosure(region) for region in content["regions"]],
         content["pairs"],
         content["goal"],
@@ -157,8 +156,7 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
     )
     origin = _first_pivots(case, pairs[0])
     small = Case(
-        [origin.get(k, case.origin[k]) for k in bodies],
-        [k == 0 for k in range(len(bodies))],
+        Bodies([origin.get(k, case.origin[k]) for k in bodies], [k == 0 for k in range(len(bodies))]),
         case.enclosures,
         own,
         [],

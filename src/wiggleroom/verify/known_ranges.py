@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,14 @@ class Enclosure:
         return np.vstack(found)
 
 
+@dataclass(frozen=True)
+class Bodies:
+    """Where the origin of each body is, and whether it stands."""
+
+    origin: list[Point]
+    fixed: list[bool]
+
+
 class Case:
     """Bodies, regions and pairs, what is known of turns between bodies, and the goal, if there is one.
 
@@ -54,8 +63,7 @@ class Case:
 
     def __init__(
         self,
-        origin: list[Point],
-        fixed: list[bool],
+        bodies: Bodies,
         enclosures: list[Enclosure],
         pairs: list,
         goal: list,
@@ -63,7 +71,7 @@ class Case:
         work: WorkLimit,
         doubt: arb | None = None,
     ) -> None:
-        self.origin, self.fixed, self.enclosures, self.pairs = origin, fixed, enclosures, pairs
+        self.origin, self.fixed, self.enclosures, self.pairs = bodies.origin, bodies.fixed, enclosures, pairs
         self.goal, self.worth, self.work = goal, worth, work
         self.doubt = arb(0) if doubt is None else doubt
         self.known: list[tuple[int, int, float, float]] = []

@@ -1,7 +1,7 @@
 /** Everything that is wrong with the design, each with its place in the picture and what would put it right. */
 
 import { change } from "../design.ts";
-import type { Finding, Mend } from "../protocol.ts";
+import type { Fault, Mend } from "../protocol.ts";
 import { findings, pointed, trouble, unopened } from "../state.ts";
 import { Button } from "../chrome/Button.tsx";
 
@@ -22,7 +22,7 @@ export function Findings() {
 }
 
 /** Nothing is wrong with a drawing of which only something is not set yet. */
-function heading(all: readonly Finding[]): string {
+function heading(all: readonly Fault[]): string {
   if (trouble.value === "line") return "No server";
   const words = all.every((one) => one.missing) ? "to set first" : "to put right";
   return all.length === 1 ? `One thing ${words}` : `${all.length} things ${words}`;
@@ -39,7 +39,7 @@ export function Unopened() {
   );
 }
 
-function Row({ finding }: { finding: Finding }) {
+function Row({ finding }: { finding: Fault }) {
   const { words, parts, point, mends } = finding;
   const shown = pointed.value === finding;
   return (

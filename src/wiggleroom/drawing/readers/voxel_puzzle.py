@@ -36,15 +36,15 @@ TURNS = 24
 _VOXEL = re.compile(r"([#+_])(\d*)")
 
 
-def read_puzzle(path: Path, problem: int | None = None, solution: int = 0) -> Drawing:
+def read_puzzle(path: Path, solution: int = 0) -> Drawing:
     """Pieces of a voxel puzzle where they lie when it is put together [mm].
 
     Parameters
     ----------
     path : Path
         File whose name ends in .puz or .xmpuzzle.
-    problem, solution : int, optional
-        Which problem of a project, by default the first that is solved, and which of its solutions, from 0.
+    solution : int
+        Which solution of the first solved problem of a project, from 0.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def read_puzzle(path: Path, problem: int | None = None, solution: int = 0) -> Dr
         If the file is none, or does not say where the pieces lie.
     """
     if path.suffix.lower() == ".xmpuzzle":
-        return _burrtools(path, problem, solution)
+        return _burrtools(path, solution)
     return _plain(path)
 
 
@@ -96,7 +96,7 @@ class _Stored:
     grouped: bool
 
 
-def _burrtools(path: Path, problem: int | None, solution: int) -> Drawing:
+def _burrtools(path: Path, solution: int) -> Drawing:
     """Shapes as the solution of a problem places them."""
     root = parse_xml(_unpacked(path))
     if root.tag != "puzzle":
@@ -110,8 +110,6 @@ def _burrtools(path: Path, problem: int | None, solution: int) -> Drawing:
     problems = _first(root, "problems")
     every = problems.children if problems is not None else []
     solved = [found for k, element in enumerate(every) if (found := _stored(path.name, k, element)) is not None]
-    if problem is not None:
-        solved = [found for found in solved if found.number == problem]
     if shapes is None or not solved or solution >= len(solved[0].assemblies):
         message = (
             f"{path.name}: no problem has a stored solution that says where the pieces lie: solve it in BurrTools and save it "

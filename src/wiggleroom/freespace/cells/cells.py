@@ -73,6 +73,32 @@ class Cells:
         return np.repeat(np.arange(len(self.a)), np.diff(self.row))
 
 
+@dataclass(frozen=True, eq=False)
+class CellWish:
+    """What cells should be like, where there is a choice.
+
+    Parameters
+    ----------
+    keep : (P, k, 3) float64, optional
+        Relative poses that no wall may cut off, besides the seed.
+    excluded_edge : (P, 2) int64, optional
+        Kind and edge of a line to avoid: the other branch at a corner; kind -1 for none.
+    target : (P, 3) float64, optional
+        Relative poses that the pairs would like to take: of two lines that part two edges, the one that leaves more room there is chosen.
+    to_the_end : (P,) bool, optional
+        Where the cell should reach the end of the turn as nearly as can be; elsewhere the march stops a little before.
+    """
+
+    keep: Floats | None = None
+    excluded_edge: Ints | None = None
+    target: Floats | None = None
+    to_the_end: NDArray[np.bool_] | None = None
+
+
+NO_WISH = CellWish()
+"""Any cell will do."""
+
+
 def grow_cells(
     bodies: Bodies,
     a: Ints,
@@ -80,11 +106,7 @@ def grow_cells(
     seed: Floats,
     clearance: Floats,
     *,
-    keep: Floats | None = None,
-    excluded_edge: Ints | None = None,
-    target: Floats | None = None,
-    to_the_end: NDArray[np.bool_] | None = None,
-    span: float = MAX_ANGLE_SPAN,
+    wish: CellWish = NO_WISH,
     stop: Stop | None = None,
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Grow one cell round each seed, all in one batch.
@@ -98,16 +120,7 @@ def grow_cells(
         Relative poses free of overlap, strictly.
     clearance : (P,) float64 [mm]
         Typical room of the pair; sets the first step of the march.
-    keep : (P, k, 3) float64, optional
-        Relative poses that no wall may cut off, besides the seed.
-    excluded_edge : (P, 2) int64, optional
-        Kind and edge of a line to avoid where there is a choice: the other branch at a corner; kind -1 for none.
-    target : (P, 3) float64, optional
-        Relative poses that the pairs would like to take: of two lines that part two edges, the one that leaves more room there is chosen.
-    to_the_end : (P,) bool, optional
-        Where the cell should reach the end of the turn as nearly as can be; elsewhere the march stops a little before.
-    span : float [rad]
-        Furthest turn from the seed.
+    wish : CellWish, optional
     stop : optional
         Anything with `is_set()`, asked now and then.
 
@@ -130,16 +143,18 @@ def grow_cells(
     seeds["a"], seeds["b"] = bodies.shape[a], bodies.shape[b]
     seeds["x"], seeds["y"], seeds["psi"] = seed.T
     seeds["ends"] = seed[:, 2:]
-    seeds["target_x"], seeds["target_y"], seeds["target_psi"] = np.full(3, np.nan) if target is None else target.T
+    seeds["target_x"], seeds["target_y"], seeds["target_psi"] = (
+        np.full(3, np.nan) if wish.target is None else wish.target.T
+    )
     seeds["excluded_edge"] = (
-        -1 if excluded_edge is None else _rows_of_lines(shapes, seeds["a"], seeds["b"], excluded_edge)
+        -1 if wish.excluded_edge is None else _rows_of_lines(shapes, seeds["a"], seeds["b"], wish.excluded_edge)
     )
     seeds["half"], seeds["tiny"] = 10 * clearance, 1e-12 * radius
     seeds["margin"] = 0.005 * seeds["half"]
-    step = np.minimum(clearance / (4 * radius), span / 4)
-    finest = 1 / 64 if to_the_end is None else np.where(to_the_end, MIN_STEP_SHARE, 1 / 64)
-    seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
-    keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
+    step = np.minimum(clearance / (4 * radius), MAX_ANGLE_SPAN / 4)
+    finest = 1 / 64 if wish.to_the_end is None else np.where(wish.to_the_end, MIN_STEP_SHARE, 1 / 64)
+    seeds["step"], seeds["least"], seeds["span"] = step, step * finest, MAX_ANGLE_SPAN
+    keeps = seed[:, None, :] if wish.keep is None else np.concatenate([seed[:, None, :], wish.keep], axis=1)
     table, corners = edge_table(shapes), np.diff(shapes.first)
     work = int(corners[seeds["a"]].sum() + corners[seeds["b"]].sum())
 

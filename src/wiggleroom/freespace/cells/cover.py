@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.compiled.jit_options import njit
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, concatenated, grow_cells, select
+from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells, select
 from wiggleroom.freespace.cells.walls import clip_polygon
 from wiggleroom.freespace.slices import Slice, SliceSequence
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
@@ -104,9 +104,7 @@ class _Work:
         """Cells grown at some shifts of the pivot and turns (k, 3), those that could be."""
         a, b = (np.full(len(seeds), k, dtype=np.int64) for k in self.pair)
         pose = self.relation.pose(seeds[:, :2], seeds[:, 2])
-        cells, good = grow_cells(
-            self.bodies, a, b, pose, np.full(len(seeds), self.space.pair.clearance), span=MAX_ANGLE_SPAN
-        )
+        cells, good = grow_cells(self.bodies, a, b, pose, np.full(len(seeds), self.space.pair.clearance))
         return select(cells, np.flatnonzero(good))
 
     def uncovered(self, cells: Cells, slices: tuple[Slice, ...]) -> Geometries:

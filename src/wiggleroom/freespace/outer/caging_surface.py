@@ -117,8 +117,9 @@ def caging_surface(whole: PairMaterial, slices: ReachedSlices, budget: WorkBudge
         )
         if start is None or budget.spend(2 * LOOP_SLICES * slice_work(material.a, material.b)):
             continue
-        up = _half(material, crossings, start, window, last, few, budget)
-        down = None if up is None else _half(material, crossings, start, window, first, few, budget)
+        strip = _Strip(material, crossings, window, few)
+        up = _half(strip, start, last, budget)
+        down = None if up is None else _half(strip, start, first, budget)
         if up is not None and down is not None:
             loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
             return CagingSurface(
@@ -127,30 +128,42 @@ def caging_surface(whole: PairMaterial, slices: ReachedSlices, budget: WorkBudge
     return None
 
 
-def _half(
-    material: PairMaterial,
-    crossings: Crossings,
-    start: Loop,
-    window: float,
-    end: float,
-    few: bool,
-    budget: WorkBudget,
-) -> list[tuple[Loop, Seam]] | None:
+@dataclass(frozen=True, eq=False)
+class _Strip:
+    """Where loops run.
+
+    Parameters
+    ----------
+    material : PairMaterial
+    crossings : Crossings
+    window : float [mm]
+        How far from rest material counts.
+    few : bool
+        True where loops go round with few points.
+    """
+
+    material: PairMaterial
+    crossings: Crossings
+    window: float
+    few: bool
+
+
+def _half(strip: _Strip, start: Loop, end: float, budget: WorkBudget) -> list[tuple[Loop, Seam]] | None:
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
     ended: list[tuple[Loop, Seam]] | None = None  # as far as it went when a longer step would already have ended it
     here, step, kept = start, FIRST_ANGLE_STEP * end, 0
-    work = LOOP_SLICES * slice_work(material.a, material.b)
+    work = LOOP_SLICES * slice_work(strip.material.a, strip.material.b)
     while not budget.spend(work) and len(done) < MAX_LOOPS and abs(here.angle) < 2 * abs(end) + 0.1:
         if abs(step) <= MIN_ANGLE_STEP * abs(end):
             if ended is not None or kept:
                 break
             step, kept = KEPT_STEP * end, MAX_KEPT_LOOPS
-        found = _next(material, crossings, here, here.angle + step, window, abs(step / end), end, few)
+        found = _next(strip, here, here.angle + step, abs(step / end), end)
         if found is not None:
             kept = 0
         elif kept > 1:
-            found = _next(material, crossings, here, here.angle + step, window, abs(step / end), end, few, keep=True)
+            found = _next(strip, here, here.angle + step, abs(step / end), end, keep=True)
             kept -= found is not None
         if found is None:
             step /= 2
@@ -168,23 +181,15 @@ def _half(
 
 
 def _next(
-    material: PairMaterial,
-    crossings: Crossings,
-    here: Loop,
-    angle: float,
-    window: float,
-    share: float,
-    whole: float,
-    few: bool,
-    *,
-    keep: bool = False,
+    strip: _Strip, here: Loop, angle: float, share: float, whole: float, *, keep: bool = False
 ) -> tuple[Loop, Seam] | None:
     """Loop at `angle` that can be joined to the one `here`; further behind the walls only where the step is a small `share`.
 
     To `keep` a strip that closes all along at once, until its walls overlap well enough that a loop can leave it, it goes round what the
     one here goes round, too.
     """
-    pieces = _pieces(material, angle, window, shapely.Polygon(here.at))
+    material, crossings = strip.material, strip.crossings
+    pieces = _pieces(material, angle, strip.window, shapely.Polygon(here.at))
     some: Iterable[Loop | None]
     if not len(pieces):
         some = (p for k in CLOSING_ANGLES for p in _ends(crossings, here, angle + k * whole))
@@ -196,7 +201,7 @@ def _next(
             _loop(material, crossings, pieces, angle, o, seldom)
             for o, most in LOOP_OUTSETS
             if share <= most
-            for seldom in ((True, False) if few and share <= MAX_DENSE_STEP else (few,))
+            for seldom in ((True, False) if strip.few and share <= MAX_DENSE_STEP else (strip.few,))
         )
     for there in some:
         seam = None if there is None else stitched(crossings, here, there)

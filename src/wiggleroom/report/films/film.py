@@ -13,7 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
-from wiggleroom.report.films.scene import Scene, scene
+from wiggleroom.report.films.scene import Caption, Scene, scene
 from wiggleroom.report.results.answer_words import facts, headline
 from wiggleroom.search.answer import Answer
 
@@ -91,12 +91,8 @@ def film(
     made = scene(
         assembly,
         waypoints,
+        Caption(title or f"{len(assembly.parts)} parts", facts, command, goals, pulled),
         rate=RATES[kind],
-        goals=goals,
-        pulled=pulled,
-        title=title or f"{len(assembly.parts)} parts",
-        facts=facts,
-        command=command,
         magnify=magnify,
         least_seconds=least_seconds,
     )

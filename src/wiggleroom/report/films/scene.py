@@ -127,16 +127,36 @@ class Scene:
         return f'{self.head}<g clip-path="url(#stage)">{"".join(t.drawn(k) for t in self.tracks)}</g></svg>'
 
 
+@dataclass(frozen=True)
+class Caption:
+    """What a film says and marks.
+
+    Parameters
+    ----------
+    title : str
+    facts : tuple of str
+        Lines under it.
+    command : str
+        What made it.
+    goals : tuple
+        What is drawn as pulled or turned.
+    pulled : str
+        What the legend calls these parts.
+    """
+
+    title: str = ""
+    facts: tuple[str, ...] = ()
+    command: str = ""
+    goals: tuple[Goal, ...] = ()
+    pulled: str = "pulled"
+
+
 def scene(
     assembly: Assembly,
     points: Floats,
+    caption: Caption,
     *,
     rate: float,
-    goals: tuple[Goal, ...],
-    pulled: str = "pulled",
-    title: str,
-    facts: tuple[str, ...],
-    command: str,
     magnify: float | None = None,
     least_seconds: float = 0.0,
 ) -> Scene:
@@ -146,12 +166,9 @@ def scene(
     ----------
     points : (k, n, 3) float64 [mm, mm, rad]
         Motions along the path.
+    caption : Caption
     rate : float [1/s]
         Frames a second; fewer where there are very many parts.
-    goals : tuple
-        What is drawn as pulled or turned.
-    pulled : str
-        What the legend calls these parts.
     magnify : float, optional
         Factor by which the motion is enlarged; by default as in pictures, but a motion that is large is not made small:
         what leaves the frame fades.
@@ -170,24 +187,25 @@ def scene(
     seconds = max(float(np.clip(DURATION[0] + 1.2 * shown / assembly.size, *DURATION)), least_seconds)
     count = max(min(round(seconds * rate), MAX_PLACES // len(assembly.parts)), 8) + 1
     poses = assembly.rest + timed.at(shown * ease_in_out(count))
-    said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
+    said = [*caption.facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
     box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
-    top, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
+    top, below = frame.header(caption.title, said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + palette.HEAD_SPACING)
-    defs, tracks, still = _tracks(view, assembly, poses, goals, pan)
+    defs, tracks, still = _tracks(view, assembly, poses, caption.goals, pan)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
-    if goals:
-        legend.insert(1, (frame.swatch(*palette.PULLED), pulled))
-    foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
+    if caption.goals:
+        legend.insert(1, (frame.swatch(*palette.PULLED), caption.pulled))
+    foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, caption.command)
     stage = (view.x - 12, view.y - 12, view.width + 24, view.height + 24)
     words = "; ".join(said)
     # video needs even sizes
     height = 2.0 * math.ceil(height / 2)
     canvas = 2.0 * math.ceil(view.canvas / 2)
-    return Scene(canvas, height, "".join([*top, *foot, still]), defs, stage, tracks, seconds, title, words, command)
+    background = "".join([*top, *foot, still])
+    return Scene(canvas, height, background, defs, stage, tracks, seconds, caption.title, words, caption.command)
 
 
 def _home(assembly: Assembly) -> Floats:

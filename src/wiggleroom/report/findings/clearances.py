@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import UNSET
 
-from wiggleroom.report.finding import Bars, Cell, Finding, PartTints, Table
+from wiggleroom.report.finding import Bars, Cell, Finding, Panel, PartTints, Table
 from wiggleroom.report.results.answer_words import few, number, short, towards
 from wiggleroom.report.results.json_results import dimension
 from wiggleroom.schema.clearances_schema import ClearanceEntry, ClearancesResult
@@ -34,10 +34,8 @@ def finding(found: Clearances, command: str = "") -> Finding:
         record=partial(_record, found, command),
         assembly=found.assembly,
         facts=facts,
-        tables=(_table(found),),
+        sections=(*_bars(found), _table(found)),
         data=_data(found),
-        figure=_bars(found),
-        figure_title="Least gaps",
         tints=PartTints(marked, legend="touches or is too near") if marked else None,
         tab="Clearances",
     )
@@ -141,13 +139,10 @@ def _data(found: Clearances) -> Table:
     return Table((*heads, *(f"gap_{name}_mm" for name, _ in layers)), rows)
 
 
-def _bars(found: Clearances) -> Bars | None:
-    """Gaps of the tightest pairs."""
-    if not len(found.gap):
-        return None
-    return Bars(
-        [_pair(found, k) for k in range(min(len(found.gap), MAX_PAIRS))], found.gap[:MAX_PAIRS], "least gap [mm]"
-    )
+def _bars(found: Clearances) -> list[Panel]:
+    """Gaps of the tightest pairs, where there are any."""
+    names = [_pair(found, k) for k in range(min(len(found.gap), MAX_PAIRS))]
+    return [Panel("Least gaps", Bars(names, found.gap[:MAX_PAIRS], "least gap [mm]"))] if names else []
 
 
 def _record(found: Clearances, command: str) -> ClearancesResult:

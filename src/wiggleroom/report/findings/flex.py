@@ -57,7 +57,7 @@ def finding(answer: Answer) -> Finding:
         assembly=answer.assembly,
         facts=facts,
         sure=_sure(answer),
-        tables=(_parts(answer), _contacts(answer)),
+        sections=(_parts(answer), _contacts(answer)),
         motion=answer,
         code=3 if answer.verdict is Verdict.STOPPED else 0,
         verdict=answer.verdict,

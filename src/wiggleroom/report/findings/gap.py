@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import UNSET
 
-from wiggleroom.report.finding import Curve, Finding, Table
+from wiggleroom.report.finding import Curve, Finding, Panel, Table
 from wiggleroom.report.results.answer_words import goals_text, number, rounded_up, unit
 from wiggleroom.report.results.json_results import dimension
 from wiggleroom.schema.gap_schema import GapResult, GapTrial
@@ -35,10 +35,8 @@ def finding(found: AllowableGap, command: str = "") -> Finding:
         record=partial(_record, found, command),
         assembly=found.assembly,
         sure=[*gap_sure(found), *kerf_sentences(found)],
-        tables=() if found.question == "holds" or not found.trials else (_table(found),),
+        sections=_sections(found),
         data=_data(found),
-        figure=None if state is not None or not found.trials else _curve(found),
-        figure_title="Against the gap",
         motion=state if state is not None else near[0] if near else None,
         tab="Gap",
         gap=found.gap,
@@ -144,6 +142,14 @@ def _table(found: AllowableGap) -> Table:
 def _data(found: AllowableGap) -> Table:
     rows = [(t.gap, t.value, t.at_most, str(t.verdict), str(PathState.of(t.checked))) for t in found.trials]
     return Table(("gap", "objective", "at_most", "verdict", "path"), rows)
+
+
+def _sections(found: AllowableGap) -> list[Panel | Table]:
+    """What was tried: as a curve, where there is no state to be shown, and as a table."""
+    if not found.trials:
+        return []
+    curve = [] if any(found.sides) else [Panel("Against the gap", _curve(found))]
+    return [*curve, *([] if found.question == "holds" else [_table(found)])]
 
 
 def _curve(found: AllowableGap) -> Curve:

@@ -36,7 +36,7 @@ def finding(found: Ranking, command: str = "") -> Finding:
         assembly=answer.assembly,
         facts=_facts(found),
         sure=ranking_sure(found),
-        tables=(_parts(found), _joints(found)),
+        sections=(_parts(found), _joints(found)),
         data=_data(found),
         motion=answer,
         tints=PartTints(dict(zip(names, found.importance.tolist(), strict=True)), per_gap(answer.goals)),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.finding import Finding, Histogram, PartTints, Table
+from wiggleroom.report.finding import Finding, Histogram, Panel, PartTints, Table
 from wiggleroom.report.results.answer_words import goals_text, headline, number, unit
 from wiggleroom.report.results.json_results import dimension
 from wiggleroom.schema.study_schema import CheckedDraws, SampleResult, SpreadEntry, WorstDraw, YieldEntry
@@ -34,10 +34,8 @@ def finding(found: Sample, command: str = "") -> Finding:
         assembly=answer.assembly,
         facts=_facts(found),
         sure=_sure(found),
-        tables=(_numbers(found), _parts(found)),
+        sections=(Panel("Motions of the draws", _histogram(found)), _numbers(found), _parts(found)),
         data=_data(found),
-        figure=_histogram(found),
-        figure_title="Motions of the draws",
         motion=answer,
         tints=PartTints(dict(zip(names, share, strict=True)), "% of the variance"),
         tab="Draws",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from msgspec import UNSET
 
-from wiggleroom.report.finding import Curve, Finding, Table
+from wiggleroom.report.finding import Curve, Finding, Panel, Table
 from wiggleroom.report.results.answer_words import goals_text, number, rounded_up, unit
 from wiggleroom.report.results.json_results import dimension
 from wiggleroom.schema.study_schema import SweepEntry, SweepResult
@@ -51,10 +51,8 @@ def finding(found: Sweep, command: str = "") -> Finding:
             ),
             *bound,
         ],
-        tables=(_table(found),),
+        sections=(*([Panel("Curve", _curve(found))] if found.steps else []), _table(found)),
         data=_data(found),
-        figure=_curve(found) if found.steps else None,
-        figure_title="Curve",
         motion=None if first is None else answers[first],
         tab="Gaps",
         code=0 if not found.stopped else 3,

@@ -34,12 +34,11 @@ def finding(found: Tightening, command: str = "") -> Finding:
         assembly=before.assembly,
         facts=_facts(found),
         sure=_sure(found),
-        tables=(_chosen(found),),
+        sections=(_chosen(found), *_panels(found)),
         data=_data(found),
         motion=found.after,
         tints=PartTints(dict.fromkeys(found.chosen, 1.0), legend="made tighter"),
         tab="Tighter",
-        panels=_panels(found),
         code=0 if found.reached and not found.stopped else 3,
         extra=dict.fromkeys(found.chosen, gap),
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.finding import Bars, Finding, Table
+from wiggleroom.report.finding import Bars, Finding, Panel, Table
 from wiggleroom.report.results.answer_words import goals_text, number, short, unit
 from wiggleroom.report.results.json_results import dimension
 from wiggleroom.schema.gap_schema import ContributionEntry, CornerEntry, TolerancesResult
@@ -35,10 +35,8 @@ def finding(found: WorstCase, command: str = "") -> Finding:
         record=partial(_record, found, command),
         assembly=found.assembly,
         sure=_sure(found),
-        tables=(_table(found),),
+        sections=(Panel("What each adds", bars), _table(found)),
         data=_data(found),
-        figure=bars,
-        figure_title="What each adds",
         motion=found.loosest,
         tab="Tolerances",
         code=0 if not found.stopped else 3,

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from wiggleroom.disassembly.interlock_result import Interlock
-from wiggleroom.report.finding import Finding, PartTints
+from wiggleroom.report.finding import Finding, Panel, PartTints
 from wiggleroom.report.page.pages import about_answer, page_of_check
 from wiggleroom.report.page.solid_page import page_of_separation, page_of_spatial_study
 from wiggleroom.report.page.standalone_page import section, shown_drawing, standalone_page
 from wiggleroom.report.pictures.finding_picture import figure_svg, part_colours, subtitle
+from wiggleroom.report.pictures.plots import Heading
 from wiggleroom.report.results.separability import Checked
 from wiggleroom.report.solids.solid_colours import Colour
 from wiggleroom.schema.study_replies import Piece, StudyReply, StudyTab, Tints, Title
@@ -18,12 +19,14 @@ SURE = "How sure is it"
 
 
 def sections_of(finding: Finding) -> list[Piece]:
-    """Figure, tables and sentences of a finding, each under its heading."""
-    found = []
-    if finding.figure is not None:
-        found.append(section(finding.figure_title, svg=figure_svg(finding.figure, finding.title, framed=False)))
-    found += [section(t.title, t.text, columns=t.heads, rows=t.rows) for t in finding.tables if t.rows]
-    found += [section(panel.title, svg=figure_svg(panel.figure, panel.title, framed=False)) for panel in finding.panels]
+    """Figures, tables and sentences of a finding, each under its heading."""
+    found = [
+        section(one.title, svg=figure_svg(one.figure, Heading(finding.title, framed=False)))
+        if isinstance(one, Panel)
+        else section(one.title, one.text, columns=one.heads, rows=one.rows)
+        for one in finding.sections
+        if isinstance(one, Panel) or one.rows
+    ]
     return [*found, section(SURE, terms=finding.sure)] if finding.sure else found
 
 

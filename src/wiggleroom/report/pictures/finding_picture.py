@@ -11,7 +11,7 @@ from wiggleroom.errors import InputError
 from wiggleroom.report.finding import Bars, Curve, Figure, Finding, Histogram, PartTints
 from wiggleroom.report.pictures import frame, palette
 from wiggleroom.report.pictures.picture import PartColours, picture
-from wiggleroom.report.pictures.plots import bars, curve, histogram
+from wiggleroom.report.pictures.plots import Heading, bars, curve, histogram
 from wiggleroom.report.results.answer_words import number
 from wiggleroom.search.answer import Answer
 
@@ -25,7 +25,7 @@ def picture_of_finding(finding: Finding, *, command: str = "") -> str:
         If there is neither.
     """
     if finding.figure is not None:
-        return figure_svg(finding.figure, finding.title, subtitle(finding), command)
+        return figure_svg(finding.figure, Heading(finding.title, subtitle(finding), command))
     if isinstance(finding.motion, Answer) and finding.tints is not None:
         tints = part_colours(finding.tints, finding.assembly.names)
         return picture(replace(finding.motion, command=command), tints=tints, said=finding.facts)
@@ -38,29 +38,15 @@ def subtitle(finding: Finding) -> Sequence[str]:
     return finding.facts or [f"{term}: {sentence}" for term, sentence in finding.sure]
 
 
-def figure_svg(figure: Figure, title: str, facts: Sequence[str] = (), command: str = "", *, framed: bool = True) -> str:
-    """A figure as SVG; unframed for a panel of a page that says title, facts and command itself."""
+def figure_svg(figure: Figure, heading: Heading) -> str:
+    """A figure as SVG."""
     match figure:
         case Curve():
-            return curve(
-                figure.x, figure.y, labels=figure.labels, title=title, facts=facts, marks=figure.marks,
-                level=figure.level, most=figure.most, command=command, framed=framed,
-            )  # fmt: skip
+            return curve(figure, heading)
         case Histogram():
-            return histogram(
-                figure.values, label=figure.label, title=title, facts=facts, marks=figure.marks, limit=figure.limit,
-                command=command, framed=framed,
-            )  # fmt: skip
+            return histogram(figure, heading)
         case Bars():
-            return bars(
-                figure.names,
-                figure.values,
-                label=figure.label,
-                title=title,
-                facts=facts,
-                command=command,
-                framed=framed,
-            )
+            return bars(figure, heading)
 
 
 def part_colours(tints: PartTints, names: Sequence[str]) -> PartColours:

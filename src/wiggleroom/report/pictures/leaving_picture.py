@@ -12,7 +12,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.report.pictures import frame, layout, palette
 from wiggleroom.report.pictures.arrows import Mark, bent_arrow, carry, numbered
-from wiggleroom.report.pictures.picture import PartColours, drawn_parts
+from wiggleroom.report.pictures.picture import PartColours, colours_of, drawn_parts
 from wiggleroom.report.results.separability import Checked, check_facts, check_title
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,7 @@ def leaving_picture(
             gone.add(name)
     kinds = {p.name: _kind(p.name, p.fixed, gone, aside) for p in assembly.parts}
     tints = PartColours({name: _FILLS[kind] for name, kind in kinds.items()}, ())
-    body = drawn_parts(view, assembly, None, rest, gone, marks, room, tints)
+    body = drawn_parts(view, assembly, rest, colours_of(assembly, gone, tints), marks, room)
     legend = [(frame.swatch(_FILLS[k], _STROKES[k]), said) for k, said in _SAID.items() if k in set(kinds.values())]
     if gone:
         legend += [(_DISC, "order of leaving"), (_ARROW, "leaves this way")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -98,32 +98,38 @@ def picture(
     marks = [contact_mark(view, answer, rest, shown, room)]
     marks += [goal_mark(view, assembly, g, rest, shown, rooms[row]) for g, row in marked]
     pulled = {assembly.names[row] for _, row in marked}
-    body = drawn_parts(view, assembly, rest, shown, pulled, marks, room, tints)
+    body = drawn_parts(view, assembly, shown, colours_of(assembly, pulled, tints), marks, room, rest)
     legend = _legend(answer, bool(pulled), tints, words)
     foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, answer.command)
     return frame.document(view.canvas, height, title, said, answer.command, [*head, *body, *foot])
 
 
+def colours_of(assembly: Assembly, pulled: set[str], tints: PartColours | None = None) -> dict[str, tuple[str, str]]:
+    """Colours inside and of the outline of every part: those of its role, with others inside where parts are tinted."""
+    role_colours = {part.name: palette.ROLE_COLOURS[role(part, pulled)] for part in assembly.parts}
+    return {
+        name: (fill if tints is None else tints.fill[name], stroke) for name, (fill, stroke) in role_colours.items()
+    }
+
+
 def drawn_parts(
     view: View,
     assembly: Assembly,
-    rest: Floats | None,
     shown: Floats,
-    pulled: set[str],
+    colours: Mapping[str, tuple[str, str]],
     marks: list[Mark],
     room: float,
-    tints: PartColours | None,
+    rest: Floats | None = None,
 ) -> list[str]:
-    """Everything inside the drawing, bottom first: rest outlines, parts, marks, names."""
+    """Everything inside the drawing, bottom first: rest outlines, parts in their colours, marks, names."""
+    strong = {name for name, (_, outline) in colours.items() if outline != palette.NEUTRAL[1]}
     shapes, still, places = PartPaths(view.scale), [], []
-    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in palette.ROLE_COLOURS.values()}
+    drawn: dict[tuple[str, str], list[str]] = {own: [] for own in palette.ROLE_COLOURS.values()}
     for k, (part, pose) in enumerate(zip(assembly.parts, shown.tolist(), strict=True)):
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
-        fill, stroke = palette.ROLE_COLOURS[role(part, pulled)]
-        colours = (fill if tints is None else tints.fill[part.name], stroke)
-        drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
+        drawn.setdefault(colours[part.name], []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
     tree = obstacles(marks) if marks else shapely.STRtree([])
     line = line_width(room)
@@ -132,12 +138,12 @@ def drawn_parts(
         found.append(rest_outlines("\n".join(still), line))
     if assembly.drawing.ignore:  # parts lie above each other: what stands lies at the bottom
         drawn = {palette.ROLE_COLOURS["fixed"]: drawn.pop(palette.ROLE_COLOURS["fixed"]), **drawn}
-    for colours, uses in drawn.items():
+    for own, uses in drawn.items():
         if uses:
-            style = colour_attributes(colours, line)
+            style = colour_attributes(own, line)
             found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(uses) + "</g>")
     found += [mark.svg for mark in marks]
-    found.append(names_group(places, pulled | {p.name for p in assembly.parts if p.fixed}, room, tree))
+    found.append(names_group(places, strong, room, tree))
     return found
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
+from wiggleroom.report.finding import Bars, Curve, Histogram, Mark
 from wiggleroom.report.pictures import frame, palette
 from wiggleroom.report.pictures.axes import (
     HEIGHT,
@@ -26,8 +28,6 @@ from wiggleroom.report.pictures.text import elide, wrap
 from wiggleroom.report.results.answer_words import number
 
 Floats = NDArray[np.float64]
-Mark = tuple[float, str]
-"""A value on the x axis and what is written beside its line."""
 
 _BAR, _BETWEEN = 20.0, 8.0
 """Height of a bar, and space between two [px]."""
@@ -37,51 +37,62 @@ NAME_WIDTH = 220.0
 """Room for the names of bars [px]."""
 
 
-def curve(
-    x: Floats,
-    y: Floats,
-    *,
-    labels: tuple[str, str],
-    title: str,
-    facts: Sequence[str] = (),
-    marks: Sequence[Mark] = (),
-    level: Mark | None = None,
-    most: Floats | None = None,
-    command: str = "",
-    framed: bool = True,
-) -> str:
-    """Curve through points, such as motion against gap; it is broken where `y` is not finite.
+@dataclass(frozen=True)
+class Heading:
+    """What is said above and below a plot.
 
     Parameters
     ----------
-    x, y : (k,) float64
-        In the order they are joined.
-    labels : (along x, along y)
-        With units: ("gap mm", "motion mm").
-    marks : sequence of (value, label)
-        Upright lines, such as where interlock is lost.
-    level : (value, label), optional
-        Line across, such as the largest motion that is wanted.
-    most : (k,) float64, optional
-        Upper bounds of the points. Of a curve that never falls they make a band: between two points it lies above the lower one and
-        below the bound of the higher one. Not finite where there is none.
+    title : str
+    facts : sequence of str
+        Lines under it.
+    command : str
+        What made the plot.
     framed : bool
-        False: small, without title, facts and command, for a panel of a page that says them itself.
+        False: a small plot, for a panel of a page that says them itself.
+    """
+
+    title: str
+    facts: Sequence[str] = ()
+    command: str = ""
+    framed: bool = True
+
+
+def _size(heading: Heading) -> tuple[float, float]:
+    """Width and height of a plot [px]."""
+    return (WIDTH, HEIGHT) if heading.framed else PANEL_SIZE
+
+
+def _plot(
+    ranges: tuple[tuple[float, float], tuple[float, float]], labels: tuple[str, str], heading: Heading
+) -> tuple[Axes, list[str]]:
+    """Axes of a plot under its heading."""
+    head, below = (heading.title, heading.facts) if heading.framed else ("", [])
+    return plot(*ranges, labels, head, below, _size(heading))
+
+
+def _drawn(axes: Axes, body: list[str], heading: Heading) -> str:
+    return svg_document(axes, body, heading.title, heading.facts, heading.command if heading.framed else "")
+
+
+def curve(figure: Curve, heading: Heading) -> str:
+    """Curve as SVG; it is broken where y is not finite.
+
+    Upper bounds of a curve that never falls make a band: between two points it lies above the lower one and below the bound of the higher.
 
     Examples
     --------
     >>> import numpy as np
-    >>> svg = curve(np.array([0.1, 0.2]), np.array([1.0, 2.1]), labels=("gap mm", "motion mm"), title="b2 in +y")
+    >>> svg = curve(Curve(np.array([0.1, 0.2]), np.array([1.0, 2.1]), ("gap mm", "motion mm")), Heading("b2 in +y"))
     >>> svg.count("<circle")
     2
     """
-    x, y = _values(x, y)
+    x, y = _values(figure.x, figure.y)
+    marks, level, most = figure.marks, figure.level, figure.most
     shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
     top = np.full(len(y), np.nan) if most is None else np.asarray(most, dtype=float).ravel()
     heights = np.concatenate([y, top[np.isfinite(top) & np.isfinite(y)], [] if level is None else [level[0]]])
-    size = (WIDTH, HEIGHT) if framed else PANEL_SIZE
-    head, below = (title, facts) if framed else ("", [])
-    axes, body = plot(span(np.concatenate(shown)), span(heights, zero=True), labels, head, below, size)
+    axes, body = _plot((span(np.concatenate(shown)), span(heights, zero=True)), figure.labels, heading)
     body += horizontal_line(axes, level, palette.FIXED[1]) if level else []
     at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
     colour = palette.PULLED[1]
@@ -93,7 +104,7 @@ def curve(
     radius = 3.5 if there.sum() <= 60 else 1.5
     body += [f'<circle cx="{u:.2f}" cy="{v:.2f}" r="{radius}" fill="{colour}"/>' for u, v in at[there].tolist()]
     body += vertical_lines(axes, marks, [palette.FORCE] * len(marks))
-    return svg_document(axes, body, title, facts, command if framed else "")
+    return _drawn(axes, body, heading)
 
 
 def _band(axes: Axes, x: Floats, y: Floats, top: Floats) -> list[str]:
@@ -111,42 +122,20 @@ def _band(axes: Axes, x: Floats, y: Floats, top: Floats) -> list[str]:
     return out
 
 
-def histogram(
-    values: Floats,
-    *,
-    label: str,
-    title: str,
-    facts: Sequence[str] = (),
-    marks: Sequence[Mark] = (),
-    limit: Mark | None = None,
-    command: str = "",
-    framed: bool = True,
-) -> str:
-    """How often values come up, such as motions under random gaps; values that are not finite are counted in words.
-
-    Parameters
-    ----------
-    values : (k,) float64
-    label : str
-        What the values are, with their unit.
-    marks : sequence of (value, label)
-        Upright lines, such as the mean and quantiles.
-    limit : (value, label), optional
-        Largest value that is wanted; what lies above it is red.
-    framed : bool
-        False: small, without title, facts and command, for a panel of a page that says them itself.
-    """
-    values = np.asarray(values, dtype=float).ravel()
+def histogram(figure: Histogram, heading: Heading) -> str:
+    """Histogram as SVG; what lies above the limit is red, and values that are not finite are counted in words."""
+    values, marks, limit = np.asarray(figure.values, dtype=float).ravel(), figure.marks, figure.limit
     some = values[np.isfinite(values)]
-    facts = [*facts] + ([f"{len(values) - len(some)} without limit, not drawn"] if len(some) < len(values) else [])
+    if len(some) < len(values):
+        heading = replace(heading, facts=[*heading.facts, f"{len(values) - len(some)} without limit, not drawn"])
     lines = sorted([(m, palette.SUBDUED) for m in marks] + ([(limit, palette.FIXED[1])] if limit else []))
     count, edges = np.histogram(some, _bins(some, limit))
     wide = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
     least, most = span(count.astype(float), zero=True)
-    size = (WIDTH, HEIGHT) if framed else PANEL_SIZE
-    most /= 1 - min((LABEL_ROW * len(lines) + 6) / size[1], 0.5)  # labels of the lines have room above the bars
-    head, below = (title, facts) if framed else ("", [])
-    axes, body = plot(wide, (least, most), (label, "how many"), head, below, size)
+    most /= 1 - min(
+        (LABEL_ROW * len(lines) + 6) / _size(heading)[1], 0.5
+    )  # labels of the lines have room above the bars
+    axes, body = _plot((wide, (least, most)), (figure.label, "how many"), heading)
     for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):
         if n:
             fill, stroke = palette.FIXED if limit and low >= limit[0] else palette.PULLED
@@ -156,7 +145,7 @@ def histogram(
                 f'fill="{fill}" stroke="{stroke}"/>'
             )
     body += vertical_lines(axes, [m for m, _ in lines], [colour for _, colour in lines])
-    return svg_document(axes, body, title, facts, command if framed else "")
+    return _drawn(axes, body, heading)
 
 
 def _bins(some: Floats, limit: Mark | None) -> Floats:
@@ -173,39 +162,19 @@ def _bins(some: Floats, limit: Mark | None) -> Floats:
     return np.linspace(limit[0] - below * step, limit[0] + above * step, below + above + 1)
 
 
-def bars(
-    names: Sequence[str],
-    values: Floats,
-    *,
-    label: str,
-    title: str,
-    facts: Sequence[str] = (),
-    command: str = "",
-    framed: bool = True,
-) -> str:
-    """Bars with names, the longest first, such as a ranking; a line says how many are left out.
-
-    Parameters
-    ----------
-    names : sequence of str
-    values : (k,) float64
-        Of either sign.
-    label : str
-        What the values are, with their unit.
-    framed : bool
-        False: without title, facts and command, for a panel of a page that says them itself.
-    """
-    values = np.asarray(values, dtype=float)
+def bars(figure: Bars, heading: Heading) -> str:
+    """Bars as SVG, the longest first; a line says how many are left out."""
+    names, values = figure.names, np.asarray(figure.values, dtype=float)
     if values.shape != (len(names),) or not np.isfinite(values).all():
         finding = f"bars: {len(names)} names need as many finite values, not {values.shape}"
         raise InputError(finding)
     order = np.argsort(-np.abs(values), kind="stable")[:MAX_BARS]
-    body, y = frame.header(title, facts, WIDTH + 40) if framed else ([], 0.0)
+    body, y = frame.header(heading.title, heading.facts, WIDTH + 40) if heading.framed else ([], 0.0)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
     scale = (WIDTH - NAME_WIDTH - 90) / ((high - low) or 1.0)
     zero = palette.MARGIN + NAME_WIDTH - low * scale
     y += 34
-    body.append(text(palette.MARGIN + NAME_WIDTH, y, palette.TEXT_SIZE, palette.INK, label))
+    body.append(text(palette.MARGIN + NAME_WIDTH, y, palette.TEXT_SIZE, palette.INK, figure.label))
     y += 14
     top = y
     for k in order.tolist():
@@ -228,10 +197,13 @@ def bars(
             text(palette.MARGIN, y, palette.TEXT_SIZE, palette.SUBDUED, f"and {len(values) - len(order)} smaller ones")
         )
     y += 14
-    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command and framed else []:
+    command = heading.command if heading.framed else ""
+    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
         y += palette.SMALL_SIZE + 4
         body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.SUBDUED, row))
-    return frame.document(WIDTH + 2 * palette.MARGIN, y + palette.MARGIN - 12, title, facts, command, body)
+    return frame.document(
+        WIDTH + 2 * palette.MARGIN, y + palette.MARGIN - 12, heading.title, heading.facts, command, body
+    )
 
 
 def _values(x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -15,7 +15,7 @@ from wiggleroom.drawing.outlines.traced_outlines import Remark
 from wiggleroom.report.pictures import frame, layout, palette
 from wiggleroom.report.pictures.arrows import goal_mark
 from wiggleroom.report.pictures.layout import View
-from wiggleroom.report.pictures.picture import drawn_parts
+from wiggleroom.report.pictures.picture import colours_of, drawn_parts
 from wiggleroom.report.pictures.text import escape, wrap
 from wiggleroom.report.results.answer_words import number, short
 
@@ -83,7 +83,7 @@ def picture_of_reading(
         goals = [(goal, places[name]) for goal in assembly.goals if (name := part_of(goal)) in places]
         arrows = [goal_mark(view, assembly, goal, rest, rest, rooms[k]) for goal, k in goals]
         pulled = {assembly.names[k] for _, k in goals}
-        body = drawn_parts(view, assembly, None, rest, pulled, arrows, float(np.median(rooms)), None)
+        body = drawn_parts(view, assembly, rest, colours_of(assembly, pulled), arrows, float(np.median(rooms)))
     kinds = list(dict.fromkeys(mark.kind.split()[0] if mark.kind.startswith("mended") else mark.kind for mark in marks))
     for kind in kinds:
         body += _drawn(view, kind, [mark for mark in marks if mark.kind.startswith(kind)])

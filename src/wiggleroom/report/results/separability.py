@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 from msgspec import UNSET
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
@@ -35,6 +36,11 @@ class Checked:
 
     found: Interlock
     border: LargestGap | None = None
+
+    @property
+    def assembly(self) -> Assembly:
+        """As it was asked about."""
+        return self.found.assembly
 
 
 def check_result(

@@ -89,7 +89,7 @@ def drawn_frame(shared: tuple[tuple[Assembly, tuple[Floats, Floats], Sequence[Co
     """One frame as an SVG."""
     (assembly, frame, colours), scenes = shared
     motion, lines = scenes[k]
-    return spatial_svg(assembly, motion, lines, colours=colours, shown=Shown(frame=frame))
+    return spatial_svg(assembly, motion, lines, Shown(colours=colours, frame=frame))
 
 
 def _frame(assembly: Assembly, motions: Sequence[Floats]) -> tuple[Floats, Floats]:

@@ -55,7 +55,7 @@ def draw_spatial_parts(assembly: Assembly, path: Path) -> None:
     motion = np.zeros((len(assembly.parts), 6))
     motion[:, :3] = SPREAD * exploded_offsets(assembly)
     lines = [f"{len(assembly.parts)} parts, gap {assembly.gap:g} mm", "drawn apart; dashed: where they belong"]
-    write_moved_parts(assembly, motion, path, lines, shown=Shown(assembly.names))
+    write_moved_parts(assembly, motion, path, lines, Shown(names=assembly.names))
 
 
 def drawn_parts(drawing: Drawing) -> list[SpatialPartListing]:

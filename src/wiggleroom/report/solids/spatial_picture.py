@@ -51,7 +51,7 @@ def draw_spatial(answer: Answer, path: Path) -> None:
         motion = in_sight(answer.waypoints, EXPLODED * answer.assembly.size)
         facts += ", shown while it is in sight"
     lines = [headline(answer), facts]
-    write_moved_parts(answer.assembly, motion, path, lines, answer.contacts, waypoints=answer.waypoints)
+    write_moved_parts(answer.assembly, motion, path, lines, Shown(answer.contacts), answer.waypoints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +78,9 @@ class Shown:
 
     Parameters
     ----------
+    contacts : sequence of Contact
+    colours : sequence of colours, optional
+        Of the parts; by default those of their roles.
     names : sequence of str
         Of the parts, written upon them; none where it is empty.
     ways : sequence of WayOut
@@ -89,6 +92,8 @@ class Shown:
         Parts that are in the picture; by default all.
     """
 
+    contacts: Sequence[Contact] = ()
+    colours: Sequence[Colour] | None = None
     names: Sequence[str] = ()
     ways: Sequence[WayOut] = ()
     frame: tuple[Floats, Floats] | None = None
@@ -113,7 +118,7 @@ def draw_separation(found: Interlock, path: Path, lines: Sequence[str] = ()) -> 
             ways.append(WayOut(who, k + 1, assembly.reference[who] + e.path[:, who, :3]))
     said = [f"{found.verdict} at gap {assembly.gap:g} mm"]
     said += [", then ".join(" and ".join(e.parts) for e in found.escapes)] if found.escapes else []
-    write_moved_parts(assembly, motion, path, lines or said, shown=Shown(assembly.names, ways))
+    write_moved_parts(assembly, motion, path, lines or said, Shown(names=assembly.names, ways=ways))
 
 
 def step_svg(assembly: Assembly, step: Step, number: int, lines: Sequence[str]) -> str:
@@ -124,8 +129,8 @@ def step_svg(assembly: Assembly, step: Step, number: int, lines: Sequence[str]) 
     end[:, :3] += step.path[0, :, :3]
     moving = [k for k, name in enumerate(assembly.names) if name in step.parts]
     ways = [WayOut(k, number, assembly.reference[k] + step.path[:, k, :3]) for k in moving]
-    shown = Shown(assembly.names, ways, before=step.path[0], there=step.there)
-    return spatial_svg(assembly, end, lines, shown=shown)
+    shown = Shown(names=assembly.names, ways=ways, before=step.path[0], there=step.there)
+    return spatial_svg(assembly, end, lines, shown)
 
 
 def write_moved_parts(
@@ -133,9 +138,7 @@ def write_moved_parts(
     motion: Floats,
     path: Path,
     lines: Sequence[str],
-    contacts: Sequence[Contact] = (),
-    colours: Sequence[Colour] | None = None,
-    shown: Shown | None = None,
+    shown: Shown,
     waypoints: Floats | None = None,
 ) -> None:
     """Write parts at a motion (n, 6) with lines of text above them; .svg, .png or .glb, there with the path (k, n, 6).
@@ -147,9 +150,9 @@ def write_moved_parts(
     """
     kind = ending(path)
     if kind == ".glb":
-        write_whole(path, glb(assembly, motion, colours, waypoints))
+        write_whole(path, glb(assembly, motion, shown.colours, waypoints))
     elif kind in (".svg", ".png"):
-        svg = spatial_svg(assembly, motion, lines, contacts, colours, shown)
+        svg = spatial_svg(assembly, motion, lines, shown)
         if kind == ".svg":
             write_whole(path, svg)
         else:
@@ -165,13 +168,10 @@ def spatial_svg(
     assembly: Assembly,
     motion: Floats,
     lines: Sequence[str],
-    contacts: Sequence[Contact] = (),
-    colours: Sequence[Colour] | None = None,
-    shown: Shown | None = None,
+    shown: Shown,
 ) -> str:
     """Picture of parts at a motion (n, 6), seen from the front, right and above."""
     _, across, up = camera()
-    shown = shown or Shown()
     names, ways, frame = shown.names, shown.ways, shown.frame
     before = np.zeros_like(motion) if shown.before is None else shown.before
     there = np.ones(len(motion), dtype=bool) if shown.there is None else shown.there
@@ -188,7 +188,7 @@ def spatial_svg(
         )
 
     seen = [surface if its else None for surface, its in zip(moved, there, strict=True)]
-    facets = seen_facets(seen, colours or part_colours(assembly))
+    facets = seen_facets(seen, shown.colours or part_colours(assembly))
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:g}" height="{HEIGHT:g}" viewBox="0 0 {WIDTH:g} {HEIGHT:g}">',
         f'<rect width="{WIDTH:g}" height="{HEIGHT:g}" fill="{PAPER}"/>',
@@ -206,7 +206,7 @@ def spatial_svg(
                 out.append(
                     f'<path d="M{x1:.2f} {y1:.2f}L{x2:.2f} {y2:.2f}" stroke="#999" stroke-width="0.6" stroke-dasharray="3 3" fill="none"/>'
                 )
-    for contact in contacts:
+    for contact in shown.contacts:
         at = np.array(contact.point)
         (x, y), (u, v) = place(np.array([at, at + 14 / scale * np.array(contact.normal)]))
         out.append(f'<path d="M{x:.2f} {y:.2f}L{u:.2f} {v:.2f}" stroke="#c1272d" stroke-width="2"/>')
