@@ -36,6 +36,7 @@ def disassemble(
     effort: EscapeEffort | None = None,
     every: bool = True,
     holding_cost: HoldingCost | None = None,
+    returning: bool = False,
     context: Context,
 ) -> Disassembly:
     """Take parts of a drawing away one after the other, as long as some leave.
@@ -51,6 +52,8 @@ def disassemble(
         False: it ends once anything has left.
     holding_cost : callable, optional
         How much trouble it makes that some parts leave from a state; of those that could leave straight, those with the least leave first.
+    returning : bool
+        True: those that did not leave are at rest again after each departure.
     context : Context
 
     Raises
@@ -63,7 +66,7 @@ def disassemble(
     look = _PlanarStages(assembly, frozenset(targets), effort or EscapeEffort(), holding_cost, context)
     stages = Stages(look.left, look.next, lambda before, path: before + path)
     n = len(assembly.names)
-    sequence = DisassemblySequence(assembly.names, stages, np.zeros((n, 3)))
+    sequence = DisassemblySequence(assembly.names, stages, np.zeros((n, 3)), returning)
     last, alive = sequence.take_apart(np.arange(n), targets=targets, every=every)
     return Disassembly(
         tuple(sequence.departures), last, look.placed(alive, sequence.motion), look.around, sequence.questions, sequence.unanswered,

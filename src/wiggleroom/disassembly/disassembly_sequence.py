@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.interlock_result import Escape
 from wiggleroom.verdict import Certainty, Separability
 
 if TYPE_CHECKING:
@@ -80,6 +81,17 @@ class Departure:
     path: Floats
     there: NDArray[np.bool_]
     moves: Ints
+
+    def round_trip(self) -> Floats:
+        """The path, and back along it for those that did not leave, while those that did are where they are in the end."""
+        stay = self.there.copy()
+        stay[self.parts] = False
+        if not self.path[-1, stay].any():
+            return self.path
+        back = self.path[::-1].copy()
+        back[:, ~stay] = self.path[-1, ~stay]
+        moved = (back[1:] != back[:-1]).any(axis=(1, 2))
+        return np.concatenate([self.path, back[1:][moved]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +200,11 @@ class DisassemblySequence:
             self.motion = path[-1].copy()
             if self.returning:
                 self.motion[there] = 0.0
+
+
+def escapes_of(departures: Sequence[Departure], names: Sequence[str]) -> tuple[Escape, ...]:
+    """Departures that each begin at rest, as paths after which all that did not leave are at rest again."""
+    return tuple(Escape(tuple(names[k] for k in one.parts), one.round_trip()) for one in departures)
 
 
 def ended(verdict: Separability) -> Stage:

@@ -11,18 +11,16 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.disassemble import disassemble
-from wiggleroom.disassembly.disassembly_sequence import Departure, Disassembly
+from wiggleroom.disassembly.disassembly_sequence import escapes_of
 from wiggleroom.disassembly.escape_effort import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
 from wiggleroom.disassembly.ground import with_ground
-from wiggleroom.disassembly.interlock_result import Escape, Interlock
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, TouchingError, WiggleroomError
 from wiggleroom.form_closure.closure_bound import ClosureBound, closure_bound
@@ -31,7 +29,6 @@ from wiggleroom.maximise import witness
 from wiggleroom.search.prepare_walls import prepare_walls
 from wiggleroom.verdict import Certainty, PathState, Separability
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TRIAL_GAPS = 1e-4, 4e-6
@@ -100,12 +97,12 @@ def interlock(assembly: Assembly, effort: EscapeEffort, *, every: bool, context:
     began = time.perf_counter()
     standing = with_ground(assembly)
     try:
-        done = disassemble(standing, effort=effort, every=every, context=context)
+        done = disassemble(standing, effort=effort, every=every, returning=True, context=context)
     except TouchingError as why:
         if why.clearance < 0:
             raise
         return _tight(assembly, standing, effort, every, context)
-    escapes, stage = _escapes(standing, done), done.last
+    escapes, stage = escapes_of(done.departures, assembly.names), done.last
     spins = _spins(done.left, stage.held, context) if every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
     at_most = None
@@ -132,50 +129,6 @@ def interlock(assembly: Assembly, effort: EscapeEffort, *, every: bool, context:
         whole=done.last.whole,
         unanswered=done.unanswered,
     )
-
-
-def _escapes(assembly: Assembly, done: Disassembly) -> tuple[Escape, ...]:
-    """The departures, each as a path from rest after which all that did not leave are at rest again."""
-    names = assembly.names
-    return tuple(
-        Escape(tuple(names[k] for k in departure.parts), _from_rest(assembly, done.departures[: k + 1]))
-        for k, departure in enumerate(done.departures)
-    )
-
-
-def _from_rest(assembly: Assembly, departures: tuple[Departure, ...]) -> Floats:
-    """The path of the last of some departures, from rest and back to rest, without what is not needed for it."""
-    last = departures[-1]
-    who, stay = last.parts, last.there.copy()
-    stay[who] = False
-    begin, there = last.path[0], np.flatnonzero(last.there)
-    moved = np.abs(begin[there]).max(axis=1) > 0
-    if not moved.any():
-        return np.concatenate([last.path, _back(last.path, stay)])
-    direct = last.path.copy()
-    direct[:, stay] -= begin[stay]
-    if not begin[who].any() and audit_path(only(assembly, there), direct[:, there]).free:
-        return np.concatenate([direct, _back(direct, stay)])
-    before = np.concatenate([d.path for d in departures[:-1]])
-    before[:, ~last.there] = begin[~last.there]
-    whole = _without_standstill(np.concatenate([before, last.path]))
-    return np.concatenate([whole, _back(whole, stay)])
-
-
-def _back(path: Floats, stay: NDArray[np.bool_]) -> Floats:
-    """The path backwards for what stays, while what left is where it is in the end."""
-    if not path[-1, stay].any():
-        return path[:0]
-    back = path[::-1][1:].copy()
-    back[:, ~stay] = path[-1, ~stay]
-    return _without_standstill(back)
-
-
-def _without_standstill(path: Floats) -> Floats:
-    """The path without points that are the same as the one before."""
-    keep = np.ones(len(path), dtype=np.bool_)
-    keep[1:] = (path[1:] != path[:-1]).any(axis=(1, 2))
-    return path[keep]
 
 
 def _tight(assembly: Assembly, left: Assembly, effort: EscapeEffort, every: bool, context: Context) -> Interlock:

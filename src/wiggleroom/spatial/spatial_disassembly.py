@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED, Context
-from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, DisassemblySequence, Stage, Stages
+from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, DisassemblySequence, Stage, Stages, escapes_of
 from wiggleroom.disassembly.ground import with_ground
-from wiggleroom.disassembly.interlock_result import Escape, Interlock
+from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Part
 from wiggleroom.planning.steps import moves_of
@@ -75,7 +75,7 @@ def check_spatial(assembly: Assembly, *, every: bool = True, context: Context = 
     n = len(names)
     sequence = DisassemblySequence(names, look.stages, np.zeros((n, 6)), returning=True)
     last, alive = sequence.take_apart(np.arange(n), every=every)
-    escapes = tuple(Escape(tuple(names[k] for k in one.parts), one.path) for one in sequence.departures)
+    escapes = escapes_of(sequence.departures, names)
     return Interlock(
         assembly,
         Separability.COMES_APART if escapes else last.ended,
