@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import Context
 from wiggleroom.disassembly.closed_pairs import enclosed_links
-from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, Disassembly, DisassemblySequence, Stage, Stages
-from wiggleroom.disassembly.enclosure import Enclosed, enclosed
+from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, Disassembly, Stage, Stages
+from wiggleroom.disassembly.enclosure import enclosed
 from wiggleroom.disassembly.escape import next_stage
 from wiggleroom.disassembly.escape_effort import EscapeEffort
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
@@ -66,12 +66,9 @@ def disassemble(
     look = _PlanarStages(assembly, frozenset(targets), effort or EscapeEffort(), holding_cost, context)
     stages = Stages(look.left, look.next, lambda before, path: before + path)
     n = len(assembly.names)
-    sequence = DisassemblySequence(assembly.names, stages, np.zeros((n, 3)), returning)
-    last, alive = sequence.take_apart(np.arange(n), targets=targets, every=every)
-    return Disassembly(
-        tuple(sequence.departures), last, look.placed(alive, sequence.motion), look.around, sequence.questions, sequence.unanswered,
-        sequence.states, sequence.turned,
-    )  # fmt: skip
+    done = Disassembly(assembly.names, stages, np.zeros((n, 3)), returning)
+    done.last = done.take_apart(np.arange(n), targets=targets, every=every)
+    return done
 
 
 @dataclass(eq=False)
@@ -83,31 +80,28 @@ class _PlanarStages:
     effort: EscapeEffort
     holding_cost: HoldingCost | None
     context: Context
-    around: Enclosed | None = None
-    """What lies in closed holes among the parts that were left last."""
-
-    def placed(self, alive: Ints, motion: Floats) -> Assembly:
-        """Some parts where they are."""
-        return self.assembly if len(alive) == len(motion) else only(displaced(self.assembly, motion), alive)
 
     def left(self, alive: Ints, motion: Floats) -> Assembly | None:
         """Some parts where they are; None where some have left and one body is left, or all are fixed."""
-        left = self.placed(alive, motion)
+        if len(alive) == len(motion):
+            return self.assembly
+        left = only(displaced(self.assembly, motion), alive)
         fixed = bodies(left).fixed
-        return None if len(alive) < len(motion) and (len(fixed) < 2 or fixed.all()) else left
+        return None if len(fixed) < 2 or fixed.all() else left
 
     def next(self, left: Assembly, alive: Ints, motion: Floats) -> Stage:
         """The next of these parts that leave."""
         begins = len(alive) == len(self.assembly.names)
         if not begins:
             self.effort = replace(self.effort, passages=PassagesByGap(), exits=[])  # the others lie elsewhere now
-        self.around = None
         try:
             surveyed = survey(left, self.context.stop)
-            self.around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, self.context)
-            begin = enclosed_links(surveyed.bodies.fixed, self.around)
+            around = enclosed(surveyed.bodies, surveyed.geometry, surveyed.ignored, self.context)
+            begin = enclosed_links(surveyed.bodies.fixed, around)
             if begin.all_tied:
-                return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
+                return Stage(
+                    Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held, reach=around.far.max()
+                )
             wanted = [surveyed.bodies.body_of[k] for k, name in enumerate(left.names) if name in self.targets]
             aims, cost = np.unique(wanted).astype(np.int64), self._cost(alive, motion, surveyed)
             stage = next_stage(left, surveyed, begin, self.effort, aims, cost, self.context)
@@ -117,7 +111,7 @@ class _PlanarStages:
             # the others may have come to touch, or nearly, once some have left: then no more is known
             return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
         if stage.path is None:
-            return stage
+            return replace(stage, reach=around.far.max())
         who = np.sort([p for b in stage.who for p in surveyed.bodies.members[b]])
         return replace(stage, who=who, path=of_parts(left, surveyed.bodies, stage.path))
 

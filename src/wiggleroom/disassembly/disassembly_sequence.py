@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +11,6 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock_result import Escape
 from wiggleroom.verdict import Certainty, Separability
-
-if TYPE_CHECKING:
-    from wiggleroom.disassembly.enclosure import Enclosed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,6 +42,8 @@ class Stage:
         Of these states those in which every body was turned both ways.
     moves : (k - 1,) int64
         Number of the move that each piece of the path belongs to.
+    reach : float [mm]
+        No point of a body gets further from where it is, as all lie in closed holes of what stands; infinite where some do not.
     """
 
     ended: Separability
@@ -59,6 +57,7 @@ class Stage:
     whole: bool = True
     turned: int = 0
     moves: Ints = field(default_factory=lambda: NO_BODIES)
+    reach: float = np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,38 +94,6 @@ class Departure:
 
 
 @dataclass(frozen=True, eq=False)
-class Disassembly:
-    """How far an assembly could be taken apart.
-
-    Parameters
-    ----------
-    departures : tuple of Departure
-    last : Stage
-        What became of the parts that are left.
-    left : Assembly
-        The parts that are left, at rest where they are in the end.
-    around : Enclosed or None
-        What lies in closed holes among them.
-    questions, unanswered : int
-        Largest motions that were searched in all stages, and how many of them found no end whose path is certain.
-    states, turned : int
-        States to which slides and turns of single bodies led, and those in which every body was turned both ways.
-    together : tuple of names
-        Parts that left with others from which they do not part.
-    """
-
-    departures: tuple[Departure, ...]
-    last: Stage
-    left: Assembly
-    around: Enclosed | None = None
-    questions: int = 0
-    unanswered: int = 0
-    states: int = 0
-    turned: int = 0
-    together: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
 class Stages:
     """What of a disassembly differs between the plane and space.
 
@@ -146,7 +113,7 @@ class Stages:
 
 
 @dataclass(eq=False)
-class DisassemblySequence:
+class Disassembly:
     """Parts taken away one after the other.
 
     Parameters
@@ -158,20 +125,42 @@ class DisassemblySequence:
         Where all parts are; at first at rest.
     returning : bool
         True: those that did not leave are at rest again after each departure, back along its path.
+    last : Stage
+        What became of the parts that were left when all were taken apart.
+    together : tuple of names
+        Parts that left with others from which they do not part.
+    departures : list of Departure
+    questions, unanswered : int
+        Largest motions that were searched in all stages, and how many of them found no end whose path is certain.
+    states, turned : int
+        States to which slides and turns of single bodies led, and those in which every body was turned both ways.
     """
 
     names: tuple[str, ...]
     stages: Stages
     motion: Floats
     returning: bool = False
+    last: Stage = field(init=False)
+    together: tuple[str, ...] = ()
     departures: list[Departure] = field(default_factory=list)
     questions: int = 0
     unanswered: int = 0
     states: int = 0
     turned: int = 0
 
-    def take_apart(self, who: Ints, *, targets: Collection[str] = (), every: bool = True) -> tuple[Stage, Ints]:
-        """Take parts away from some (k,) as long as any leave: what became of those that are left, and which these are.
+    @property
+    def remaining(self) -> Ints:
+        """Numbers of the parts that did not leave."""
+        gone = [k for one in self.departures for k in one.parts.tolist()]
+        return np.setdiff1d(np.arange(len(self.names)), np.array(gone, dtype=np.int64))
+
+    @property
+    def escapes(self) -> tuple[Escape, ...]:
+        """Departures that each begin at rest, as paths after which all that did not leave are at rest again."""
+        return tuple(Escape(tuple(self.names[k] for k in one.parts), one.round_trip()) for one in self.departures)
+
+    def take_apart(self, who: Ints, *, targets: Collection[str] = (), every: bool = True) -> Stage:
+        """Take parts away from some (k,) as long as any leave: what became of those that are left.
 
         It ends once all `targets` have left, or anything where not `every` part is to.
         """
@@ -181,17 +170,17 @@ class DisassemblySequence:
             alive = np.flatnonzero(there)
             left = self.stages.left(alive, self.motion)
             if left is None:
-                return ended(Separability.INTERLOCKED), alive
+                return ended(Separability.INTERLOCKED)
             gone = len(self.departures) > begun
             if gone and (not every or (targets and not {self.names[k] for k in alive} & set(targets))):
-                return ended(Separability.COMES_APART), alive
+                return ended(Separability.COMES_APART)
             stage = self.stages.next(left, alive, self.motion)
             self.questions += stage.questions
             self.unanswered += stage.unanswered
             self.states += stage.states
             self.turned += stage.turned
             if stage.path is None:
-                return stage, alive
+                return stage
             path = np.repeat(self.motion[None], len(stage.path), 0)
             path[:, alive] = self.stages.continued(self.motion[alive], stage.path)
             gone_now = alive[stage.who]
@@ -200,11 +189,6 @@ class DisassemblySequence:
             self.motion = path[-1].copy()
             if self.returning:
                 self.motion[there] = 0.0
-
-
-def escapes_of(departures: Sequence[Departure], names: Sequence[str]) -> tuple[Escape, ...]:
-    """Departures that each begin at rest, as paths after which all that did not leave are at rest again."""
-    return tuple(Escape(tuple(names[k] for k in one.parts), one.round_trip()) for one in departures)
 
 
 def ended(verdict: Separability) -> Stage:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -43,12 +42,6 @@ from wiggleroom.verdict import Certainty, PathState, Separability
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BOXES_FOR_NEAR_EXIT = 40_000
-"""Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
-EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
-"""Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
-MAX_NEAR_EXITS = 8
-"""So many sets that nearly leave are kept; each is looked at with boxes of motions."""
 FRAME_WORK = 2000.0
 """Work, about milliseconds, for the bound on how far the parts of a frame can move."""
 
@@ -177,10 +170,7 @@ def _beyond_slides(
     known = _walled_in(ready, known, context)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
-    nearly = _nearly(ready, ground, known.group, context)
-    for rigid in itertools.chain(
-        tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, context) for e in nearly)
-    ):
+    for rigid in tries:
         if context.stopped:
             break
         out = None if rigid.path is None else escape_path(ready, ground, known.group, rigid.path, context=context)
@@ -195,7 +185,7 @@ def _beyond_slides(
         return stage
     if refused:
         raise refused
-    return escape_by_motions(surveyed, simpler, known, nearly, effort, slid, context)
+    return escape_by_motions(surveyed, simpler, known, effort, slid, context)
 
 
 def _rigid(
@@ -234,21 +224,6 @@ def _walled_in(ready: Prepared, known: ClosedPairs, context: Context) -> ClosedP
     return replace(known, group=np.where(np.isin(known.group, known.group[inside]), fixed_group, known.group))
 
 
-def _nearly(ready: Prepared, ground: int, group: Ints, context: Context) -> list[TranslationEscape]:
-    """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
-    if len(np.unique(group)) < 3:
-        return []
-    rest = np.zeros((len(group), 3))
-    found: dict[tuple[int, ...], TranslationEscape] = {}
-    for share in EXTRA_CLEARANCES:
-        thinner = share * ready.clearance
-        for e in translation_escapes(ready, rest, ground, group, thinner, context):
-            found.setdefault(tuple(e.who.tolist()), e)
-        if len(found) >= MAX_NEAR_EXITS or context.stopped:
-            break
-    return list(found.values())[:MAX_NEAR_EXITS]
-
-
 MAX_TILTS = 4
 """Largest turns are searched from at most this many states besides the first, in which a body can be turned."""
 
@@ -257,7 +232,6 @@ def escape_by_motions(
     surveyed: Survey,
     simpler: Prepared,
     known: ClosedPairs,
-    nearly: list[TranslationEscape],
     effort: EscapeEffort,
     slid: SlideSearch,
     context: Context,
@@ -272,8 +246,6 @@ def escape_by_motions(
         Its bodies, or larger ones with fewer corners, with walls.
     known : ClosedPairs
         What is tied.
-    nearly : list of TranslationEscape
-        Sets that would leave straight if there were a little more room.
     effort : EscapeEffort
         What leads apart is added.
     slid : SlideSearch
@@ -284,9 +256,7 @@ def escape_by_motions(
     ground = int(np.flatnonzero(bodies.fixed)[0])
     still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
-    searched = search_for_escape(
-        simpler, ground, known.group, nearly, effort.questions, only_turns=loose, context=context
-    )
+    searched = search_for_escape(simpler, ground, known.group, effort.questions, only_turns=loose, context=context)
     if searched.path is not None and searched.exit is not None:
         stage = leave_after_motion(surveyed, simpler, still, searched.path, searched.exit)
         if stage is not None:

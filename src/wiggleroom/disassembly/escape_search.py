@@ -81,7 +81,6 @@ def search_for_escape(
     ready: Prepared,
     ground: int,
     group: Ints,
-    nearly: list[TranslationEscape],
     most: int = MAX_QUESTIONS,
     only_turns: bool = False,
     context: Context = UNLIMITED,
@@ -95,8 +94,6 @@ def search_for_escape(
         The fixed body; others that are fixed belong to its group.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
-    nearly : list of TranslationEscape
-        Sets of bodies that are pulled as one first.
     most : int
         Questions asked at most.
     only_turns : bool
@@ -115,7 +112,7 @@ def search_for_escape(
 
     def motions(here: int) -> Iterator[tuple[_Ended, tuple[Goal, ...]] | Exit[EscapeSearch]]:
         nonlocal questions, unanswered, spent
-        for goals in _questions(ready, ground, group, nearly, only_turns):
+        for goals in _questions(ready, ground, group, only_turns):
             spent = questions >= most
             if spent:
                 return
@@ -181,18 +178,14 @@ def _differ(ready: Prepared, b: Ints, one: Floats, other: Floats) -> bool:
     return bool(moved.max(initial=0.0) > NOVELTY_DISTANCE * ready.clearance)
 
 
-def _questions(
-    ready: Prepared, ground: int, group: Ints, nearly: list[TranslationEscape], only_turns: bool
-) -> Iterator[tuple[Goal, ...]]:
-    """Sets that nearly leave, then all at once, then every group: outwards first, then the other directions and turns."""
+def _questions(ready: Prepared, ground: int, group: Ints, only_turns: bool) -> Iterator[tuple[Goal, ...]]:
+    """All at once, then every group: outwards first, then the other directions and turns."""
     bodies, rest = ready.bodies, ready.bodies.rest
     middle = rest[ground, :2]
     out = rest[:, :2] - middle
     parts = ready.assembly.names
     names = [parts[members[0]] for members in bodies.members]
     free = np.flatnonzero(~bodies.fixed)
-    for e in nearly:
-        yield tuple(Pull(names[b], _pair(e.direction), _pair(rest[b, :2]), 1.0 / len(e.who)) for b in e.who)
     weight = 1.0 / len(free)
     for sign in (1.0, -1.0):
         yield tuple(

@@ -15,12 +15,12 @@ from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.disassemble import disassemble
-from wiggleroom.disassembly.disassembly_sequence import escapes_of
 from wiggleroom.disassembly.escape_effort import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
+from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, TouchingError, WiggleroomError
 from wiggleroom.form_closure.closure_bound import ClosureBound, closure_bound
@@ -102,25 +102,24 @@ def interlock(assembly: Assembly, effort: EscapeEffort, *, every: bool, context:
         if why.clearance < 0:
             raise
         return _tight(assembly, standing, effort, every, context)
-    escapes, stage = escapes_of(done.departures, assembly.names), done.last
-    spins = _spins(done.left, stage.held, context) if every else ()
+    escapes, stage = done.escapes, done.last
+    left = only(standing, done.remaining) if escapes else standing
+    spins = _spins(left, stage.held, context) if every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
     at_most = None
-    if verdict is Separability.INTERLOCKED and every and done.around is not None:
-        whole = (
-            done.around.far.max()
-        )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
-        work = BOUND_WORK + BOUND_WORK_PER_PART * len(done.left.names)
-        found = furthest(done.left, work if np.isinf(whole) else REFINED_SHARE * work, context.stop)
+    if verdict is Separability.INTERLOCKED and every:
+        whole = stage.reach  # where that is finite, little is spent on a nearer one
+        work = BOUND_WORK + BOUND_WORK_PER_PART * len(left.names)
+        found = furthest(left, work if np.isinf(whole) else REFINED_SHARE * work, context.stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
-    held = stage.ended is Separability.INTERLOCKED and not bodies(done.left).fixed.all()
+    held = stage.ended is Separability.INTERLOCKED and not bodies(left).fixed.all()
     return Interlock(
         assembly,
         verdict,
         Certainty.PROVEN if escapes or at_most is not None else stage.certainty,
         escapes,
         spins,
-        done.left.names if held else (),
+        left.names if held else (),
         done.questions,
         done.states,
         time.perf_counter() - began,

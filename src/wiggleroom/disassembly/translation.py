@@ -46,7 +46,6 @@ def translation_escapes(
     motion: Floats,
     ground: int,
     group: Ints,
-    thinner: float = 0.0,
     context: Context = UNLIMITED,
 ) -> list[TranslationEscape]:
     """Sets of bodies that leave straight from where all are now, the smallest one of every direction.
@@ -60,15 +59,11 @@ def translation_escapes(
         The fixed body; all that are fixed belong to its group.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
-    thinner : float [mm]
-        As if every outline lay further inward by this: who would leave if there were a little more room.
     context : Context, optional
     """
     n, size = len(ready.bodies.fixed), ready.size
     geometry = placed(ready.bodies, motion)
     near = _near(geometry, size)
-    if thinner > 0:
-        geometry = shapely.buffer(geometry, -thinner, join_style="mitre")
     edges, first = edges_of_all(geometry)
     group = np.unique(group, return_inverse=True)[1].ravel()
     never = ignored_matrix(ready.ignored, n)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED, Context
-from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, DisassemblySequence, Stage, Stages, escapes_of
+from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, Disassembly, Stage, Stages
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.remaining import only
@@ -73,17 +73,16 @@ def check_spatial(assembly: Assembly, *, every: bool = True, context: Context = 
     began = time.perf_counter()
     names, look = assembly.names, SpatialStages(with_ground(assembly), context)
     n = len(names)
-    sequence = DisassemblySequence(names, look.stages, np.zeros((n, 6)), returning=True)
-    last, alive = sequence.take_apart(np.arange(n), every=every)
-    escapes = escapes_of(sequence.departures, names)
+    done = Disassembly(names, look.stages, np.zeros((n, 6)), returning=True)
+    last, escapes = done.take_apart(np.arange(n), every=every), done.escapes
     return Interlock(
         assembly,
         Separability.COMES_APART if escapes else last.ended,
         Certainty.PROVEN if escapes else last.certainty,
         escapes,
         spins=_spins(look.held, context) if every and look.held is not None else (),
-        remains=tuple(names[k] for k in alive),
-        questions=sequence.questions,
+        remains=tuple(names[k] for k in done.remaining),
+        questions=done.questions,
         seconds=time.perf_counter() - began,
     )
 

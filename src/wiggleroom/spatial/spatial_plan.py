@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import Context
-from wiggleroom.disassembly.disassembly_sequence import Disassembly, DisassemblySequence
+from wiggleroom.disassembly.disassembly_sequence import Disassembly
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.planning.gravity import Gravity
 from wiggleroom.planning.plan import Plan, check_targets, planned
@@ -41,17 +41,14 @@ def plan_spatial(
     weight = None if gravity is None else Gravity(geometry.falling(), gravity)
     look = SpatialStages(standing, context)
     n = len(standing.names)
-    sequence = DisassemblySequence(standing.names, look.stages, np.zeros((n, 6)))
-    last, _ = sequence.take_apart(np.arange(n), targets=targets)
+    done = Disassembly(standing.names, look.stages, np.zeros((n, 6)))
+    done.last = done.take_apart(np.arange(n), targets=targets)
     stuck = look.stuck
-    for departure in sequence.departures:  # taking those apart that left together adds more
+    for departure in done.departures:  # taking those apart that left together adds more
         if targets or context.stopped:
             break
         if len(departure.parts) > 1:
-            sequence.take_apart(departure.parts)
+            done.take_apart(departure.parts)
             stuck += look.stuck
-    done = Disassembly(
-        tuple(sequence.departures), last, standing, questions=sequence.questions,
-        together=tuple(stuck),
-    )  # fmt: skip
+    done.together = tuple(stuck)
     return planned(assembly, targets, done, geometry, weight, context, began)
