@@ -25,6 +25,8 @@ SAME_PLANE = 1e-7
 """Faces whose distance is below this share of the size lie in one plane."""
 LEAST_AREA = 1e-3
 """Two faces share a place where they overlap by more than this share of the smaller one."""
+AT_ONCE = 200_000
+"""Pairs of segments whose solid angles are worked out at once."""
 INTEGER = 1e-3
 """Rounding leaves a linking number nearer than this to the integer that it is."""
 
@@ -57,7 +59,10 @@ def curve_graph(pieces: Sequence[ConvexPiece]) -> CurveGraph:
     >>> curve_graph([cuboid(*np.array(bar, dtype=float)) for bar in bars]).cycles.shape
     (1, 8)
     """
-    return closed_curves(pieces, piece_graph(pieces))
+    import networkx as nx
+
+    graph = piece_graph(pieces)
+    return closed_curves(pieces, graph, nx.cycle_basis(graph))
 
 
 def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
@@ -72,14 +77,11 @@ def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
     return graph
 
 
-def closed_curves(pieces: Sequence[ConvexPiece], graph: nx.Graph) -> CurveGraph:
-    """Closed curves along the edges of a graph of convex pieces, through the point `shared` (3,) [mm] of every edge."""
-    import networkx as nx
-
+def closed_curves(pieces: Sequence[ConvexPiece], graph: nx.Graph, cycles: Sequence[Sequence[int]]) -> CurveGraph:
+    """Curves along cycles of a graph of convex pieces, through the point `shared` (3,) [mm] of every edge."""
     middles = [p.corners.mean(axis=0) for p in pieces]
     number = {frozenset(edge): k for k, edge in enumerate(graph.edges)}
     segments = [s for i, j, at in graph.edges.data("shared") for s in ([middles[i], at], [at, middles[j]])]
-    cycles = nx.cycle_basis(graph)
     rows = np.zeros((len(cycles), len(segments)), dtype=np.int64)
     begins = [i for i, _ in graph.edges]
     for row, cycle in zip(rows, cycles, strict=True):
@@ -97,14 +99,20 @@ def linking_numbers(one: CurveGraph, other: CurveGraph) -> Floats:
     Source: Gauss 1833.
     """
     used, used_other = one.cycles.any(axis=0), other.cycles.any(axis=0)
-    total = np.zeros((len(one.cycles), len(other.cycles)))
-    directed = other.cycles[:, used_other]
-    q0, q1 = other.segments[used_other, 0], other.segments[used_other, 1]
-    for turn, (p0, p1) in zip(one.cycles.T[used], one.segments[used], strict=True):
-        a, b, c, d = q0 - p0, q1 - p0, q1 - p1, q0 - p1
-        angle = solid_angles(a, b, c) + solid_angles(a, c, d)
-        total += np.outer(turn, directed @ angle)
-    return total / (4 * np.pi)
+    p, q = one.segments[used], other.segments[used_other]
+    angles = np.empty((len(p), len(q)))
+    for rows in np.array_split(np.arange(len(p)), len(p) * len(q) // AT_ONCE + 1):
+        p0, p1 = p[rows, None, 0], p[rows, None, 1]
+        a, b, c, d = q[:, 0] - p0, q[:, 1] - p0, q[:, 1] - p1, q[:, 0] - p1
+        angles[rows] = solid_angles(a, b, c) + solid_angles(a, c, d)
+    return one.cycles[:, used] @ angles @ other.cycles[:, used_other].T / (4 * np.pi)
+
+
+def links(one: CurveGraph, other: CurveGraph) -> NDArray[np.bool_]:
+    """For each closed curve (c,) of a graph, whether it is linked with one of another."""
+    numbers = linking_numbers(one, other)
+    nearest = np.round(numbers)
+    return ((nearest != 0) & (np.abs(numbers - nearest) < INTEGER)).any(axis=1)
 
 
 def linked(one: CurveGraph, other: CurveGraph) -> bool:
@@ -119,11 +127,7 @@ def linked(one: CurveGraph, other: CurveGraph) -> bool:
     >>> linked(flat, upright), linked(flat, CurveGraph(upright.segments + [1.5, 0, 0], whole))
     (True, False)
     """
-    if not len(one.cycles) or not len(other.cycles):
-        return False
-    numbers = linking_numbers(one, other)
-    nearest = np.round(numbers)
-    return bool(((nearest != 0) & (np.abs(numbers - nearest) < INTEGER)).any())
+    return bool(links(one, other).any())
 
 
 def near_pairs(pieces: Sequence[ConvexPiece], reach: float = 0.0) -> list[tuple[int, int]]:

@@ -9,7 +9,7 @@ inside a ball of material about the point: the bodies overlap.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,12 +17,23 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import ConvexPiece, Surface
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
-from wiggleroom.spatial.linking_number import CurveGraph, closed_curves, common_point, linked, near_pairs, piece_graph
+from wiggleroom.spatial.linking_number import (
+    CurveGraph,
+    closed_curves,
+    common_point,
+    curve_graph,
+    linked,
+    links,
+    near_pairs,
+    piece_graph,
+)
 from wiggleroom.spatial.overlaps.surface_distance import surface_distances
 from wiggleroom.spatial.solids.separating_axis import nearest_difference, separation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Opening = tuple[float, int, int, Floats]
+"""How far the middle of an opening is from the pieces beside it [mm], their numbers, and the middle (3,)."""
 
 COVERED = 1.02
 """Balls inside the material are larger by this factor than what is left between a curve and material."""
@@ -53,7 +64,7 @@ class RingBody:
     @cached_property
     def closed(self) -> CurveGraph:
         """Closed curves in its material."""
-        return closed_curves(self.pieces, piece_graph(self.pieces))
+        return curve_graph(self.pieces)
 
     @cached_property
     def thickness(self) -> float:
@@ -65,18 +76,30 @@ def held_by_opening(ring: RingBody, other: RingBody) -> bool:
     """True where a curve through openings of a ring is linked with closed curves in another body, which is too thick to pass them."""
     if not len(other.closed.cycles):
         return False
-    graph = piece_graph(ring.pieces)
-    for width, i, j, middle in _openings(ring.pieces, other.thickness):  # the narrowest first
-        graph.add_edge(i, j, shared=middle)
-        through = closed_curves(ring.pieces, graph)
-        if linked(through, other.closed):
-            inner = _inner_curves(other, COVERED * width)
-            return inner is not None and linked(through, inner)
-    return False
+    widths, through = _curves_through(ring.pieces, _openings(ring.pieces, other.thickness))
+    around = np.flatnonzero(links(through, other.closed))
+    if not len(around):
+        return False
+    narrowest = around[0]
+    inner = _inner_curves(other, COVERED * widths[narrowest])
+    return inner is not None and linked(replace(through, cycles=through.cycles[narrowest, None]), inner)
 
 
-def _openings(pieces: Sequence[ConvexPiece], limit: float) -> list[tuple[float, int, int, Floats]]:
-    """Pairs of pieces with an opening between them: how far its middle is from both [mm], at most a limit; the pieces; its middle (3,)."""
+def _curves_through(pieces: Sequence[ConvexPiece], openings: list[Opening]) -> tuple[list[float], CurveGraph]:
+    """For each opening that closes a curve its width [mm], ascending, and that curve: through it, and through no wider ones."""
+    import networkx as nx
+
+    graph = piece_graph(pieces)
+    nx.set_edge_attributes(graph, 0.0, "width")
+    graph.add_edges_from((i, j, {"shared": middle, "width": width}) for width, i, j, middle in openings)
+    tree = nx.minimum_spanning_tree(graph, weight="width")
+    closing = [(width, i, j) for width, i, j, _ in openings if not tree.has_edge(i, j)]
+    cycles = [nx.shortest_path(tree, i, j) for _, i, j in closing]
+    return [width for width, _, _ in closing], closed_curves(pieces, graph, cycles)
+
+
+def _openings(pieces: Sequence[ConvexPiece], limit: float) -> list[Opening]:
+    """Openings between pieces that are no wider than a limit [mm], the narrowest first."""
     apart = []
     for i, j in near_pairs(pieces, 2 * limit):
         P, Q = pieces[i], pieces[j]

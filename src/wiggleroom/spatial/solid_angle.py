@@ -9,7 +9,7 @@ Floats = NDArray[np.float64]
 
 
 def solid_angles(a: Floats, b: Floats, c: Floats) -> Floats:
-    """Signed solid angles (k,) of triangles seen from the origin [sr].
+    """Signed solid angles (...) of triangles with corners (..., 3) seen from the origin [sr].
 
     Source: van Oosterom and Strackee, "The solid angle of a plane triangle" (1983).
 
@@ -19,9 +19,9 @@ def solid_angles(a: Floats, b: Floats, c: Floats) -> Floats:
     >>> float(solid_angles(x, y, z)[0] / np.pi)
     0.5
     """
-    x, y, z = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-    volume = np.einsum("ki,ki->k", a, np.cross(b, c))
-    below = x * y * z + (a * b).sum(axis=1) * z + (b * c).sum(axis=1) * x + (c * a).sum(axis=1) * y
+    x, y, z = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
+    volume = (a * np.cross(b, c)).sum(axis=-1)
+    below = x * y * z + (a * b).sum(axis=-1) * z + (b * c).sum(axis=-1) * x + (c * a).sum(axis=-1) * y
     return np.asarray(2 * np.arctan2(volume, below))
 
 
