@@ -10,6 +10,10 @@ import { boxOf, surfacesOf } from "./solids.ts";
 export interface Look { name: string; fill: string; edge: string; see: boolean }
 /** What is marked on the parts, as they are drawn. */
 export interface Marks { contacts: readonly ContactEntry[]; goals: readonly Goal[]; highlit: readonly number[] | null }
+/** A plane across an axis that cuts off what lies between it and the eye, at a share of the way through all parts. */
+export interface Section { axis: 0 | 1 | 2; at: number }
+/** Where the eye stands and what it looks at, from the middle of the parts [mm]. */
+export interface Eye { at: Triple; target: Triple }
 export interface Colours3d { force: string; motion: string; ghost: string; axes: [string, string, string] }
 
 export interface Hand {
@@ -22,6 +26,7 @@ export interface Hand {
   /** How many times motions are enlarged. */
   factor(): number;
   exploded(): number;
+  section(): Section | null;
   marks(): Marks | null;
   /** Whether a part may be dragged. */
   free(part: number): boolean;
@@ -33,6 +38,8 @@ export interface Hand {
   menu(part: number | null, at: { x: number; y: number }): void;
   drag(part: number, grip: Triple, target: Triple): void;
   release(): void;
+  /** The view was moved. */
+  seen(eye: Eye): void;
 }
 
 export interface SolidView {
@@ -45,6 +52,8 @@ export interface SolidView {
   keepFitted(): void;
   zoom(factor: number): void;
   turn(sideways: number, upwards: number): void;
+  /** Looks from elsewhere. */
+  see(eye: Eye): void;
   /** A step in the plane of the picture, of so many pixels, at a part's reference point [mm]. */
   across(part: number, right: number, up: number): Triple;
   remove(): void;
@@ -65,7 +74,13 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   const view = scene3d(box, label, points, before);
   const { camera, controls, world } = view;
   const canvas = view.renderer.domElement;
+  view.renderer.localClippingEnabled = true;
   let given: Solids | null = null;
+  /** Middle of the parts at rest, and how far they reach to both sides of it. */
+  const middle = new Vector3();
+  const half = new Vector3();
+  /** What is cut off: none, or one plane. */
+  let planes: Plane[] = [];
   let parts: Solid3d[] = [];
   let size = 1;
   let exploded = 0;
@@ -95,6 +110,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     if (fresh) view.look();
     else if (apart !== exploded) view.look();
     [fresh, exploded] = [false, apart];
+    section();
     const told = hand.marks();
     const of = [told?.contacts, told?.goals, told?.highlit, factor, apart, colours, given, names];
     if (moving || wasMoving || of.some((one, k) => one !== marked[k])) renewMarks(told, motion, factor, apart);
@@ -103,6 +119,18 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     axes.draw(camera.quaternion, colours.axes);
     if (held?.moved) showGhost(held);
     return moving;
+  }
+
+  /** Cuts the parts as the hand wants it. */
+  function section(): void {
+    const wanted = hand.section();
+    if (wanted) {
+      const axis = new Vector3().setComponent(wanted.axis, 1);
+      const at = middle.clone().addScaledVector(axis, (2 * wanted.at - 1) * half.getComponent(wanted.axis));
+      if (camera.position.clone().sub(at).dot(axis) > 0) axis.negate();
+      planes = [new Plane().setFromNormalAndCoplanarPoint(axis, at)];
+    } else planes = [];
+    for (const part of parts) part.cut(planes);
   }
 
   /** Enlarged displacement and turn of a part. */
@@ -193,8 +221,13 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   };
   function under(event: MouseEvent): { part: number; at: Vector3 } | null {
     caster.setFromCamera(spot(event), camera);
-    const hit = caster.intersectObjects(parts.filter((one) => one.visible && !one.userData.see).map((one) => one.body), false)[0];
-    return hit ? { part: parts.indexOf(hit.object.parent as Solid3d), at: hit.point } : null;
+    const shown = parts.filter((one) => one.visible && !one.userData.see).flatMap((one) => (planes.length ? [one.body, one.inside] : [one.body]));
+    const hit = caster.intersectObjects(shown, false).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0));
+    if (!hit) return null;
+    const part = hit.object.parent as Solid3d;
+    // a face seen from within: what is pressed is the cut before it
+    const at = hit.object === part.inside ? caster.ray.intersectPlane(planes[0]!, new Vector3()) ?? hit.point : hit.point;
+    return { part: parts.indexOf(part), at };
   }
   /** The joint whose contact is marked where the pointer is. */
   function jointAt(event: PointerEvent): [string, string] | null {
@@ -295,6 +328,11 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     ((ghost.children[0] as Line).material as LineBasicMaterial).dispose();
     ghost = null;
   }
+  const fromMiddle = (point: Vector3): Triple => point.clone().sub(middle).toArray() as Triple;
+  controls.addEventListener("change", () => {
+    canvas.dataset.eye = JSON.stringify(fromMiddle(camera.position));
+    hand.seen({ at: fromMiddle(camera.position), target: fromMiddle(controls.target) });
+  });
   const gone = new AbortController();
   const { signal } = gone;
   // before the controls hear it: they are asleep while a part is in the hand
@@ -307,13 +345,15 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     solids(next) {
       fresh ||= given === null || next.of.length !== given.of.length;
       for (const one of parts) world.remove(one);
-      for (const { body, outline } of parts) [body.geometry, outline.geometry, body.material, outline.material].forEach((one) => one.dispose());
+      for (const { body, inside, outline } of parts) [body.geometry, outline.geometry, body.material, inside.material, outline.material].forEach((one) => one.dispose());
       given = next;
       const shapes = surfacesOf(next).map(shape3d);
       parts = next.of.map((k) => new Solid3d(shapes[k]!));
       world.add(...parts);
       const { low, high } = boxOf(next);
       size = Math.max(...high.map((v, k) => v - low[k]!)) || 1;
+      middle.set(...(low.map((v, k) => (v + high[k]!) / 2) as Triple));
+      half.set(...(low.map((v, k) => (high[k]! - v) / 2) as Triple));
       view.ask();
     },
     looks(looks, next) {
@@ -333,6 +373,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     keepFitted: () => void (fresh || view.keep()),
     zoom: view.zoom,
     turn: view.turn,
+    see: ({ at, target }) => view.put(new Vector3(...at).add(middle), new Vector3(...target).add(middle)),
     across(part, right, up) {
       const one = parts[part]!;
       const far = camera.position.distanceTo(one.position);
