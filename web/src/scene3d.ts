@@ -169,7 +169,7 @@ export class Solid3d extends Group {
   constructor({ flat, edges }: Shape3d) {
     super();
     this.body = new Mesh(flat, new MeshStandardMaterial({ roughness: 0.85, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
-    this.inside = new Mesh(flat, new MeshBasicMaterial({ side: BackSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+    this.inside = new Mesh(flat, new MeshBasicMaterial({ side: BackSide, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4 }));
     this.inside.visible = false;
     this.outline = new LineSegments(edges, new LineBasicMaterial());
     this.add(this.body, this.inside, this.outline);
