@@ -13,6 +13,8 @@ import type { Surface } from "./solids.ts";
 const CREASE_DEGREES = 10;
 /** Where the eye stands at first, from what it sees: at the front right, above. */
 const EYE = new Vector3(1.25, -1.35, 0.98);
+/** A view whose direction has this cosine with an axis is one along it. */
+const ALONG = 0.9999;
 const STEP = 0.12; // radians that a key turns
 
 export interface Scene3d {
@@ -32,6 +34,8 @@ export interface Scene3d {
   turn(sideways: number, upwards: number): void;
   /** Comes nearer by a factor. */
   zoom(factor: number): void;
+  /** Looks at everything along an axis, from its positive side; where it does so already, from the other one. */
+  along(axis: Vector3): void;
   /** Puts the eye somewhere, and says what it looks at. */
   put(eye: Vector3, target: Vector3): void;
   remove(): void;
@@ -117,6 +121,13 @@ export function scene3d(box: HTMLElement, label: string, points: () => Vector3[]
       camera.position.copy(controls.target).add(arm);
       controls.update();
       ask();
+    },
+    along(axis) {
+      const arm = camera.position.clone().sub(controls.target);
+      const far = arm.length();
+      camera.position.copy(controls.target).addScaledVector(axis, arm.dot(axis) > ALONG * far ? -far : far);
+      controls.update();
+      look();
     },
     put(eye, target) {
       looked = false;

@@ -52,6 +52,8 @@ export interface SolidView {
   keepFitted(): void;
   zoom(factor: number): void;
   turn(sideways: number, upwards: number): void;
+  /** Looks along x, y or z; again from the other side. */
+  along(axis: number): void;
   /** Looks from elsewhere. */
   see(eye: Eye): void;
   /** A step in the plane of the picture, of so many pixels, at a part's reference point [mm]. */
@@ -94,7 +96,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   /** What the marks were made of, and whether the parts moved in the frame before: turning the view makes none anew. */
   let marked: unknown[] = [];
   let wasMoving = false;
-  const axes = axesIn(box);
+  const along = (axis: number): void => view.along(new Vector3().setComponent(axis, 1));
+  const axes = axesIn(box, along);
 
   /** Places the parts for a frame. */
   function before(now: number): boolean {
@@ -373,6 +376,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     keepFitted: () => void (fresh || view.keep()),
     zoom: view.zoom,
     turn: view.turn,
+    along,
     see: ({ at, target }) => view.put(new Vector3(...at).add(middle), new Vector3(...target).add(middle)),
     across(part, right, up) {
       const one = parts[part]!;
@@ -398,18 +402,24 @@ function drop(group: Group): void {
   group.clear();
 }
 
-/** The directions of x, y and z in a corner. */
-function axesIn(box: HTMLElement): { draw(eye: Quaternion, colours: readonly string[]): void; remove(): void } {
+/** The directions of x, y and z in a corner; one that is pressed is looked along. */
+function axesIn(box: HTMLElement, along: (axis: number) => void): { draw(eye: Quaternion, colours: readonly string[]): void; remove(): void } {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("class", "axes");
   svg.setAttribute("viewBox", "-50 -50 100 100");
   svg.setAttribute("aria-hidden", "true");
-  const drawn = ["x", "y", "z"].map((name) => {
+  const drawn = ["x", "y", "z"].map((name, k) => {
     const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
     const text = document.createElementNS("http://www.w3.org/2000/svg", "text");
+    const spot = document.createElementNS("http://www.w3.org/2000/svg", "circle");
+    const tip = document.createElementNS("http://www.w3.org/2000/svg", "title");
     text.textContent = name;
-    svg.append(line, text);
-    return { line, text };
+    tip.textContent = `look along ${name} (${name.toUpperCase()})`;
+    spot.setAttribute("r", "14");
+    spot.append(tip);
+    spot.addEventListener("click", () => along(k));
+    svg.append(line, text, spot);
+    return { line, text, spot };
   });
   box.append(svg);
   return {
@@ -417,10 +427,12 @@ function axesIn(box: HTMLElement): { draw(eye: Quaternion, colours: readonly str
       const back = eye.clone().invert();
       [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)].forEach((axis, k) => {
         const { x, y } = axis.applyQuaternion(back);
-        const { line, text } = drawn[k]!;
+        const { line, text, spot } = drawn[k]!;
         for (const [key, value] of [["x2", x * AXIS], ["y2", -y * AXIS]] as const) line.setAttribute(key, value.toFixed(1));
         text.setAttribute("x", (x * (AXIS + 9)).toFixed(1));
         text.setAttribute("y", (-y * (AXIS + 9)).toFixed(1));
+        spot.setAttribute("cx", text.getAttribute("x")!);
+        spot.setAttribute("cy", text.getAttribute("y")!);
         line.setAttribute("stroke", colours[k]!);
         text.setAttribute("fill", colours[k]!);
       });
