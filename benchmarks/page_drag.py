@@ -1,9 +1,11 @@
 """From the pointer to the picture: how soon a dragged part follows the hand, and how soon the true answer is painted.
 
 ``python -m benchmarks.page_drag`` drags random parts in headless Chromium, against the server as users start it, and
-prints a row an assembly: parts, the time from opening to the first settled answer, and for 50 and 95 of 100 moves of the
+prints the load of the machine and a row an assembly: parts, the time from opening to the first settled answer and the
+processor time of the server and of what solves until then, for 50 and 95 of 100 moves of the
 pointer the time to the frame in which the part follows (predicted), to the first true motion for that place or a newer
-one (corrected), for 50, 95 and 100 of 100 replies the time to the frame that shows them, and how many frames a second
+one (corrected), the processor time of what solves for each reply, for 50, 95 and 100 of 100 replies the time to the
+frame that shows them, and how many frames a second
 were painted while the hand moved. ``--sides 10x10,27x25`` measures some.
 It needs the extra ``page``, playwright and a Chromium.
 """
@@ -11,6 +13,7 @@ It needs the extra ``page``, playwright and a Chromium.
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import tempfile
 import time
@@ -20,7 +23,8 @@ from typing import Any
 import numpy as np
 
 import wiggleroom as wr
-from benchmarks.page_memory import serving
+from benchmarks.page_first import busy as processor
+from benchmarks.page_memory import serving, solvers
 from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
 SIDES = ("4x5", "10x10", "27x25", "64x64")
@@ -135,7 +139,8 @@ def measure(columns: int, rows: int) -> str:
         path = Path(folder) / "grid.json"
         assembly = wr.patterns.grid(columns, rows, joint="tee", gap=0.01)
         path.write_text(write_assembly(assembly.drawing))
-        with serving(str(path), "--pull", f"{assembly.names[-1]}:+x") as (_, address), sync_playwright() as p:
+        asked = (str(path), "--pull", f"{assembly.names[-1]}:+x")
+        with serving(*asked) as (server, address), sync_playwright() as p:
             browser = p.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
             page = browser.new_page(viewport={"width": 1440, "height": 900})
             page.add_init_script(WATCH)
@@ -143,14 +148,17 @@ def measure(columns: int, rows: int) -> str:
             page.goto(address)
             page.locator("#answer[data-settled=true]").wait_for(timeout=300_000)
             opened = time.monotonic() - began
+            spent = processor(server.pid) + sum(map(processor, solvers(server.pid)))
             box = page.locator(".stage canvas").bounding_box()
             random = np.random.default_rng(1)
             drag(page, box, random)  # compiled code is loaded
             page.evaluate("for (const list of Object.values(seen)) list.length = 0")
             traced = FrameTimes(browser)
+            solving = -sum(map(processor, solvers(server.pid)))
             for _ in range(DRAGS):
                 drag(page, box, random)
             busy = traced.end(page)
+            solving += sum(map(processor, solvers(server.pid)))
             page.wait_for_timeout(3000)
             seen = page.evaluate("seen")
             browser.close()
@@ -164,10 +172,12 @@ def measure(columns: int, rows: int) -> str:
     numbers = [*np.percentile(predicted, [50, 95]), *np.percentile(corrected, [50, 95])]
     reply = np.percentile(until_shown(seen["replies"], seen["shown"]), [50, 95, 100])
     ends = np.percentile(busy, [95, 99])
+    each = 1e3 * solving / max(len(seen["replies"]), 1)
     frames = 1e3 / np.median(np.diff(painted))
     waits = " ".join(f"{v:9.0f}" for v in numbers)
     shown = " ".join(f"{v:6.0f}" for v in reply)
-    return f"{columns * rows:6d} {opened:10.1f}   {waits}   {shown} {frames:12.0f} {ends[0]:12.1f} {ends[1]:6.1f}"
+    first = f"{os.getloadavg()[0]:6.1f} {columns * rows:6d} {opened:10.1f} {spent:6.1f}"
+    return f"{first}   {waits} {each:6.0f}   {shown} {frames:12.0f} {ends[0]:12.1f} {ends[1]:6.1f}"
 
 
 def main() -> None:
@@ -176,7 +186,7 @@ def main() -> None:
     parser.add_argument("--sides", default=",".join(SIDES))
     options = parser.parse_args()
     print(
-        " parts  first [s]   predicted 50, 95 %   corrected 50, 95 %   reply to frame 50, 95, 100 % [ms]"
+        "  load  parts  first, processor [s]   predicted 50, 95 %   corrected 50, 95 %, processor   reply to frame 50, 95, 100 % [ms]"
         "   frames a second   work 95, 99 % [ms]"
     )
     for sides in options.sides.split(","):

@@ -111,17 +111,45 @@ def test_a_kerf_that_the_gap_does_not_leave_room_for_is_refused(sheet: Path, com
     assert not Path("cut.svg").exists()
 
 
-def test_outlines_that_are_copies_are_refused_and_other_copies_stay(tmp_path: Path, command_output: Command) -> None:
+COPIES = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="200mm" height="90mm"
+viewBox="0 0 400 180"><style>.cut{stroke:#f00;fill:none}</style>
+<defs><g id="pair"><path id="tile" class="cut" d="M2 2h40v40h-40z"/><text x="4" y="20">t</text></g>
+<symbol id="sign" viewBox="0 0 10 10"><circle id="disc" class="cut" cx="5" cy="5" r="4"/></symbol>
+<g id="two"><use href="#pair"/><use xlink:href="#pair" x="50" id="right"/></g></defs>
+<use id="first" href="#two" x="5" y="5"/>
+<use href="#two" transform="translate(150 20) rotate(10)" y="3"/>
+<use xlink:href="#sign" x="20" y="100" width="60" height="60"/>
+<rect id="original" class="cut" x="120" y="100" width="30" height="20"/><use href="#original" x="60"/>
+</svg>"""
+
+
+def test_outlines_that_are_copies_become_shapes_of_their_own(tmp_path: Path, command_output: Command) -> None:
+    """Copies of copies, of symbols and of what stands there itself: all outlines move by half the gap, and all texts stay."""
+    (tmp_path / "copies.svg").write_text(COPIES)
+    assert command_output("convert", tmp_path / "copies.svg", tmp_path / "cut.svg", "--gap", "0.4")[0] == 0
+    before, after = areas(tmp_path / "copies.svg"), areas(tmp_path / "cut.svg")
+    assert len(before) == len(after) == 7
+    for was, now in zip(before, after, strict=True):
+        assert now.symmetric_difference(was.buffer(-0.2, join_style="mitre")).area < 1e-3 * was.area
+    text = (tmp_path / "cut.svg").read_text()
+    assert text.count(">t</text>") == 5  # in the original, and in each copy
+    assert text.count('id="first"') == text.count('id="tile"') == text.count('id="original"') == 1
+
+
+def test_a_copy_that_looks_otherwise_alone_is_refused_and_other_copies_stay(
+    tmp_path: Path, command_output: Command
+) -> None:
     head = '<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="40mm" viewBox="0 0 90 40">'
     part = '<path id="a" fill="none" stroke="black" d="M1 1h20v20h-20z"/>'
     mark = '<path id="m" fill="none" stroke="black" d="M30 3l4 4"/><use href="#m" x="5"/>'
     (tmp_path / "marks.svg").write_text(f"{head}{part}{mark}</svg>")
     assert command_output("convert", tmp_path / "marks.svg", tmp_path / "cut.svg", "--gap", "1")[0] == 0
     assert mark in (tmp_path / "cut.svg").read_text()
-    (tmp_path / "copies.svg").write_text(f'{head}{part}<use href="#a" x="40"/></svg>')
+    rule = "<style>#a{stroke:#f00;stroke-width:2}</style>"  # about the original: a copy without its name would lose it
+    (tmp_path / "copies.svg").write_text(f'{head}{rule}{part}<use href="#a" x="40"/></svg>')
     code, _, said = command_output("convert", tmp_path / "copies.svg", tmp_path / "no.svg", "--gap", "1")
     assert code != 0
-    assert "an outline is a copy (use) of another shape; unlink the copies first" in said[-1]
+    assert "line 1: a copy (use) of an outline depends on its link; unlink it first" in said[-1]
 
 
 def test_only_outlines_move_in_a_dxf_also_those_in_blocks(tmp_path: Path, command_output: Command) -> None:
@@ -170,9 +198,22 @@ PROJECT = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def test_outlines_go_into_a_lightburn_project_and_its_layers_stay(tmp_path: Path, command_output: Command) -> None:
-    (tmp_path / "plate.lbrn2").write_text(PROJECT, encoding="utf-8")
-    path, cut = tmp_path / "plate.lbrn2", tmp_path / "cut.lbrn2"
+LISTS = re.compile(r"<VertList>.*</PrimList>", re.DOTALL)
+ELEMENTS = (
+    '<V vx="80" vy="0"/><V vx="90" vy="0"/><V vx="90" vy="10"/><V vx="80" vy="10"/><V vx="85" vy="4" c0x="86" c0y="5"/>'
+    '<V vx="88" vy="6" c1x="87" c1y="7"/><P T="L" p0="0" p1="1"/><P T="L" p0="1" p1="2"/><P T="L" p0="2" p1="3"/>'
+    '<P T="L" p0="3" p1="0"/><P T="B" p0="4" p1="5"/>'
+)
+"""The vertices and edges of the path as older projects have them."""
+
+
+@pytest.mark.parametrize("ending", ["lbrn2", "lbrn"])
+def test_outlines_go_into_a_lightburn_project_and_its_layers_stay(
+    tmp_path: Path, command_output: Command, ending: str
+) -> None:
+    path, cut = tmp_path / f"plate.{ending}", tmp_path / f"cut.{ending}"
+    project = LISTS.sub(ELEMENTS, PROJECT) if ending == "lbrn" else PROJECT
+    path.write_text(project, encoding="utf-8")
     said = command_output("convert", path, cut, "--gap", "0.4", "--kerf", "0.1")
     assert said[0] == 0, said
     text = cut.read_text(encoding="utf-8")
@@ -183,15 +224,20 @@ def test_outlines_go_into_a_lightburn_project_and_its_layers_stay(tmp_path: Path
         "<XForm>0 1 -1 0 50 10</XForm>",
     ):
         assert kept in text
-    assert re.search(r'<Shape Type="Path" CutIndex="0" PowerScale="80"><XForm>1 0 0 1 30 30</XForm><VertList>V', text)
+    first, curve = {
+        "lbrn2": ("<VertList>V", "V85 4c0x86c0y5V88 6c1x87c1y7"),
+        "lbrn": ('<V vx="', ELEMENTS[ELEMENTS.index('<V vx="85"') : ELEMENTS.index("<P ")]),
+    }[ending]
+    assert f'<Shape Type="Path" CutIndex="0" PowerScale="80"><XForm>1 0 0 1 30 30</XForm>{first}' in text
     assert 'Name="pe&amp;g"' in text
     was_all, now_all = areas(path), areas(cut)
     assert len(was_all) == len(now_all) == 3
-    assert "V85 4c0x86c0y5V88 6c1x87c1y7" in text  # a curve that is no outline, of the same shape
+    assert curve in text  # a curve that is no outline, of the same shape
     for was, now in zip(was_all, now_all, strict=True):
         assert now.symmetric_difference(was.buffer(-0.15, join_style="mitre")).area < 1e-3 * was.area
-    command_output("convert", path, tmp_path / "same.lbrn2")
-    assert (tmp_path / "same.lbrn2").read_text(encoding="utf-8") == PROJECT
+    assert ("<VertList>" in text) == (ending == "lbrn2")
+    command_output("convert", path, tmp_path / f"same.{ending}")
+    assert (tmp_path / f"same.{ending}").read_text(encoding="utf-8") == project
 
 
 def test_a_shape_that_shares_its_vertices_with_an_outline_is_refused(tmp_path: Path, command_output: Command) -> None:

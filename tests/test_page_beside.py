@@ -6,11 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.app_client import Served
 from tests.browser_page import PEG, accessible, answered, serving, visiting
-from tests.page_waits import until
+from tests.page_waits import settled, until
 
 pytestmark = pytest.mark.slow
 
@@ -129,6 +130,35 @@ def test_the_file_of_the_command_is_one_press_away(browser: Any, peg: Served) ->
         answered(page, "peg moves 1 mm")
 
 
+def together(page: Any) -> None:
+    """Both pictures are turned by either, until each is moved alone."""
+
+    def eyes() -> list[list[float]]:
+        canvases = [page.locator(one) for one in (live, ".beside canvas")]
+        found: list[list[float]] = settled(
+            page, lambda: [np.round(json.loads(e.get_attribute("data-eye")), 3).tolist() for e in canvases]
+        )
+        return found
+
+    live = ".stage:not(.pane) canvas"
+    page.locator(live).focus()
+    page.keyboard.press("ArrowRight")
+    first, second = eyes()
+    assert first == second
+    box = page.locator(".beside canvas").bounding_box()
+    page.mouse.move(box["x"] + 30, box["y"] + box["height"] - 30)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 90, box["y"] + box["height"] - 50, steps=4)
+    page.mouse.up()
+    turned, second = eyes()
+    assert turned == second != first
+    page.locator(".beside").get_by_role("button", name="Linked").click()
+    page.locator(live).focus()
+    page.keyboard.press("ArrowLeft")
+    alone, second = eyes()
+    assert alone != second == turned
+
+
 def test_an_answer_in_space_is_kept_beside_another_file(browser: Any, tmp_path: Path) -> None:
     stop = {
         "format": "wiggleroom/2",
@@ -145,6 +175,7 @@ def test_an_answer_in_space_is_kept_beside_another_file(browser: Any, tmp_path: 
         page.locator("#answer[data-settled=true]").wait_for()
         page.keyboard.press("b")
         page.locator(".beside .stage.solid canvas").wait_for()
+        together(page)
         stop["parts"][1]["at"] = [20, 0, 1]
         dropped(page, "nearer.json", json.dumps(stop))
         page.locator("#answer[data-settled=true]").wait_for()

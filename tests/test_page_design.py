@@ -121,6 +121,19 @@ def test_a_part_that_is_pressed_leaves_what_is_to_be_set_and_each_thing_has_one_
         assert page.locator(".findings").inner_text() == before
 
 
+def test_a_file_with_nothing_fixed_leaves_the_tab_that_is_open(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        gaps = page.get_by_role("tab", name="Gaps")
+        gaps.click()
+        dropped(page, "loose.json", loose())
+        page.locator(".findings.missing", has_text="One thing to set first").wait_for()
+        assert gaps.get_attribute("aria-selected") == "true"
+        page.locator(".findings").get_by_role("button", name=re.compile("^Fix ")).click()
+        answered(page, "peg moves 1 mm")
+        assert gaps.get_attribute("aria-selected") == "true"
+
+
 def test_an_answer_is_called_optimal_only_when_the_search_has_ended(browser: Any, peg: Served) -> None:
     with visiting(browser, peg) as page:
         without(page, "bound")

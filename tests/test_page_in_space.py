@@ -245,6 +245,53 @@ def test_the_exploded_view_and_seeing_past_a_part_change_the_picture_alone(brows
         answered(page, "block moves 0.4 mm in +x")
 
 
+def test_the_view_along_an_axis_and_from_its_other_side(browser: Any, lid: Served) -> None:
+    def side() -> list[float]:
+        """Direction of the eye from the middle of all parts."""
+        canvas = page.locator(".stage canvas")
+        eye = np.array(settled(page, lambda: json.loads(canvas.get_attribute("data-eye"))))
+        found: list[float] = (eye / np.linalg.norm(eye)).tolist()
+        return found
+
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        for axis, name in enumerate("xyz"):
+            there = np.eye(3)[axis]
+            page.keyboard.press(name)
+            assert side() == pytest.approx(there, abs=0.2)  # the middle of the picture is not quite that of the parts
+            page.locator(".axes circle").nth(axis).click()
+            assert side() == pytest.approx(-there, abs=0.2)
+        page.keyboard.press("ArrowUp")
+        assert side()[2] > -0.999
+
+
+def test_a_cut_shows_what_is_inside_and_lets_it_be_pressed(browser: Any, tmp_path: Path) -> None:
+    walls = [[0, 0, 0, 40, 30, 1], [0, 0, 29, 40, 30, 30], [0, 0, 1, 1, 30, 29], [39, 0, 1, 40, 30, 29]]
+    walls += [[1, 0, 1, 39, 1, 29], [1, 29, 1, 39, 30, 29]]
+    shell = {"name": "shell", "boxes": walls, "fixed": True}
+    path = tmp_path / "closed.json"
+    parts = [shell, {"name": "core", "boxes": [[5, 5, 5, 35, 25, 25]]}]
+    path.write_text(json.dumps({"format": "wiggleroom/2", "parts": parts}))
+    with following(path) as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for()
+        closed = picture(page)
+
+        def pressed() -> str:
+            page.mouse.click(*middle(page))
+            name: str = settled(page, lambda: page.locator(".selection .name").inner_text())
+            return name
+
+        assert pressed() == "shell"
+        for axis in "xyz":
+            page.get_by_label("cut across an axis").select_option(axis)
+            assert pressed() == "core"
+            page.get_by_label("place of the cut").fill("0")  # or all of it, where the eye is beyond
+            assert picture(page) != closed
+            page.get_by_label("place of the cut").fill("0.5")
+        page.get_by_label("cut across an axis").select_option("none")
+        assert pressed() == "shell"
+
+
 def test_a_part_is_dragged_by_keys_and_goes_back(browser: Any, lid: Served) -> None:
     with visiting(browser, lid) as page:
         answered(page, "block moves 0.4 mm in +x")

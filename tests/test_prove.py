@@ -278,6 +278,30 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
     assert wider - plain == pytest.approx(apart * np.hypot(y[..., 0], y[..., 1]).sum(1), rel=1e-3)
 
 
+def test_the_search_for_windows_ends_when_it_is_asked_to():
+    """At once, with the windows that it has."""
+    from wiggleroom.bound.local_windows import windows
+
+    class After:
+        def __init__(self, calls: float) -> None:
+            self.left, self.calls = calls, 0
+
+        def is_set(self) -> bool:
+            self.calls += 1
+            return self.calls > self.left
+
+    surveyed = survey(wr.patterns.grid(5, 5, joint="tee", gap=0.02))
+    joints, _ = outer_regions(surveyed, WorkBudget())
+    place = surveyed.bodies.rest[:, :2]
+    whole = After(np.inf)
+    every = windows(place, joints, surveyed.clearance, 4, whole)
+    for calls in (3, len(place) + 10):
+        asked = After(calls)
+        found = windows(place, joints, surveyed.clearance, 4, asked)
+        assert asked.calls == calls + 1 < whole.calls / 3
+        assert len(found) < len(every)
+
+
 @pytest.mark.parametrize("reach", [1, 2])
 def test_neighbourhoods_cut_no_motion_that_is_worth_enough(reach, monkeypatch):
     from wiggleroom.bound import neighbourhood_tightening

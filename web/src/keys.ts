@@ -20,6 +20,7 @@ const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], 
 const LONG = ["assemble", "lay", "tighten", "sample", "gap", "prove", "sweep", "check", "limit", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 const TURN = 0.12; // radians that the view in space turns by one press
+const AXES = "xyz";
 /** Keys for what there is of drawings alone. */
 const OF_DRAWINGS = "mlwr";
 
@@ -68,6 +69,7 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "+" || key === "=") zoomBy(1.3);
   else if (key === "-") zoomBy(1 / 1.3);
   else if (key === "0") fitAll();
+  else if (inSpace() && solidView.peek() && AXES.includes(key)) solidView.peek()!.along(AXES.indexOf(key));
   else if (key === "m") measuring.peek() ? stopMeasuring() : (measuring.value = true);
   else if (key === "." || key === ",") step(key === "." ? 1 : -1);
   else if (key === "Escape") escape();

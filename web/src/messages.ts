@@ -187,7 +187,7 @@ export interface SaveRequest {
   kind: "save";
   id: number;
   design: Design;
-  what: "assembly" | "cut-dxf" | "cut-lbrn2" | "cut-svg" | "gif" | "glb" | "html" | "json" | "mp4" | "png" | "stills" | "svg";
+  what: "assembly" | "cut-dxf" | "cut-lbrn" | "cut-lbrn2" | "cut-svg" | "gif" | "glb" | "html" | "json" | "mp4" | "png" | "stills" | "svg";
   of?: "check" | "flex" | "plan";
   kerf?: number; // width of the cut [mm]; of outlines to cut
 }

@@ -1,8 +1,8 @@
 /** Solids in a scene of three.js: light that comes with the eye, edges, marks of contacts, turning by hand and by keys. */
 
 import {
-  AmbientLight, ArrowHelper, BufferAttribute, BufferGeometry, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, type Material, Mesh,
-  MeshStandardMaterial, type PerspectiveCamera, type Quaternion, Scene, SphereGeometry, Vector3, type WebGLRenderer,
+  AmbientLight, ArrowHelper, BackSide, BufferAttribute, BufferGeometry, Color, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, type Material, Mesh,
+  MeshBasicMaterial, MeshStandardMaterial, type PerspectiveCamera, type Plane, type Quaternion, Scene, SphereGeometry, Vector3, type WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { canvas3d } from "./canvas3d.ts";
@@ -13,6 +13,8 @@ import type { Surface } from "./solids.ts";
 const CREASE_DEGREES = 10;
 /** Where the eye stands at first, from what it sees: at the front right, above. */
 const EYE = new Vector3(1.25, -1.35, 0.98);
+/** A view whose direction has this cosine with an axis is one along it. */
+const ALONG = 0.9999;
 const STEP = 0.12; // radians that a key turns
 
 export interface Scene3d {
@@ -32,6 +34,10 @@ export interface Scene3d {
   turn(sideways: number, upwards: number): void;
   /** Comes nearer by a factor. */
   zoom(factor: number): void;
+  /** Looks at everything along an axis, from its positive side; where it does so already, from the other one. */
+  along(axis: Vector3): void;
+  /** Puts the eye somewhere, and says what it looks at. */
+  put(eye: Vector3, target: Vector3): void;
   remove(): void;
 }
 
@@ -116,6 +122,20 @@ export function scene3d(box: HTMLElement, label: string, points: () => Vector3[]
       controls.update();
       ask();
     },
+    along(axis) {
+      const arm = camera.position.clone().sub(controls.target);
+      const far = arm.length();
+      camera.position.copy(controls.target).addScaledVector(axis, arm.dot(axis) > ALONG * far ? -far : far);
+      controls.update();
+      look();
+    },
+    put(eye, target) {
+      looked = false;
+      controls.target.copy(target);
+      camera.position.copy(eye);
+      controls.update();
+      ask();
+    },
     remove() {
       cancelAnimationFrame(wanted);
       watch.disconnect();
@@ -148,16 +168,28 @@ export function shape3d({ corners, triangles }: Surface): Shape3d {
   return { flat, edges: new EdgesGeometry(geometry, CREASE_DEGREES) };
 }
 
-/** A part: its faces and its edges. */
+/** How much of the colour of its edges a cut face has. */
+const CUT = 0.45;
+
+/** A part: its faces and its edges, and its faces from within: in one even colour they look like the face where a plane cuts it. */
 export class Solid3d extends Group {
   readonly body: Mesh<BufferGeometry, MeshStandardMaterial>;
+  readonly inside: Mesh<BufferGeometry, MeshBasicMaterial>;
   readonly outline: LineSegments<BufferGeometry, LineBasicMaterial>;
 
   constructor({ flat, edges }: Shape3d) {
     super();
     this.body = new Mesh(flat, new MeshStandardMaterial({ roughness: 0.85, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+    this.inside = new Mesh(flat, new MeshBasicMaterial({ side: BackSide, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4 }));
+    this.inside.visible = false;
     this.outline = new LineSegments(edges, new LineBasicMaterial());
-    this.add(this.body, this.outline);
+    this.add(this.body, this.inside, this.outline);
+  }
+
+  /** Shows what lies on one side of planes alone. */
+  cut(planes: Plane[]): void {
+    for (const { material } of [this.body, this.inside, this.outline]) material.clippingPlanes = planes;
+    this.inside.visible = planes.length > 0 && this.body.visible;
   }
 
   /** Corners of its own box, turned and moved. */
@@ -169,6 +201,7 @@ export class Solid3d extends Group {
 
   paint(fill: string, edge: string): void {
     this.body.material.color.set(fill);
+    this.inside.material.color.set(fill).lerp(new Color(edge), CUT);
     this.outline.material.color.set(edge);
   }
 }

@@ -596,6 +596,7 @@ function opened(reply: Opened): void {
   state.solids.value = reply.solids ?? null;
   state.outlined.value = new Set();
   state.exploded.value = 0;
+  state.section.value = null;
   state.shaped.value = null;
   outlines = "";
   state.drawing.value = reply;
@@ -715,7 +716,7 @@ function failed(of: string, lines: Fault[], about?: Design): void {
   state.pointed.value = null;
   state.findings.value = lines;
   if (lines.length && state.drawing.peek() && state.tab.peek() !== "sheet") {
-    state.tab.value = ofSheet(of) ? "sheet" : "answer";
+    if (ofSheet(of)) state.tab.value = "sheet";
     state.sheetOpen.value = true;
   }
 }

@@ -10,6 +10,10 @@ import { boxOf, surfacesOf } from "./solids.ts";
 export interface Look { name: string; fill: string; edge: string; see: boolean }
 /** What is marked on the parts, as they are drawn. */
 export interface Marks { contacts: readonly ContactEntry[]; goals: readonly Goal[]; highlit: readonly number[] | null }
+/** A plane across an axis that cuts off what lies between it and the eye, at a share of the way through all parts. */
+export interface Section { axis: 0 | 1 | 2; at: number }
+/** Where the eye stands and what it looks at, from the middle of the parts [mm]. */
+export interface Eye { at: Triple; target: Triple }
 export interface Colours3d { force: string; motion: string; ghost: string; axes: [string, string, string] }
 
 export interface Hand {
@@ -22,6 +26,7 @@ export interface Hand {
   /** How many times motions are enlarged. */
   factor(): number;
   exploded(): number;
+  section(): Section | null;
   marks(): Marks | null;
   /** Whether a part may be dragged. */
   free(part: number): boolean;
@@ -33,6 +38,8 @@ export interface Hand {
   menu(part: number | null, at: { x: number; y: number }): void;
   drag(part: number, grip: Triple, target: Triple): void;
   release(): void;
+  /** The view was moved. */
+  seen(eye: Eye): void;
 }
 
 export interface SolidView {
@@ -45,6 +52,10 @@ export interface SolidView {
   keepFitted(): void;
   zoom(factor: number): void;
   turn(sideways: number, upwards: number): void;
+  /** Looks along x, y or z; again from the other side. */
+  along(axis: number): void;
+  /** Looks from elsewhere. */
+  see(eye: Eye): void;
   /** A step in the plane of the picture, of so many pixels, at a part's reference point [mm]. */
   across(part: number, right: number, up: number): Triple;
   remove(): void;
@@ -65,7 +76,13 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   const view = scene3d(box, label, points, before);
   const { camera, controls, world } = view;
   const canvas = view.renderer.domElement;
+  view.renderer.localClippingEnabled = true;
   let given: Solids | null = null;
+  /** Middle of the parts at rest, and how far they reach to both sides of it. */
+  const middle = new Vector3();
+  const half = new Vector3();
+  /** What is cut off: none, or one plane. */
+  let planes: Plane[] = [];
   let parts: Solid3d[] = [];
   let size = 1;
   let exploded = 0;
@@ -79,7 +96,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   /** What the marks were made of, and whether the parts moved in the frame before: turning the view makes none anew. */
   let marked: unknown[] = [];
   let wasMoving = false;
-  const axes = axesIn(box);
+  const along = (axis: number): void => view.along(new Vector3().setComponent(axis, 1));
+  const axes = axesIn(box, along);
 
   /** Places the parts for a frame. */
   function before(now: number): boolean {
@@ -95,6 +113,7 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     if (fresh) view.look();
     else if (apart !== exploded) view.look();
     [fresh, exploded] = [false, apart];
+    section();
     const told = hand.marks();
     const of = [told?.contacts, told?.goals, told?.highlit, factor, apart, colours, given, names];
     if (moving || wasMoving || of.some((one, k) => one !== marked[k])) renewMarks(told, motion, factor, apart);
@@ -103,6 +122,18 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     axes.draw(camera.quaternion, colours.axes);
     if (held?.moved) showGhost(held);
     return moving;
+  }
+
+  /** Cuts the parts as the hand wants it. */
+  function section(): void {
+    const wanted = hand.section();
+    if (wanted) {
+      const axis = new Vector3().setComponent(wanted.axis, 1);
+      const at = middle.clone().addScaledVector(axis, (2 * wanted.at - 1) * half.getComponent(wanted.axis));
+      if (camera.position.clone().sub(at).dot(axis) > 0) axis.negate();
+      planes = [new Plane().setFromNormalAndCoplanarPoint(axis, at)];
+    } else planes = [];
+    for (const part of parts) part.cut(planes);
   }
 
   /** Enlarged displacement and turn of a part. */
@@ -193,8 +224,13 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   };
   function under(event: MouseEvent): { part: number; at: Vector3 } | null {
     caster.setFromCamera(spot(event), camera);
-    const hit = caster.intersectObjects(parts.filter((one) => one.visible && !one.userData.see).map((one) => one.body), false)[0];
-    return hit ? { part: parts.indexOf(hit.object.parent as Solid3d), at: hit.point } : null;
+    const shown = parts.filter((one) => one.visible && !one.userData.see).flatMap((one) => (planes.length ? [one.body, one.inside] : [one.body]));
+    const hit = caster.intersectObjects(shown, false).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0));
+    if (!hit) return null;
+    const part = hit.object.parent as Solid3d;
+    // a face seen from within: what is pressed is the cut before it
+    const at = hit.object === part.inside ? caster.ray.intersectPlane(planes[0]!, new Vector3()) ?? hit.point : hit.point;
+    return { part: parts.indexOf(part), at };
   }
   /** The joint whose contact is marked where the pointer is. */
   function jointAt(event: PointerEvent): [string, string] | null {
@@ -295,6 +331,11 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     ((ghost.children[0] as Line).material as LineBasicMaterial).dispose();
     ghost = null;
   }
+  const fromMiddle = (point: Vector3): Triple => point.clone().sub(middle).toArray() as Triple;
+  controls.addEventListener("change", () => {
+    canvas.dataset.eye = JSON.stringify(fromMiddle(camera.position));
+    hand.seen({ at: fromMiddle(camera.position), target: fromMiddle(controls.target) });
+  });
   const gone = new AbortController();
   const { signal } = gone;
   // before the controls hear it: they are asleep while a part is in the hand
@@ -307,13 +348,15 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     solids(next) {
       fresh ||= given === null || next.of.length !== given.of.length;
       for (const one of parts) world.remove(one);
-      for (const { body, outline } of parts) [body.geometry, outline.geometry, body.material, outline.material].forEach((one) => one.dispose());
+      for (const { body, inside, outline } of parts) [body.geometry, outline.geometry, body.material, inside.material, outline.material].forEach((one) => one.dispose());
       given = next;
       const shapes = surfacesOf(next).map(shape3d);
       parts = next.of.map((k) => new Solid3d(shapes[k]!));
       world.add(...parts);
       const { low, high } = boxOf(next);
       size = Math.max(...high.map((v, k) => v - low[k]!)) || 1;
+      middle.set(...(low.map((v, k) => (v + high[k]!) / 2) as Triple));
+      half.set(...(low.map((v, k) => (high[k]! - v) / 2) as Triple));
       view.ask();
     },
     looks(looks, next) {
@@ -333,6 +376,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     keepFitted: () => void (fresh || view.keep()),
     zoom: view.zoom,
     turn: view.turn,
+    along,
+    see: ({ at, target }) => view.put(new Vector3(...at).add(middle), new Vector3(...target).add(middle)),
     across(part, right, up) {
       const one = parts[part]!;
       const far = camera.position.distanceTo(one.position);
@@ -357,18 +402,24 @@ function drop(group: Group): void {
   group.clear();
 }
 
-/** The directions of x, y and z in a corner. */
-function axesIn(box: HTMLElement): { draw(eye: Quaternion, colours: readonly string[]): void; remove(): void } {
+/** The directions of x, y and z in a corner; one that is pressed is looked along. */
+function axesIn(box: HTMLElement, along: (axis: number) => void): { draw(eye: Quaternion, colours: readonly string[]): void; remove(): void } {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("class", "axes");
   svg.setAttribute("viewBox", "-50 -50 100 100");
   svg.setAttribute("aria-hidden", "true");
-  const drawn = ["x", "y", "z"].map((name) => {
+  const drawn = ["x", "y", "z"].map((name, k) => {
     const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
     const text = document.createElementNS("http://www.w3.org/2000/svg", "text");
+    const spot = document.createElementNS("http://www.w3.org/2000/svg", "circle");
+    const tip = document.createElementNS("http://www.w3.org/2000/svg", "title");
     text.textContent = name;
-    svg.append(line, text);
-    return { line, text };
+    tip.textContent = `look along ${name} (${name.toUpperCase()})`;
+    spot.setAttribute("r", "14");
+    spot.append(tip);
+    spot.addEventListener("click", () => along(k));
+    svg.append(line, text, spot);
+    return { line, text, spot };
   });
   box.append(svg);
   return {
@@ -376,10 +427,12 @@ function axesIn(box: HTMLElement): { draw(eye: Quaternion, colours: readonly str
       const back = eye.clone().invert();
       [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)].forEach((axis, k) => {
         const { x, y } = axis.applyQuaternion(back);
-        const { line, text } = drawn[k]!;
+        const { line, text, spot } = drawn[k]!;
         for (const [key, value] of [["x2", x * AXIS], ["y2", -y * AXIS]] as const) line.setAttribute(key, value.toFixed(1));
         text.setAttribute("x", (x * (AXIS + 9)).toFixed(1));
         text.setAttribute("y", (-y * (AXIS + 9)).toFixed(1));
+        spot.setAttribute("cx", text.getAttribute("x")!);
+        spot.setAttribute("cy", text.getAttribute("y")!);
         line.setAttribute("stroke", colours[k]!);
         text.setAttribute("fill", colours[k]!);
       });

@@ -7,6 +7,7 @@ import type {
 } from "./protocol.ts";
 import type { Opening } from "./keep.ts";
 import type { Line } from "./socket.ts";
+import type { Section } from "./stage3d.ts";
 import { boxOf, reachOfSolids } from "./solids.ts";
 
 /** An answer and the design that it answers. */
@@ -99,6 +100,8 @@ export const highlit = signal<readonly number[] | null>(null);
 export const outlined = signal<ReadonlySet<string>>(new Set());
 /** How far parts in space are taken apart in the picture, 0 to 1.5. */
 export const exploded = signal(0);
+/** Where parts in space are cut through in the picture. */
+export const section = signal<Section | null>(null);
 
 export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "sheet" | "study" | "sure";
 export const tab = signal<Tab>("answer");

@@ -43,6 +43,7 @@ FILE_KINDS = {
     "cut-svg": ("-cut.svg", "image/svg+xml"),
     "cut-dxf": ("-cut.dxf", "image/vnd.dxf"),
     "cut-lbrn2": ("-cut.lbrn2", "application/xml"),
+    "cut-lbrn": ("-cut.lbrn", "application/xml"),
 }
 """What is added to the drawing's name, and what the browser is told it is."""
 

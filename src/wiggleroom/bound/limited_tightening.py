@@ -80,7 +80,7 @@ def tightened(
         most = max(value, cutoff.worth if np.isfinite(best) else -np.inf)
         gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
         best = min(best, most)
-        if best <= (1 + near) * found or gain < MIN_GAIN or work < first:
+        if best <= (1 + near) * found or gain < MIN_GAIN or work < first or budget.is_set():
             break
         new = (
             neighbourhood_cuts(program, multipliers, asked, cutoff, budget)

@@ -15,6 +15,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import JointConstraints, TurnDifferences
+from wiggleroom.deadline import WorkBudget
+from wiggleroom.errors import Stop
 from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
@@ -54,18 +56,30 @@ class Window:
     placed_joints: Ints
 
 
-def windows(place: Floats, joints: JointConstraints, clearance: float, span: int) -> list[Window]:
-    """Windows of a span whose joints form rings, those that stand most often first; origins of bodies rest at `place` (n, 2) [mm]."""
+def windows(
+    place: Floats, joints: JointConstraints, clearance: float, span: int, stop: Stop | None = None
+) -> list[Window]:
+    """Windows of a span whose joints form rings, those that stand most often first; origins of bodies rest at `place` (n, 2) [mm].
+
+    A request to `stop` ends the search with the windows found before.
+    """
+    stop = stop or WorkBudget()
     n = len(place)
     near = _neighbours(n, joints)
-    away = [_distances(near, k, span) for k in range(n)]
     number = {(int(a), int(b)): k for k, (a, b) in enumerate(zip(joints.a, joints.b, strict=True))}
     places = _Places(place, joints, CONGRUENCE_TOLERANCE * clearance)
     done: set[tuple[int, ...]] = set()
     found: list[Window] = []
     most = max(MAX_BODIES, (span // 2 + 1) ** 2)
+    away: list[dict[int, int]] = []
+    for k in range(n):
+        if stop.is_set():
+            return []
+        away.append(_distances(near, k, span))
     for root in range(n):
         for end, d in away[root].items():
+            if stop.is_set():
+                return found
             if d != span:
                 continue
             inside = sorted(
@@ -73,8 +87,10 @@ def windows(place: Floats, joints: JointConstraints, clearance: float, span: int
                 key=lambda k: (away[root][k], k),
             )
             key = (root, *sorted(inside))
+            if key in done or len(inside) > most or len(inside) == n:
+                continue
             own = [number[p] for p in ((a, b) for a in inside for b in near[a] if b in inside) if p in number]
-            if key in done or len(inside) > most or len(own) < len(inside) or len(inside) == n:
+            if len(own) < len(inside):
                 continue
             made = places.window(np.array(inside), np.array(sorted(own)))
             # what the last body turns against the first one the first one turns against the last one
@@ -115,23 +131,27 @@ class _Places:
     def window(self, bodies: Ints, own: Ints) -> Window:
         """A window of some bodies and their joints, with all its placements."""
         rows, mine = [bodies], [own]
-        for other in np.flatnonzero(self.joints.kind == self.joints.kind[own[0]]).tolist():
-            found = None if other == own[0] else self._joints_at(own, other)
-            at = None if found is None else self._bodies_of(bodies, own, found)
-            if found is not None and at is not None:
+        for found in self._joints_at(own):
+            at = self._bodies_of(bodies, own, found)
+            if at is not None:
                 rows.append(at)
                 mine.append(found)
         return Window(bodies, own, np.array(rows), np.array(mine))
 
-    def _joints_at(self, own: Ints, first: int) -> Ints | None:
-        """The joints that lie where some would lie if the first of them were moved onto another one; None where one is missing."""
+    def _joints_at(self, own: Ints) -> Ints:
+        """Joints (m, k) that lie elsewhere as `own` (k,) lie here: each row where they would lie if the first were moved onto another."""
         axes, kind = self.joints.axes, self.joints.kind
-        angle = float(axes[first] - axes[own[0]])
-        at = rotated(self.pivot[own] - self.pivot[own[0]], angle) + self.pivot[first]
-        (_, which), away = self.tree.query_nearest(shapely.points(at), return_distance=True, all_matches=False)
-        turned = np.remainder(axes[which] - axes[own] - angle + np.pi, 2 * np.pi) - np.pi
-        same = (away <= self.tolerance) & (kind[which] == kind[own]) & (np.abs(turned) <= ANGLE_TOLERANCE)
-        return np.asarray(which, dtype=np.int64) if same.all() else None
+        first = np.flatnonzero(kind == kind[own[0]])
+        first = first[first != own[0]]
+        angle = axes[first] - axes[own[0]]
+        found = first[:, None]
+        for joint in own[1:].tolist():  # what lacks one is not looked at any further
+            at = rotated(self.pivot[joint] - self.pivot[own[0]], angle) + self.pivot[found[:, 0]]
+            (_, which), away = self.tree.query_nearest(shapely.points(at), return_distance=True, all_matches=False)
+            turned = np.remainder(axes[which] - axes[joint] - angle + np.pi, 2 * np.pi) - np.pi
+            same = (away <= self.tolerance) & (kind[which] == kind[joint]) & (np.abs(turned) <= ANGLE_TOLERANCE)
+            found, angle = np.column_stack([found, which])[same], angle[same]
+        return np.asarray(found, dtype=np.int64)
 
     def _bodies_of(self, bodies: Ints, own: Ints, found: Ints) -> Ints | None:
         """The bodies (w,) that joints `found` join as the joints `own` do `bodies`; None where they join others."""

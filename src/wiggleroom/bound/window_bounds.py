@@ -47,7 +47,7 @@ def bounded_windows(
 ) -> Iterator[tuple[Linkage, WindowProof]]:
     """The linkage with what one window after the other says of turns, and why that is so."""
     for span in spans:
-        found = windows(linkage.place, linkage.joints, linkage.unit, span)
+        found = windows(linkage.place, linkage.joints, linkage.unit, span, budget)
         # those of one span know of shorter spans only, so that several are worked on at once
         known = linkage
         for proof in budget.in_order(partial(_bounded, linkage=known, regions=regions), found, WORKERS):
@@ -80,4 +80,6 @@ def _bounded(window: Window, budget: WorkBudget, *, linkage: Linkage, regions: R
         step.cuts = program.turn_cuts(np.arange(1, len(own)), None, budget, chains=1)
         ranges = after_cuts(ranges, step.cuts, small.turns)
         steps.append(step)
+        if budget.is_set():
+            break
     return WindowProof(window, first, ranges, tuple(steps))

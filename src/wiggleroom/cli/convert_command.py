@@ -25,7 +25,7 @@ def convert(
         .json: curves flattened for the gap, which the file carries, so that flex on it equals flex on the drawing.
         .svg, .dxf: the outlines as they are cut, gap and offsets applied. Where FILE has the same format, all else in
         it stays: page, units, places, layers, colours, what is engraved. Else the names stand in a layer of their own,
-        labels, to engrave or leave out. .lbrn2: the same where FILE is a LightBurn project.
+        labels, to engrave or leave out. .lbrn2, .lbrn: the same where FILE is such a LightBurn project.
     kerf
         Width of the cut [mm], where the cutter follows the lines: every outline lies half of it further out.
     force
@@ -35,7 +35,7 @@ def convert(
     from wiggleroom.drawing import write_drawing, write_in_place
     from wiggleroom.errors import InputError
 
-    own = (".lbrn2",) if Path(file).suffix.lower() == ".lbrn2" else ()
+    own = tuple(kind for kind in (".lbrn2", ".lbrn") if Path(file).suffix.lower() == kind)
     check_outputs(file, {"OUT": (out, (".json", ".svg", ".dxf", *own))}, force)
     kind = out.suffix.lower()
     if kerf and kind == ".json":

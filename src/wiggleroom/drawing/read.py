@@ -135,7 +135,7 @@ def write_in_place(
     Raises
     ------
     InputError
-        If the file cannot be written, or draws an outline as a copy of something else.
+        If the file cannot be written, or draws an outline as a copy that looks otherwise alone.
     """
     write = _by_extension(Path(source), IN_PLACE, "written in place")
     error = flatten or (drawn.flattening.error if drawn.flattening is not None else 0.0)
@@ -263,4 +263,5 @@ IN_PLACE: dict[str, Callable[[Path, Sequence[Part], Sequence[Part], float, str |
     ".svg": _svg_in_place,
     ".dxf": _dxf_in_place,
     ".lbrn2": _lightburn_in_place,
+    ".lbrn": _lightburn_in_place,
 }

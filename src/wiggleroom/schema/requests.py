@@ -11,7 +11,19 @@ Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Vector = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=3)]
 WHAT = Literal[
-    "svg", "png", "gif", "mp4", "glb", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf", "cut-lbrn2"
+    "svg",
+    "png",
+    "gif",
+    "mp4",
+    "glb",
+    "html",
+    "json",
+    "stills",
+    "assembly",
+    "cut-svg",
+    "cut-dxf",
+    "cut-lbrn2",
+    "cut-lbrn",
 ]
 
 

@@ -4,7 +4,7 @@ import { chosenFactor, FACTORS, place, play, playing, shown, suggested } from ".
 import { back, backToRest, keepBeside, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
-import { answer, standalone, drawing, exploded, modes } from "../state.ts";
+import { answer, standalone, drawing, exploded, modes, section } from "../state.ts";
 import { inSpace } from "../design.ts";
 import { canKeep, kept } from "../stage/kept.ts";
 import { lassoing } from "../stage/lasso.ts";
@@ -59,6 +59,7 @@ export function Player() {
           />
         </label>
       )}
+      {inSpace() && <Cut />}
       {!standalone.value && (
         <Button
           icon="pin" label={kept.value ? "Keep nothing beside" : "Keep this answer beside, to compare"} keyName="B" pressed={kept.value !== null}
@@ -77,6 +78,29 @@ export function Player() {
         <Button icon="plus" label="Zoom in" keyName="+" onClick={() => zoomBy(1.3)} />
         <Button icon="fit" label="Fit the drawing" keyName="0" onClick={fitAll} />
       </div>
+    </div>
+  );
+}
+
+/** Where parts in space are cut through: across an axis, at a place along it. */
+function Cut() {
+  const { axis, at } = section.value ?? { axis: -1, at: 0.5 };
+  return (
+    <div class="group explode cut">
+      <span aria-hidden="true">cut</span>
+      <select value={axis} aria-label="cut across an axis, to see inside" onChange={(event) => {
+        const to = Number(event.currentTarget.value);
+        section.value = to < 0 ? null : { axis: to as 0 | 1 | 2, at };
+      }}>
+        <option value={-1}>none</option>
+        {["x", "y", "z"].map((name, k) => <option key={name} value={k}>{name}</option>)}
+      </select>
+      {axis >= 0 && (
+        <input
+          type="range" min="0" max="1" step="0.005" value={at} aria-label="place of the cut" aria-valuetext={`${Math.round(at * 100)} %`}
+          onInput={(event) => (section.value = { axis: axis as 0 | 1 | 2, at: Number(event.currentTarget.value) })}
+        />
+      )}
     </div>
   );
 }

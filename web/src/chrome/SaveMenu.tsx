@@ -25,6 +25,7 @@ const CHOICES: Choice[] = [
   { what: "assembly", words: "Assembly file", ending: "json" },
   { what: "cut-svg", words: "Outlines to cut", ending: "svg", of: 2 },
   { what: "cut-lbrn2", words: "Outlines to cut", ending: "lbrn2", of: 2 },
+  { what: "cut-lbrn", words: "Outlines to cut", ending: "lbrn", of: 2 },
   { what: "cut-dxf", words: "Outlines to cut", ending: "dxf", needs: "dxf", of: 2 },
 ];
 
@@ -69,7 +70,7 @@ export function SaveMenu() {
       {open && (
         <div class="popup">
           <div role="menu" aria-label="Save">
-            {CHOICES.filter(({ what, of }) => (what !== "stills" || film?.reply.kind === "plan") && (what !== "cut-lbrn2" || inFile("lbrn2")) && (of ?? dimension.value) === dimension.value).map((one) => {
+            {CHOICES.filter(({ what, of, ending }) => (what !== "stills" || film?.reply.kind === "plan") && (!what.startsWith("cut-lbrn") || inFile(ending)) && (of ?? dimension.value) === dimension.value).map((one) => {
               const { what, ending, needs, asked } = one;
               const missing = needs !== undefined && !can(needs);
               return (

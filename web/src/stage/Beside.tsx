@@ -7,9 +7,9 @@ import { change } from "../design.ts";
 import { along, end, factor, place, sampled } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { swapKept } from "../session.ts";
-import { drawing } from "../state.ts";
-import type { SolidView } from "../stage3d.ts";
-import { panBy, pointIn, view, wheelFactor, zoomBy } from "./camera.ts";
+import { drawing, section } from "../state.ts";
+import type { Eye, SolidView } from "../stage3d.ts";
+import { panBy, pointIn, solidEye, solidView, view, wheelFactor, zoomBy } from "./camera.ts";
 import { colours, isDark } from "./colours.ts";
 import { differences, type Kept, kept, linked, ofThisFile, sameQuestionFits } from "./kept.ts";
 import { paintMarks } from "./marks.ts";
@@ -141,9 +141,11 @@ function shownIn(box: HTMLElement, open: (typeof globalThis & { openStage: typeo
     film: () => sampled(path, MOST_SEEN),
     factor: () => factor(),
     exploded: () => 0,
+    section: () => section.peek(),
     marks: () => ({ contacts: place.peek() < 0.999 ? [] : about.reply.contacts, goals: typeof about.design.goals === "string" ? [] : about.design.goals, highlit: null }),
     free: () => false,
     hover: nothing, choose: nothing, joint: nothing, menu: nothing, drag: nothing, release: nothing,
+    seen: (eye) => together() && !sameEye(eye, solidEye.peek()) && solidView.peek()?.see(eye),
   });
   if (solids) solid.solids(solids);
   const stops = [
@@ -154,8 +156,11 @@ function shownIn(box: HTMLElement, open: (typeof globalThis & { openStage: typeo
       solid.looks(looks, { force, motion, ghost: pulled[1], axes: AXES[isDark() ? "dark" : "light"] });
     }),
     effect(() => {
-      void [place.value, factor()];
+      void [place.value, factor(), section.value];
       solid.ask();
+    }),
+    effect(() => {
+      if (together() && solidEye.value) solid.see(solidEye.value);
     }),
   ];
   return () => {
@@ -163,6 +168,10 @@ function shownIn(box: HTMLElement, open: (typeof globalThis & { openStage: typeo
     solid.remove();
   };
 }
+
+/** Whether both pictures are of parts in space, and seen from one place. */
+const together = (): boolean => linked.value && drawing.value!.dimension === 3;
+const sameEye = (one: Eye, other: Eye | null): boolean => other !== null && [...one.at, ...one.target].every((v, k) => Math.abs(v - [...other.at, ...other.target][k]!) <= 1e-6 * Math.hypot(...one.at));
 
 const labelOf = ({ about, opened }: Pick<Kept, "about" | "opened">): string => `Kept: ${about.reply.headline}, ${opened.name}, gap ${about.design.gap} mm`;
 
@@ -172,7 +181,7 @@ export function Beside() {
 
 function Pane({ of }: { of: Kept }) {
   const { reply, design } = of.about;
-  const flat = of.opened.dimension === 2 && drawing.value!.dimension === 2;
+  const alike = of.opened.dimension === drawing.value!.dimension;
   const here = ofThisFile.value;
   const fits = sameQuestionFits();
   return (
@@ -182,7 +191,7 @@ function Pane({ of }: { of: Kept }) {
           <p class="answer">kept: {reply.headline}</p>
           <p class="facts">{here ? "" : `${of.opened.name} · `}gap {design.gap} mm · {reply.facts[0]}</p>
           <span class="buttons">
-            {flat && <Button label={linked.value ? "Move each picture alone" : "Move both pictures together, at one scale"} pressed={linked.value} onClick={() => (linked.value = !linked.peek())} class="small">Linked</Button>}
+            {alike && <Button label={linked.value ? "Move each picture alone" : "Move both pictures together, at one scale"} pressed={linked.value} onClick={() => (linked.value = !linked.peek())} class="small">Linked</Button>}
             {!here && <Button label={fits ? "Ask the same of the file that is open: gap, fixed parts and pulls as kept" : "The file that is open lacks parts that the kept question names"} disabled={!fits} onClick={() => change(design)} class="small">Ask the same</Button>}
             <Button label="Go to the kept design and keep this one" onClick={swapKept} class="small">Swap</Button>
             <Button icon="close" label="Keep nothing beside" onClick={() => (kept.value = null)} class="small" />

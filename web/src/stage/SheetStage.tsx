@@ -141,7 +141,7 @@ function Space({ found }: { found: Assembled }) {
       };
       const shown = open(box.current, "", {
         pose: () => ({ motion: rest(), moving: false }),
-        end: () => null, film: () => [], factor: () => 1, exploded: () => 0, marks: () => null, free: () => false,
+        end: () => null, film: () => [], factor: () => 1, exploded: () => 0, section: () => null, marks: () => null, free: () => false, seen: () => undefined,
         hover: () => {}, joint: () => {}, menu: () => {}, drag: () => {}, release: () => {},
         choose: (part) => (sheet.chosen.value = part === null ? null : sheet.assembled.peek()!.placed[part]!),
       });

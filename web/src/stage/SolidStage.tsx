@@ -9,7 +9,7 @@ import { askDrag, release } from "../session.ts";
 import type { ContactEntry } from "../protocol.ts";
 import type { SolidView } from "../stage3d.ts";
 import * as state from "../state.ts";
-import { solidView } from "./camera.ts";
+import { solidEye, solidView } from "./camera.ts";
 import { blameColour, colours, isDark } from "./colours.ts";
 import { chooseMany } from "./lasso.ts";
 import { choose } from "./Stage.tsx";
@@ -61,6 +61,7 @@ function connected(box: HTMLElement, open: Open): () => void {
     film: () => film.peek(),
     factor: () => factor(),
     exploded: () => state.exploded.peek(),
+    section: () => state.section.peek(),
     marks,
     free: (part) => !fixedNames.peek().has(names.peek()[part]!),
     hover: (part) => void (state.hovered.value = part === null ? null : names.peek()[part]!),
@@ -81,6 +82,7 @@ function connected(box: HTMLElement, open: Open): () => void {
       grabbing.value = false;
       release();
     },
+    seen: (eye) => void (solidEye.value = eye),
   });
   solidView.value = view;
   const canvas = box.querySelector("canvas")!;
@@ -95,7 +97,7 @@ function connected(box: HTMLElement, open: Open): () => void {
       view.looks(looks.value, { force, motion, ghost: pulled[1], axes: AXES[isDark() ? "dark" : "light"] });
     }),
     effect(() => {
-      void [shown.value, place.value, playing.value, factor(), state.exploded.value, state.answer.value, state.dragged.value, state.highlit.value, blame.value, design.value];
+      void [shown.value, place.value, playing.value, factor(), state.exploded.value, state.section.value, state.answer.value, state.dragged.value, state.highlit.value, blame.value, design.value];
       view.ask();
     }),
     effect(() => {
@@ -109,7 +111,7 @@ function connected(box: HTMLElement, open: Open): () => void {
   ];
   return () => {
     for (const stop of stops) stop();
-    solidView.value = null;
+    solidView.value = solidEye.value = null;
     view.remove();
   };
 }

@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { goals } from "../design.ts";
 import { isPull } from "../protocol.ts";
 import { drawing } from "../state.ts";
-import type { SolidView } from "../stage3d.ts";
+import type { Eye, SolidView } from "../stage3d.ts";
 import { type Box, fit, type Inset, panned, type Size, toScreen, type View, zoomed } from "./view.ts";
 
 export const view = signal<View>({ x: 0, y: 0, scale: 1 });
@@ -13,6 +13,8 @@ export const size = signal<Size>({ width: 0, height: 0 });
 export const content = signal<Box>([0, 0, 1, 1]);
 /** The view of parts in space, where such are open. */
 export const solidView = signal<SolidView | null>(null);
+/** From where they are seen. */
+export const solidEye = signal<Eye | null>(null);
 /** True until the user pans or zooms: then the drawing stays fitted when the canvas changes size. */
 export const fitted = signal(true);
 

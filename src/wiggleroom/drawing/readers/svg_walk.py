@@ -53,6 +53,15 @@ MAX_NESTING = 200
 T = TypeVar("T")
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Copy:
+    """A `use`: its element, what it copies, and by how much it moves that."""
+
+    element: Element
+    target: Element
+    shift: complex
+
+
 @dataclass(frozen=True, slots=True)
 class _SvgState:
     """What an element inherits."""
@@ -64,18 +73,19 @@ class _SvgState:
     layer: str = ""
     fixed: bool = False
     copies: tuple[Element, ...] = ()
+    copy: Copy | None = None
     clips: tuple[Geometry | None, ...] = ()
     depth: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Origin:
-    """Where a stroke comes from: its element, the map from there to the page, what it inherits, and whether it is a copy."""
+    """Where a stroke comes from: its element, the map from there to the page, what it inherits, and the outermost copy that it is in."""
 
     element: Element
     matrix: Affine
     style: dict[str, str]
-    copied: bool
+    copy: Copy | None
 
 
 @dataclass
@@ -221,7 +231,7 @@ class SvgWalk:
             self.left_out[NO_SIZE] += 1
         else:
             self.strokes.append(stroke)
-            self.origins.append(Origin(element, state.matrix, state.style, copied))
+            self.origins.append(Origin(element, state.matrix, state.style, state.copy))
 
     def _clipped(self, element: Element, state: _SvgState) -> _SvgState:
         """With the region on the page that a clip path of an element leaves; None where it is not known."""
@@ -298,7 +308,8 @@ class SvgWalk:
             self.findings.append(f"{self.file}: line {element.line}: {message}")
             return
         shift = Affine(e=self._length(element, "x", state), f=self._length(element, "y", state))
-        state = replace(state, matrix=state.matrix.after(shift), copies=(*state.copies, target))
+        copy = state.copy or Copy(element, target, complex(shift.e, shift.f))
+        state = replace(state, matrix=state.matrix.after(shift), copies=(*state.copies, target), copy=copy)
         if target.tag == "symbol":
             state = self._inside(target, element, 0j, self._inherit(target, state))
             self._children(target, state)

@@ -43,10 +43,11 @@ def lightburn_in_place(
         return source.text
     told = [(*origins[id(s)], new) for s, new in zip(strokes, changed, strict=True) if len(new.kept) < len(s.paths)]
     _check_shared(source.name, walk.root, [element for element, _, _ in told])
+    older = source.name.lower().endswith(".lbrn")
     return spliced(
         source.text,
         (
-            (*element_span(source.text, element), _shapes(element, matrix.inverse(), new))
+            (*element_span(source.text, element), _shapes(element, matrix.inverse(), new, older))
             for element, matrix, new in sorted(told, key=lambda one: one[0].at)
         ),
     )
@@ -69,8 +70,11 @@ def _all_shapes(parent: Element) -> Iterator[Element]:
         yield from _all_shapes(element)
 
 
-def _shapes(element: Element, inverse: Affine, new: Redrawn) -> str:
-    """The paths in place of a shape, on its layer and in its place; the first has its name."""
+def _shapes(element: Element, inverse: Affine, new: Redrawn, older: bool) -> str:
+    """The paths in place of a shape, on its layer and in its place; the first has its name.
+
+    In `older` projects (.lbrn) every vertex and every edge is an element, in others they stand in two lists.
+    """
     form = next((child.text for child in element.children if child.tag == "XForm"), "1 0 0 1 0 0")
     said = [(key, value) for key, value in element.attributes.items() if key not in _SHAPE]
     lines: list[_Lines] = []
@@ -83,24 +87,47 @@ def _shapes(element: Element, inverse: Affine, new: Redrawn) -> str:
         for path in new.kept:
             _curve(mapped(path, inverse), lines[-1])
     found = []
-    for k, (vertices, edges) in enumerate(lines):
+    for k, line in enumerate(lines):
         words = "".join(f' {key}="{escape(value)}"' for key, value in said if k == 0 or key != "Name")
-        lists = f"<VertList>{''.join(vertices)}</VertList><PrimList>{''.join(edges)}</PrimList>"
-        found.append(f'<Shape Type="Path"{words}><XForm>{form.strip()}</XForm>{lists}</Shape>')
+        inner = line.elements if older else line.lists
+        found.append(f'<Shape Type="Path"{words}><XForm>{form.strip()}</XForm>{inner}</Shape>')
     return "\n".join(found)
 
 
 class _Lines(NamedTuple):
-    """Vertices and edges of a path, as the program has them."""
+    """Vertices of a path, each with values by name (its place x and y, and those of its controls, c0x to c1y), and edges."""
 
-    vertices: list[str]
-    edges: list[str]
+    vertices: list[dict[str, str]]
+    edges: list[tuple[str, int, int]]
+
+    @property
+    def lists(self) -> str:
+        """Both as the program has them now."""
+        vertices = (
+            f"V{v['x']} {v['y']}{''.join(f'{k}{n}' for k, n in v.items() if k[0] == 'c')}" for v in self.vertices
+        )
+        edges = (f"{kind}{a} {b}" for kind, a, b in self.edges)
+        return f"<VertList>{''.join(vertices)}</VertList><PrimList>{''.join(edges)}</PrimList>"
+
+    @property
+    def elements(self) -> str:
+        """Both as older versions have them."""
+        vertices = (
+            "<V" + "".join(f' {k if k[0] == "c" else "v" + k}="{n}"' for k, n in v.items()) + "/>"
+            for v in self.vertices
+        )
+        edges = (f'<P T="{kind}" p0="{a}" p1="{b}"/>' for kind, a, b in self.edges)
+        return "".join((*vertices, *edges))
+
+
+NO_CONTROL = {"c0x": "1", "c1x": "1"}
+"""What a corner between straight edges says of its controls."""
 
 
 def _ring(corners: Sequence[complex], lines: _Lines) -> None:
     first, count = len(lines.vertices), len(corners)
-    lines.vertices.extend(f"V{_number(p.real)} {_number(p.imag)}c0x1c1x1" for p in corners)
-    lines.edges.extend(f"L{first + k} {first + (k + 1) % count}" for k in range(count))
+    lines.vertices.extend({"x": _number(p.real), "y": _number(p.imag)} | NO_CONTROL for p in corners)
+    lines.edges.extend(("L", first + k, first + (k + 1) % count) for k in range(count))
 
 
 def _curve(path: Subpath, lines: _Lines) -> None:
@@ -114,16 +141,16 @@ def _curve(path: Subpath, lines: _Lines) -> None:
             controls[-1]["0"] = out
             controls.append({"1": into})
             corners.append(at)
-            lines.edges.append(f"B{first + len(corners) - 2} {first + len(corners) - 1}")
+            lines.edges.append(("B", first + len(corners) - 2, first + len(corners) - 1))
         if not curves:
             controls.append({})
             corners.append(segment.end)
-            lines.edges.append(f"L{first + len(corners) - 2} {first + len(corners) - 1}")
+            lines.edges.append(("L", first + len(corners) - 2, first + len(corners) - 1))
     for corner, control in zip(corners, controls, strict=True):
-        told = [f"c{end}x{_number(p.real)}c{end}y{_number(p.imag)}" for end, p in control.items()]
-        lines.vertices.append(f"V{_number(corner.real)} {_number(corner.imag)}{''.join(told)}")
+        told = {f"c{end}{axis}": _number(v) for end, p in control.items() for axis, v in (("x", p.real), ("y", p.imag))}
+        lines.vertices.append({"x": _number(corner.real), "y": _number(corner.imag)} | told)
     if path.closed and corners[-1] != corners[0]:
-        lines.edges.append(f"L{first + len(corners) - 1} {first}")
+        lines.edges.append(("L", first + len(corners) - 1, first))
 
 
 def _number(value: float) -> str:

@@ -6,17 +6,21 @@ import math
 import re
 from collections.abc import Sequence
 
+import numpy as np
+
 from wiggleroom.drawing.model import Part, Points
 from wiggleroom.drawing.readers.source import Source
 from wiggleroom.drawing.readers.svg import walked_svg
 from wiggleroom.drawing.readers.svg_walk import Origin
 from wiggleroom.drawing.readers.xmltree import TAG, element_span, spliced
+from wiggleroom.drawing.strokes.elements import Stroke
 from wiggleroom.drawing.strokes.layers import cut_strokes
 from wiggleroom.drawing.strokes.pathdata import Arc, Cubic, Subpath
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.drawing.strokes.strokes import mapped
 from wiggleroom.drawing.strokes.transforms import Affine
 from wiggleroom.drawing.writers.drawn_rings import Redrawn, redrawn
+from wiggleroom.drawing.writers.unlinked_copies import unlinked
 from wiggleroom.errors import InputError
 
 _ATTRIBUTE = re.compile(r"\s+([^\s=<>\"'/]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
@@ -28,33 +32,63 @@ _SHAPE = frozenset(
 _OWN = ("id", "inkscape:label", "data-pieces")
 """Attributes that only one of several paths in the place of one may have."""
 _PAINT = ("fill", "stroke", "stroke-width")
+_Look = tuple[Sequence[Subpath], dict[str, str]]
+"""Paths of a stroke [mm], and what it inherits."""
 
 
 def svg_in_place(
     source: Source, drawn: Sequence[Part], made: Sequence[Part], flatten: float, unit: str | None, options: ReadOptions
 ) -> str:
-    """Text of the same file with the outlines of `made` in place of those of `drawn`.
+    """Text of the same file with the outlines of `made` in place of those of `drawn`; copies (`use`) of outlines become shapes.
 
     Raises
     ------
     InputError
-        If an outline is drawn by a copy of something else in the file.
+        If a copy of an outline looks otherwise without its link to the original.
     """
-    walk, artwork = walked_svg(source, unit)
-    origins = {id(stroke): origin for stroke, origin in zip(walk.strokes, walk.origins, strict=True)}
-    strokes = cut_strokes(artwork, options)[0].strokes
+    strokes, origins = _strokes(source, unit, options)
     changed = redrawn(strokes, drawn, made, flatten)
     if changed is None:
         return source.text
-    told = [(origins[id(s)], s, new) for s, new in zip(strokes, changed, strict=True) if len(new.kept) < len(s.paths)]
-    words = []
-    for origin, stroke, new in sorted(told, key=lambda one: one[0].element.at):
-        if origin.copied:
-            message = f"{source.name}: {stroke}: an outline is a copy (use) of another shape; unlink the copies first"
+    while copies := [
+        origin.copy
+        for origin, stroke, new in zip(origins, strokes, changed, strict=True)
+        if origin.copy is not None and len(new.kept) < len(stroke.paths)
+    ]:
+        looked = [(stroke.paths, origin.style) for stroke, origin in zip(strokes, origins, strict=True)]
+        source = unlinked(source, copies)
+        strokes, origins = _strokes(source, unit, options)
+        if not _alike(looked, [(stroke.paths, origin.style) for stroke, origin in zip(strokes, origins, strict=True)]):
+            first = min(copies, key=lambda copy: copy.element.at)
+            message = f"{source.name}: line {first.element.line}: a copy (use) of an outline depends on its link; unlink it first"
             raise InputError(message)
+        changed = redrawn(strokes, drawn, made, flatten) or changed
+    told = [(o, new) for s, o, new in zip(strokes, origins, changed, strict=True) if len(new.kept) < len(s.paths)]
+    words = []
+    for origin, new in sorted(told, key=lambda one: one[0].element.at):
         begin, after = element_span(source.text, origin.element)
         words.append((begin, after, _element(source.text[begin:after], origin, new)))
     return _ENCODING.sub(r"\1UTF-8", spliced(source.text, words), count=1)
+
+
+def _strokes(source: Source, unit: str | None, options: ReadOptions) -> tuple[Sequence[Stroke], list[Origin]]:
+    """What is cut, and where in the text each stroke comes from."""
+    walk, artwork = walked_svg(source, unit)
+    origins = {id(stroke): origin for stroke, origin in zip(walk.strokes, walk.origins, strict=True)}
+    strokes = cut_strokes(artwork, options)[0].strokes
+    return strokes, [origins[id(stroke)] for stroke in strokes]
+
+
+def _alike(before: Sequence[_Look], after: Sequence[_Look]) -> bool:
+    """Whether strokes lie at the same places and look the same; their curves are compared at their ends."""
+    if [style for _, style in before] != [style for _, style in after]:
+        return False
+    one, two = (np.array([p for paths, _ in looks for path in paths for p in _ends(path)]) for looks in (before, after))
+    return one.shape == two.shape and np.allclose(one, two, rtol=1e-9, atol=1e-9)
+
+
+def _ends(path: Subpath) -> list[complex]:
+    return [path.start, *(segment.end for segment in path.segments)]
 
 
 def _element(text: str, origin: Origin, new: Redrawn) -> str:
