@@ -148,7 +148,7 @@ def main() -> None:
     parser.add_argument("first", type=int, nargs="?", default=0)
     parser.add_argument("--forge", type=int, default=0)
     given = parser.parse_args()
-    below, bounded, within, seconds, accepted, tried = 0, 0, 0, [], 0, 0
+    below, bounded, within, seconds, accepted, tried, refused = 0, 0, 0, [], 0, 0, 0
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(given.first, given.first + given.count):
             content, direction, point = case(seed)
@@ -166,6 +166,7 @@ def main() -> None:
                 below += got > bound + 1e-9
             print(seed, f"found {answer.objective:.5f} search {got:.5f}", "at most", bound, flush=True)
             paper = answer.bound.certificate if answer.bound else None
+            refused += paper is not None and not verify(json.loads(json.dumps(paper))).proven
             rng = np.random.default_rng(seed)
             share = -(-given.forge // given.count) if paper else 0
             for _ in range(min(share, given.forge - tried)):
@@ -176,7 +177,7 @@ def main() -> None:
                     accepted += wrong
                     print("   a changed certificate is verified:", found.at_most, "WRONG" if wrong else "and true")
     print(
-        f"{bounded} of {given.count} bounded, {within} within 1 %, {below} below the search; {accepted} of {tried} forgeries "
+        f"{bounded} of {given.count} bounded, {within} within 1 %, {below} below the search, {refused} not verified; {accepted} of {tried} forgeries "
         f"accepted; median {np.median(seconds):.2f} s, most {max(seconds):.2f} s"
     )
 

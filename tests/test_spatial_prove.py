@@ -15,6 +15,9 @@ pytest.importorskip("highspy")
 pytest.importorskip("flint")
 pytest.importorskip("manifold3d")
 
+from wiggleroom.deadline import Deadline
+from wiggleroom.spatial.proof.inner_pieces import inner_pieces
+from wiggleroom.verify import work_limit
 from wiggleroom.verify.checker import verify
 
 WALLS = [
@@ -52,6 +55,40 @@ def test_a_tilted_tenon_is_bounded_near_its_closed_form():
     joint = wr.read("examples/43_mortise_and_tenon/joint.json")
     found = wr.prove(wr.flex(joint, wr.Pull("rail", (0, 0, 1), (120, 0, 0)), search=0), 0.01)
     assert 1.803336906 <= found.at_most <= 1.01 * 1.803336907
+
+
+def test_each_facet_of_a_round_hole_has_a_piece_behind_all_of_its_plane():
+    hinge = wr.flex(wr.read("examples/51_hinge/hinge.json"), wr.Pull("leaf_b", (0, 1, 0)), search=0).assembly
+    pieces = [p for p in inner_pieces(hinge, Deadline(None)) if hinge.names[p.part] == "b1"]
+    assert len(pieces) == 24
+    chord = 2 * (4.807**2 - 2.629**2) ** 0.5  # of the outside, along the plane of a facet
+    for piece in pieces:
+        across = piece.corners[:, None, [0, 2]] - piece.corners[:, [0, 2]]
+        assert (across**2).sum(-1).max() ** 0.5 > 0.97 * chord
+
+
+def test_a_stop_ends_a_proof_at_once():
+    joint = wr.read("examples/43_mortise_and_tenon/joint.json")
+    told = []
+    found = wr.flex(joint, wr.Pull("rail", (0, 0, 1), (120, 0, 0)), search=0)
+    wr.prove(found, 0.01, progress=told.append)
+    assert "boxes of poses" in told[-1].stage
+    stopped = wr.prove(found, 0.01, stop=Deadline(1e-9), progress=told.append)
+    assert stopped.bound.why == "no bound was found in the time or work given"
+
+
+def test_a_file_that_asks_for_endless_work_is_refused(proven, monkeypatch):
+    monkeypatch.setattr(work_limit, "STEPS", work_limit.STEPS // 5)
+    assert verify(copy.deepcopy(proven.bound.certificate)).proven
+    content = copy.deepcopy(proven.bound.certificate)
+    content["pieces"][0]["faces"] += [[0.0, 0.0, 1.0, 1e6]] * 4000
+    content["proof"] = {"rows": [[len(content["points"]) - 1, 0, 0]] * 4000, "best": []}
+    content["sha256"] = hashlib.sha256(
+        json.dumps({n: v for n, v in content.items() if n != "sha256"}).encode()
+    ).hexdigest()
+    found = verify(content)
+    assert not found.proven
+    assert "more work" in found.why
 
 
 def test_lower_bounds_and_changed_numbers_are_refused(proven):

@@ -225,7 +225,7 @@ def prove(
     stop : optional
         Anything with `is_set()`; ends it at once.
     progress : callable, optional
-        Told a `Progress`: what is being done and for how long, and the bound so far; not in space.
+        Told a `Progress`: what is being done and for how long, and the bound so far.
 
     Returns
     -------
@@ -250,7 +250,7 @@ def prove(
     if answer.assembly.dimension == 3:
         from wiggleroom.spatial.proof.spatial_prove import prove_spatial
 
-        context = Context(stop=stop)
+        context = Context(stop=stop, progress=progress)
         return prove_spatial(answer, within, seconds=seconds, work=work, certify=certify, context=context)
     from wiggleroom.bound.prove import prove as prove_planar
 

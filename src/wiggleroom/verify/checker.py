@@ -1,7 +1,7 @@
 """Whether a certificate proves what it says.
 
 Read this file, then `certificate_structure`, `caging_check`, `chord_check`, `known_ranges`, `ball_bounds`, `claim` and
-`ball_arithmetic`: that is all. Of a certificate in space read `space_checker`, `space_claim` and `ball_arithmetic`.
+`ball_arithmetic`: that is all. Of a certificate in space read `space_checker`, `space_claim`, `work_limit` and `ball_arithmetic`.
 What they rest on: python-flint (ball arithmetic), numpy, that coordinates are as given in the file,
 and that parts are rigid. Nothing is shared with the code that found the proof.
 """

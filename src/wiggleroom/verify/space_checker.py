@@ -1,7 +1,7 @@
 """Whether a certificate about one body that moves in space proves what it says.
 
-Read this file, `ball_arithmetic` and `check_unchanged`: that is all. It rests on python-flint (ball arithmetic), exact fractions, and on
-this: a body is rigid, and a point of its material is never inside the material of another body.
+Read this file, `ball_arithmetic`, `work_limit` and `check_unchanged`: that is all. It rests on python-flint (ball arithmetic), exact
+fractions, and on this: a body is rigid, and a point of its material is never inside the material of another body.
 
 A pose is (u, a): the body turns by the quaternion (1, a) / |(1, a)| about its origin, then moves by u. The proof is a tree that divides a
 box of poses. Its steps cut off what is not free, by multipliers of rows; a row says that a material point of one body lies beyond one
@@ -20,10 +20,17 @@ from flint import arb
 
 from wiggleroom.verify.ball_arithmetic import exact, need
 from wiggleroom.verify.certificate_structure import check_unchanged
+from wiggleroom.verify.work_limit import WorkLimit
 
 FORMAT = "wiggleroom.certificate/5"
 LENGTH = 1e9
 """Largest number that is read."""
+SMALL = 1e-100
+"""Smallest that is not zero: fractions of smaller ones get long."""
+NUMBERS = 10
+"""Each entry of a file counts as so many numbers of a plane certificate: a row names a piece, and all faces of that are looked at."""
+DOT, ANGLE, CLIP, ROW, BOXES = 20, 1000, 2500, 5600, 75
+"""Steps of work that are counted for a product of vectors, a solid angle, a triangle before a face, a row, and two boxes."""
 DEEPEST = 400
 """Most steps of a proof that may follow each other."""
 
@@ -129,13 +136,25 @@ def verify_spatial(content: dict[str, Any]) -> tuple[SpatialClaim, SpatialCounts
 
 def _number(value: Any, most: float = LENGTH) -> None:
     fits = type(value) is float or (type(value) is int and abs(value) <= 2**53)
-    need(fits and math.isfinite(value) and abs(value) <= most, f"{str(value)[:50]!r} is no number that can be used")
+    fits = fits and math.isfinite(value) and (value == 0 or SMALL <= abs(value) <= most)
+    need(fits, f"{str(value)[:50]!r} is no number that can be used")
 
 
 def _numbers(values: Any, count: int) -> None:
     need(isinstance(values, list) and len(values) == count, f"a list of {count} numbers is not one")
     for value in values:
         _number(value)
+
+
+def _entries(content: Any) -> int:
+    """How many lists, objects and values a file has."""
+    count, todo = 0, [content]
+    while todo:
+        node = todo.pop()
+        count += 1
+        if isinstance(node, dict | list):
+            todo += node.values() if isinstance(node, dict) else node
+    return count
 
 
 def _index(value: Any, count: int) -> None:
@@ -217,6 +236,10 @@ def _dot(p: Vector, q: Vector) -> arb:
     return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 
 
+def _length(p: Vector) -> arb:
+    return _dot(p, p).sqrt()
+
+
 def _less(p: Vector, q: Vector) -> Vector:
     return p[0] - q[0], p[1] - q[1], p[2] - q[2]
 
@@ -235,8 +258,9 @@ def _check_closed(part: dict[str, Any]) -> None:
     need(closed, f"the surface of {part['name'][:50]!r} is not closed")
 
 
-def _check_inside(piece: dict[str, Any], part: dict[str, Any]) -> None:
+def _check_inside(piece: dict[str, Any], part: dict[str, Any], work: WorkLimit) -> None:
     """Refuse a piece that is not inside the solid of its part: no triangle meets it, and one of its points is inside."""
+    work.spend(DOT * len(piece["faces"]) * len(part["vertices"]) + ANGLE * len(part["faces"]))
     inside = _vector(piece["inside"])
     planes = [(_vector(face[:3]), exact(face[3])) for face in piece["faces"]]
     need(all(bool(_dot(n, inside) < h) for n, h in planes), "a piece does not contain the point that it should")
@@ -245,6 +269,7 @@ def _check_inside(piece: dict[str, Any], part: dict[str, Any]) -> None:
     angle = arb(0)
     for corners in part["faces"]:
         if not any(all(side[k] for k in corners) for side in beyond):
+            work.spend(CLIP * len(piece["faces"]))
             triangle = [[Fraction(x) for x in part["vertices"][k]] for k in corners]
             need(not _meets(triangle, piece["faces"]), f"a piece of {part['name'][:50]!r} is not inside it")
         angle += _solid_angle(*(_less(vertices[k], inside) for k in corners))
@@ -333,6 +358,18 @@ class _Boxed:
                     more, less = more + both, less + both
         return value, slopes, less / self.smallest, more / self.smallest
 
+    def place(self, moves: bool, point: Vector) -> tuple[Vector, arb]:
+        """Where a point is, in the frame of the pieces of the other body, at the middle; and how far from there it may be in the box.
+
+        Quaternions (1, a) of length 1 or more differ by an angle of at most |d|, so the body turns by at most 2 |d| from the middle.
+        """
+        u, rows = (self.middle[0], self.middle[1], self.middle[2]), self.turned
+        z = point if moves else _less(point, u)
+        frame = rows if moves else tuple(zip(*rows, strict=True))
+        x, y, w = (_dot((a, b, c), z) / self.scale for a, b, c in frame)
+        shift = _length((self.half[0], self.half[1], self.half[2]))
+        return (x + u[0], y + u[1], w + u[2]) if moves else (x, y, w), 2 * self.square.sqrt() * _length(z) + shift
+
     def outwards(self, moves: bool, point: Vector, n: Vector, h: arb) -> tuple[Row, arb]:
         """How far a point is beyond a face, as a row that is nowhere less than it, and the most that it is in the box."""
         u, half = self.middle[:3], self.half[:3]
@@ -359,12 +396,13 @@ class _Proof:
 
     def __init__(self, content: dict[str, Any]) -> None:
         self.free = content["free"]
+        self.work = WorkLimit(NUMBERS * _entries(content))
         origin = _vector(content["origin"])
         parts, pieces = content["parts"], content["pieces"]
         for part in parts:
             _check_closed(part)
         for piece in pieces:
-            _check_inside(piece, parts[piece["part"]])
+            _check_inside(piece, parts[piece["part"]], self.work)
         self.moves = [not parts[piece["part"]]["fixed"] for piece in pieces]
         self.planes: list[list[tuple[Vector, arb]]] = []
         for piece in pieces:
@@ -416,6 +454,7 @@ class _Proof:
                     continue
                 need("then" in step and len(_list(step["then"])) == 1, "nothing follows the cuts of a step")
                 todo.append((step["then"][0], low, high, depth + 1))
+        self.work.spend(BOXES * len(reached) * (len(open_) + 1))
         need(any(_share(box, ([0.0] * 6, [0.0] * 6)) for box in reached), "rest is in no box that is reached")
         for low, high in reached:
             for k in range(6):
@@ -437,11 +476,13 @@ class _Proof:
             need(moves != self.moves[row[1]], "a row is about a single body")
             planes = self.planes[row[1]]
             _index(row[2], len(planes))
+            self.work.spend(ROW + DOT * len(planes))
+            place, away = box.place(moves, point)
+            found.append(box.outwards(moves, point, *planes[row[2]])[0])
             for k, (n, h) in enumerate(planes):
-                line, most = box.outwards(moves, point, n, h)
-                if k == row[2]:
-                    found.append(line)
-                else:
+                if k != row[2] and not _dot(n, place) - h + away * _length(n) < 0:
+                    self.work.spend(ROW)
+                    most = box.outwards(moves, point, n, h)[1]
                     need(bool(most < 0), "a point may be beyond another face than that of its row")
         return found
 

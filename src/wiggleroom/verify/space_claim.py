@@ -117,7 +117,8 @@ def spatial_difference(claim: SpatialClaim, asked: SpatialSpecification) -> str:
         return f"{where} locks other freedoms than the certificate"
     points = np.vstack([vertices for vertices, _ in asked.surfaces.values()])
     near = ALIKE * float(np.ptp(points, axis=0).max()) + float(np.abs(points).max()) * 2.0**-49
-    if np.abs(np.array(claim.origin) - asked.origin[moving[0]]).max() > near:
+    # a lock of shifts is one of this point; without, any point of the body describes its motions
+    if not all(claim.free[:3]) and np.abs(np.array(claim.origin) - asked.origin[moving[0]]).max() > near:
         return f"the reference point of what moves lies elsewhere in {where}"
     for name, (vertices, faces) in claim.surfaces.items():
         other, sides = asked.surfaces[name]

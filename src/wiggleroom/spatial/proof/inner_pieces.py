@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, placed_surface
 from wiggleroom.drawing.model import Surface
-from wiggleroom.spatial.solids.face_planes import shared_edges
+from wiggleroom.errors import Stop
+from wiggleroom.spatial.solids.face_planes import face_planes, shared_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Plane = tuple[Floats, float]
+"""A unit normal and an offset [mm]."""
 
 MARGIN = 1e-9
 """Pieces stay this share of the size inside the surface, so that exact arithmetic finds them inside."""
@@ -51,14 +54,16 @@ class InnerPiece:
         return np.asarray(middle + np.minimum(share, 1.0)[:, None] * (points - middle))
 
 
-def inner_pieces(assembly: Assembly) -> list[InnerPiece]:
-    """Grown pieces of all parts, where they lie at rest."""
+def inner_pieces(assembly: Assembly, stop: Stop) -> list[InnerPiece]:
+    """Grown pieces of all parts, where they lie at rest; fewer where it was asked to stop."""
     found: list[InnerPiece] = []
     size = assembly.size
     for k, (part, made) in enumerate(zip(assembly.parts, assembly.solids, strict=True)):
         surface = placed_surface(part, made.surface)
         own: list[InnerPiece] = []
         for piece in made.pieces:
+            if stop.is_set():
+                break
             corners = piece.corners @ part.R.T + part.at
             grown = _grown(k, corners, surface, size)
             if grown is not None and not any(_same(grown, other, size) for other in own):
@@ -73,24 +78,41 @@ def _same(one: InnerPiece, other: InnerPiece, size: float) -> bool:
 
 
 def _grown(part: int, corners: Floats, surface: Surface, size: float) -> InnerPiece | None:
-    """The hull of some corners, grown within a surface; None where it has no inside."""
+    """A polytope within a surface that holds the hull of some corners, as large as may be; None where the hull has no inside.
+
+    Planes that leave triangles of the surface outside are added, that of the nearest triangle first, until none is left inside.
+    """
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
     middle = corners.mean(axis=0)
     try:
-        equations = ConvexHull(corners - middle).equations
+        hull = ConvexHull(corners - middle)
     except QhullError:
         return None
-    normals, offsets = _distinct(equations[:, :3], -equations[:, 3], size)
+    corners = hull.points[hull.vertices]
+    sides = _distinct(hull.equations[:, :3])
     triangles = surface.vertices[surface.faces] - middle
-    margin = MARGIN * size
-    offsets = offsets - margin
-    for f in range(len(normals)):
-        rest = np.arange(len(normals)) != f
-        # what of the surface lies before this face, within all others
-        most = _first_hit(triangles, normals[rest], offsets[rest] + margin / 2, normals[f], offsets[f])
-        if np.isfinite(most):
-            offsets[f] = max(offsets[f], most - margin)
+    unit, _, label = face_planes(surface)
+    level = np.full(len(unit), np.inf)  # faces are flat up to rounding: the lowest corner
+    np.minimum.at(level, label, np.einsum("ikj,ij->ik", triangles, unit[label]).min(axis=1))
+    unit, level = unit[label], level[label]
+    box = np.maximum(np.maximum(triangles.min(axis=1), -triangles.max(axis=1)), 0.0)
+    away = np.maximum(np.linalg.norm(box, axis=1), np.abs(level))
+    away[(unit @ corners.T).max(axis=1) > level + SAME * size] += 10 * size  # those whose own plane cuts the hull last
+    near = MARGIN / 2 * size
+    normals, offsets = np.zeros((0, 3)), np.zeros(0)
+    left = np.ones(len(triangles), dtype=bool)
+    while left.any():
+        k = int(np.where(left, away, np.inf).argmin())
+        left[k] = False
+        if not _reaches(triangles[k], normals, offsets - near):
+            continue
+        plane = _between(corners, sides, triangles[k], (unit[k], level[k]), SAME * size)
+        if plane is None:
+            return None
+        normals, offsets = np.vstack([normals, plane[0]]), np.append(offsets, plane[1])
+        left &= ~((triangles @ plane[0]) >= plane[1] - near).all(axis=1)
+    offsets = offsets - MARGIN * size
     try:
         cut = HalfspaceIntersection(np.column_stack([normals, -offsets]), np.zeros(3))
     except QhullError:
@@ -101,21 +123,31 @@ def _grown(part: int, corners: Floats, surface: Surface, size: float) -> InnerPi
     return InnerPiece(part, normals, offsets + normals @ middle, points + middle)
 
 
-def _first_hit(triangles: Floats, normals: Floats, offsets: Floats, along: Floats, least: float) -> float:
-    """The least extent along a direction, above `least`, of what of triangles (k, 3, 3) lies within half-spaces."""
-    high = triangles @ along
-    some = triangles[high.max(axis=1) > least]
-    outside = ((some @ normals.T) >= offsets).all(axis=1).any(axis=1)
-    best = np.inf
-    for triangle in some[~outside]:
-        polygon = triangle
-        for n, h in zip(normals, offsets, strict=True):
-            polygon = _clipped(polygon, n, h)
-            if not len(polygon):
-                break
-        if len(polygon):
-            best = min(best, float((polygon @ along).min()))
-    return best
+def _between(corners: Floats, sides: Floats, triangle: Floats, own: Plane, near: float) -> Plane | None:
+    """A plane with a triangle beyond it and a hull of corners behind it, up to `near`: that of the triangle, of a side, or along edges."""
+    if ((corners @ own[0]) <= own[1] + near).all():
+        return own
+    edges = np.cross(*sides[np.array(np.triu_indices(len(sides), 1))])
+    crossed = np.cross((triangle - np.roll(triangle, 1, axis=0))[:, None], edges).reshape(-1, 3)
+    long = np.linalg.norm(crossed, axis=1)
+    crossed = crossed[long > 1e-9 * long.max()] / long[long > 1e-9 * long.max(), None]
+    for normals in (sides, np.vstack([crossed, -crossed])):
+        level = (triangle @ normals.T).min(axis=0)
+        beyond = level - (corners @ normals.T).max(axis=0)
+        best = int(beyond.argmax())
+        if beyond[best] >= -near:
+            return normals[best], level[best]
+    return None
+
+
+def _reaches(triangle: Floats, normals: Floats, offsets: Floats) -> bool:
+    """Whether a triangle has a part inside half-spaces."""
+    polygon = triangle
+    for n, h in zip(normals, offsets, strict=True):
+        polygon = _clipped(polygon, n, h)
+        if not len(polygon):
+            return False
+    return True
 
 
 def _clipped(polygon: Floats, normal: Floats, offset: float) -> Floats:
@@ -136,15 +168,9 @@ def _clipped(polygon: Floats, normal: Floats, offset: float) -> Floats:
     return np.array(found)
 
 
-def _distinct(normals: Floats, offsets: Floats, size: float) -> tuple[Floats, Floats]:
-    """Planes of a hull, each once."""
-    kept: list[int] = []
-    for k in range(len(normals)):
-        if not any(
-            np.abs(normals[k] - normals[j]).max() < 1e-7 and abs(offsets[k] - offsets[j]) < SAME * size for j in kept
-        ):
-            kept.append(k)
-    return normals[kept], offsets[kept]
+def _distinct(normals: Floats) -> Floats:
+    """Normals (k, 3) of a hull, each once."""
+    return normals[np.unique(normals.round(7), axis=0, return_index=True)[1]]
 
 
 def _distinct_points(points: Floats, near: float) -> Floats:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.deadline import WorkBudget
 from wiggleroom.solve.dual_linear_program import DualLinearProgram
-from wiggleroom.spatial.proof.pose_rows import Box, Contacts, Rows, linearised, rotation
+from wiggleroom.spatial.proof.pose_rows import Box, Contacts, Pairs, Rows, linearised, rotation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,6 +46,12 @@ GOAL = (6, 1)
 ADDED = 8
 """Most points that are added at a time."""
 MOST_POINTS = 1500
+FIRST = 4.0
+"""The first domain reaches so far, as a multiple of the clearance."""
+COARSE = 10.0
+"""Leaves at the border of the domain are split until linearisation leaves out less than this multiple of a tenth of the clearance."""
+FIRM = 0.1
+"""Turns that are smaller [rad] have little say in where the origin is put."""
 BITE = 1e-3
 """An edge that is deeper in a piece than this share of the clearance gives a point."""
 
@@ -83,6 +89,7 @@ class Leaf:
     done: bool = False
     poses: dict[tuple[int, int], Floats] = field(default_factory=dict)
     tries: int = 0
+    near: tuple[Pairs, ...] | None = None
 
 
 @dataclass(eq=False)
@@ -136,14 +143,17 @@ class PoseFlood:
         self.radius, self.clearance, self.reach = lengths.radius, lengths.clearance, lengths.reach
         self.scale = np.array([1.0, 1.0, 1.0, *[2 * self.radius] * 3])
         self.budget = budget
-        half = np.where(free, 1.5 * self.clearance / self.scale, 0.0)
+        half = np.where(free, FIRST * self.clearance / self.scale, 0.0)
         box = Box(-half, half.copy())
         self.domain = Domain(box, {}, free)
         self.domain.leaves.append(Leaf(box, self.domain.root, np.inf))
         self.closed, self.target = False, -np.inf
 
-    def run(self, target: float) -> float:
-        """The least bound that is found, at most `target` where the work suffices; infinite where none is."""
+    def run(self, target: float, tell: Callable[[int, int, float], None]) -> float:
+        """The least bound that is found, at most `target` where the work suffices; infinite where none is.
+
+        `tell` hears how many boxes are reached, how many of them meet the border, and the bound so far.
+        """
         best, self.target = np.inf, target
         while not self.budget.is_set():
             reached = self.reached()
@@ -151,26 +161,26 @@ class PoseFlood:
             outer = [leaf for leaf in leaves if self._sides(leaf)]
             if not outer:
                 best = min(best, max(leaf.value for leaf in leaves))
+            tell(len(leaves), len(outer), best)
             todo = [leaf for leaf in outer if not leaf.done] or [leaf for leaf in leaves if not leaf.done]
             todo.sort(key=lambda leaf: -leaf.value)
             if todo and (outer or todo[0].value > target):
                 for leaf in todo[:8]:
-                    self.contract(leaf)
+                    if not self.budget.is_set():
+                        self.contract(leaf)
                 continue
             if outer:
-                if self._learn(outer):
-                    continue
-                worst = min(outer, key=lambda leaf: self.coarse(leaf.box) < 1)
-                if self.coarse(worst.box) > 1:
+                worst = max(outer, key=lambda leaf: self.coarse(leaf.box))
+                if self.coarse(worst.box) > COARSE:
                     self.split(worst, 3)
-                else:
+                elif not self._learn(outer):
                     self.enlarge(outer)
                 continue
             worst = max(leaves, key=lambda leaf: leaf.value)
             self.closed = True
             if worst.value <= target:
                 return float(worst.value)
-            if worst.tries < TRIES and GOAL in worst.poses and self.add_points(worst.poses[GOAL]):
+            if worst.tries < TRIES and GOAL in worst.poses and self.add_points([worst.poses[GOAL]]):
                 worst.tries += 1
                 self.contract(worst)
                 continue
@@ -182,12 +192,12 @@ class PoseFlood:
         again = []
         for leaf in outer:
             poses = [leaf.poses[side] for side in self._sides(leaf) if side in leaf.poses]
-            found = 0 if leaf.tries >= TRIES else sum(self.add_points(pose) for pose in poses)
-            if found:
+            if leaf.tries < TRIES and self.add_points(poses):
                 leaf.tries += 1
                 again.append(leaf)
         for leaf in again:
-            self.contract(leaf)
+            if not self.budget.is_set():
+                self.contract(leaf)
         return bool(again)
 
     def coarse(self, box: Box) -> float:
@@ -237,7 +247,7 @@ class PoseFlood:
         at = float(box.middle[axis])
         low, high = box.low.copy(), box.high.copy()
         high[axis] = low[axis] = at
-        halves = [Leaf(Box(box.low, high), {}, leaf.value), Leaf(Box(low, box.high), {}, leaf.value)]
+        halves = [Leaf(b, {}, leaf.value, near=leaf.near) for b in (Box(box.low, high), Box(low, box.high))]
         leaf.step.clear()
         leaf.step |= {"split": [axis, at], "then": [half.step for half in halves]}
         self.domain.leaves.remove(leaf)
@@ -266,7 +276,7 @@ class PoseFlood:
         for turn in range(ROUNDS + 1):
             box = leaf.box
             m, d = box.middle, box.half
-            rows, program = self._program(box)
+            rows, program = self._program(leaf)
             self._bound(leaf, rows, program)
             if turn == ROUNDS or (leaf.value <= self.target and not self._sides(leaf)):
                 return
@@ -293,15 +303,38 @@ class PoseFlood:
             leaf.step |= _tidy(rows, {"cuts": cuts}) | {"then": [below]}
             leaf.step, leaf.box = below, Box(low, high)
             if not ((high - low)[d > 0] < SHRUNK * (2 * d)[d > 0]).any():
-                rows, program = self._program(leaf.box)
+                rows, program = self._program(leaf)
                 self._bound(leaf, rows, program)
                 return
 
-    def _program(self, box: Box) -> tuple[Rows, DualLinearProgram]:
-        """All rows of a box, and a linear program of them, in which rows may be violated at a price."""
-        parts = [c.rows(box) for c in self.contacts]
-        rows = Rows(*(np.concatenate([getattr(r, f.name) for r in parts]) for f in fields(Rows)))
-        count, half = len(rows.point), box.half * self.scale
+    def _rows(self, leaf: Leaf) -> Rows:
+        """All rows of a leaf."""
+        parts, leaf.near = zip(
+            *(c.rows(leaf.box, near) for c, near in zip(self.contacts, leaf.near or (None, None), strict=True)),
+            strict=True,
+        )
+        return Rows(*(np.concatenate([getattr(r, f.name) for r in parts]) for f in fields(Rows)))
+
+    def calmest(self) -> Floats:
+        """The point [mm] from the origin that moves least in the largest turns which rows at rest allow."""
+        free, half = self.domain.free, np.append(np.full(3, 2 * self.radius), np.full(3, 0.5))
+        near = np.where(free, 1.5 * self.clearance / self.scale, 0.0)
+        rows = self._rows(Leaf(Box(-near, near), {}, np.inf))
+        half = np.where(free, half, 0.0) * self.scale
+        matrix = sp.csr_matrix(rows.slope / self.scale)
+        program = DualLinearProgram(matrix, -rows.constant, np.full(len(rows.point), np.inf), -half, half)
+        A, b = [FIRM * np.eye(3)], [np.zeros(3)]
+        for axis in np.vstack([np.eye(6)[3:], -np.eye(6)[3:]]):
+            program.ask(axis)
+            u, turn = program.x[:3] / self.scale[:3], 2 * program.x[3:6] / self.scale[3:]
+            A.append(np.cross(np.eye(3), turn))
+            b.append(-u)
+        return np.asarray(np.linalg.lstsq(np.vstack(A), np.concatenate(b), rcond=None)[0])
+
+    def _program(self, leaf: Leaf) -> tuple[Rows, DualLinearProgram]:
+        """All rows of a leaf, and a linear program of them, in which rows may be violated at a price."""
+        rows = self._rows(leaf)
+        count, half = len(rows.point), leaf.box.half * self.scale
         self.budget.spend(ROW_WORK * (200 + count))
         matrix = sp.csr_matrix(np.hstack([rows.slope / self.scale, np.ones((count, 1))]))
         high = np.full(count, np.inf)
@@ -331,38 +364,26 @@ class PoseFlood:
         total = slope + y @ rows.slope if len(y) else slope
         return float(constant + y @ rows.constant + np.abs(total) @ d)
 
-    def add_points(self, pose: Floats) -> int:
-        """Middles of what edges of one body bite into pieces of the other at a pose; how many were new."""
-        R = rotation(pose[3:])
+    def add_points(self, poses: list[Floats]) -> int:
+        """Middles of what edges of one body bite into pieces of the other at some poses; how many were new."""
         found = 0
         for contacts, ends, fixed in zip(self.contacts, self.edges, (False, True), strict=True):
-            if len(contacts.points) > MOST_POINTS or not len(ends):
+            if len(contacts.points) > MOST_POINTS or not len(ends) or not poses:
                 continue
-            self.budget.spend(EDGE_WORK * len(ends) * len(contacts.normals))
-            placed = (ends - pose[:3]) @ R if fixed else ends @ R.T + pose[:3]
-            side = placed @ contacts.normals.T - contacts.offsets  # (k, 2, f)
-            a, b = side[:, 0], side[:, 1]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                t = a / (a - b)
-            first = np.where(a > 0, np.where(b < 0, t, np.inf), 0.0)
-            last = np.where(b > 0, np.where(a < 0, t, -np.inf), 1.0)
-            start = np.maximum.reduceat(first, contacts.first, axis=1)
-            stop = np.minimum.reduceat(last, contacts.first, axis=1)
-            k, piece = np.nonzero(stop > start)
-            if not len(k):
-                continue
-            middle = (start[k, piece] + stop[k, piece]) / 2
-            values = a[k] + middle[:, None] * (b - a)[k]
-            depth = -np.maximum.reduceat(values, contacts.first, axis=1)[np.arange(len(k)), piece]
-            order = np.argsort(-depth)[:ADDED]
-            for i in order:
-                if depth[i] < BITE * self.clearance:
+            self.budget.spend(EDGE_WORK * len(poses) * len(ends) * len(contacts.normals))
+            placed = np.array(
+                [(ends - p[:3]) @ rotation(p[3:]) if fixed else ends @ rotation(p[3:]).T + p[:3] for p in poses]
+            )
+            edge, first, last, depth = contacts.bites(placed.reshape(-1, 2, 3))
+            start, stop = ends[edge % len(ends)].transpose(1, 0, 2)
+            points = start + ((first + last) / 2)[:, None] * (stop - start)
+            most = len(contacts.points) + ADDED * len(poses)
+            for i in np.argsort(-depth):
+                if depth[i] < BITE * self.clearance or len(contacts.points) >= most:
                     break
-                point = ends[k[i], 0] + middle[i] * (ends[k[i], 1] - ends[k[i], 0])
-                near = np.abs(contacts.points - point).max(axis=1).min() if len(contacts.points) else np.inf
-                if near < self.clearance:
+                if len(contacts.points) and np.abs(contacts.points - points[i]).max(axis=1).min() < self.clearance:
                     continue
-                named = self.material(fixed, point)
+                named = self.material(fixed, points[i])
                 if named is not None:
                     contacts.add(np.array([named[0]]), named[1][None])
                     found += 1

@@ -97,6 +97,10 @@ class Rows:
     slope: Floats
 
 
+Pairs = tuple[int, Ints, Ints]
+"""Of the first so many points, numbers of points and pieces."""
+
+
 class Contacts:
     """Points of one body and pieces of the other, in the frame of the moving body's origin at rest.
 
@@ -111,7 +115,7 @@ class Contacts:
         self.fixed = fixed
         self.number = np.array([k for k, _, _ in pieces], dtype=np.int64)
         count = np.array([len(h) for _, _, h in pieces], dtype=np.int64)
-        self.first = np.cumsum(count) - count
+        self.count, self.first = count, np.cumsum(count) - count
         self.piece_of = np.repeat(np.arange(len(pieces)), count)
         self.face_of = np.concatenate([np.arange(c) for c in count])
         self.normals = np.vstack([n for _, n, _ in pieces])
@@ -144,8 +148,31 @@ class Contacts:
             low, high = low - turned, high + turned
         return value - h, slope, low, high
 
-    def rows(self, box: Box) -> Rows:
-        """All inequalities that hold in a box and are not true of all its poses."""
+    def bites(self, ends: Floats, by: float = 0.0) -> tuple[Ints, Floats, Floats, Floats]:
+        """Which of some edges (k, 2, 3), where pieces lie, run through a piece whose faces are further out.
+
+        Also from where to where, as shares of the edge, and how deep the middle is.
+        """
+        a, b = ((self.normals @ ends[:, k].T) - (self.offsets + by)[:, None] for k in (0, 1))
+        outside = np.maximum.reduceat(np.minimum(a, b), self.first, axis=0)
+        piece, edge = np.nonzero(outside < 0)  # (pieces, k)
+        if not len(edge):
+            return edge, np.zeros(0), np.zeros(0), np.zeros(0)
+        face, owner, first = self._faces(piece)
+        a, b = a[face, edge[owner]], b[face, edge[owner]]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = a / (a - b)
+        start = np.maximum.reduceat(np.where(a > 0, t, 0.0), first)
+        stop = np.minimum.reduceat(np.where(b > 0, t, 1.0), first)
+        depth = -np.maximum.reduceat(a + ((start + stop) / 2)[owner] * (b - a), first)
+        through = stop > start
+        return edge[through], start[through], stop[through], depth[through]
+
+    def rows(self, box: Box, open_: Pairs | None = None) -> tuple[Rows, Pairs]:
+        """All inequalities that hold in a box and are not true of all its poses, and pairs that may meet in it.
+
+        `open_` are the pairs that may meet in a box around it.
+        """
         m, d = box.middle, box.half
         R = rotation(m[3:])
         turn = 2 * float(np.linalg.norm(d[3:]))
@@ -157,21 +184,22 @@ class Contacts:
             placed = self.points @ R.T + m[:3]
             reach = np.linalg.norm(self.points, axis=1)
             shift = np.abs(self.normals) @ d[:3]
-        value = placed @ self.normals.T - self.offsets
-        room = np.minimum(turn, 2.0) * reach[:, None] + shift
-        before, sure = value + room >= 0, value - room >= 0
-        count = np.add.reduceat(before, self.first, axis=1)
-        inside = count == 0  # wherever the body is in the box: any face says so
-        before |= inside[:, self.piece_of]
-        left = (count <= MOST_FACES) & ~np.logical_or.reduceat(sure, self.first, axis=1)
-        who, piece = np.nonzero(left)
-        if not len(who):
-            none = np.zeros(0, dtype=np.int64)
-            return Rows(none, none, none, np.zeros(0), np.zeros((0, 6)))
-        pair = np.full(left.shape, -1)
-        pair[who, piece] = np.arange(len(who))
-        point, face = np.nonzero(before & left[:, self.piece_of])
-        owner = pair[point, self.piece_of[face]]
+        seen, who, piece = open_ or (0, np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+        new, pieces = np.arange(seen, len(self.points)), np.arange(len(self.count))
+        who = np.concatenate([who, np.repeat(new, len(pieces))])
+        piece = np.concatenate([piece, np.tile(pieces, len(new))])
+        face, owner, start = self._faces(piece)
+        value = (self.normals @ placed.T)[face, who[owner]] - self.offsets[face]
+        room = np.minimum(turn, 2.0) * reach[who[owner]] + shift[face]
+        near = np.maximum.reduceat(value - room, start) < 0 if len(start) else np.zeros(0, dtype=bool)
+        before = value >= -room
+        count = np.bincount(owner, before, len(who))
+        kept = (near & (count <= MOST_FACES))[owner] & (
+            before | (count == 0)[owner]
+        )  # of what is inside any face says so
+        found = len(self.points), who[near], piece[near]
+        face, owner = face[kept], owner[kept]
+        point = who[owner]
         constant, slope, low, high = self.bounds(point, face, box)
         linear = np.abs(slope) @ d
         slack = ROUNDING * (np.abs(constant) + linear + reach[point] + 1e-3)
@@ -183,13 +211,21 @@ class Contacts:
         # no face is left: every pose of the box is barred, which the row of any face says
         barred = (ways[owner] == 0) & (np.r_[True, owner[1:] != owner[:-1]])
         keep |= barred
-        return Rows(
+        rows = Rows(
             self.names[point[keep]],
             self.number[self.piece_of[face[keep]]],
             self.face_of[face[keep]],
             (constant + high + slack)[keep],
             slope[keep],
         )
+        return rows, found
+
+    def _faces(self, piece: Ints) -> tuple[Ints, Ints, Ints]:
+        """Faces of some pieces (k,) one after another, which of the pieces each is of, and where those of each begin."""
+        count = self.count[piece]
+        start = np.cumsum(count) - count
+        owner = np.repeat(np.arange(len(piece)), count)
+        return np.arange(count.sum()) + (self.first[piece] - start)[owner], owner, start
 
 
 MOST_FACES = 4

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,9 @@ from wiggleroom.bound.prove import check_bound, check_request, not_proven, proof
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.deadline import Deadline, WorkBudget
 from wiggleroom.drawing.model import Pull, Turn
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer, Bound, with_bound
+from wiggleroom.search.progress import Progress
 from wiggleroom.solve.dual_linear_program import need_highs
 from wiggleroom.spatial.proof.inner_pieces import InnerPiece, bent_edges, inner_pieces
 from wiggleroom.spatial.proof.pose_flood import Lengths, LinearGoal, PoseFlood, Unbounded
@@ -37,6 +38,8 @@ TARGET_SHARE = 0.9
 """The bound is to come so near, as a share of what was asked for."""
 MaterialPoint = tuple[int, Floats]
 """A piece, and a point inside it [mm]."""
+NEAR = 2.0
+"""Edges that come nearer to pieces than this multiple of the clearance get points, so far from where they leave those."""
 ABOVE = 1e-11
 """The bound is stated larger by this share, for rounding."""
 
@@ -86,18 +89,29 @@ def prove_spatial(
         raise InputError(goal)
     if answer.objective is None:
         return not_proven(answer, clock, "nothing stops the motion")
-    scene = _scene(answer.assembly)
+    scene = _scene(answer.assembly, clock)
     if isinstance(scene, str):
         return not_proven(answer, clock, scene)
     witness = answer.objective
+    free = scene.group.bodies.free[scene.body]
+    if free[:3].all() and free[3:].any():
+        # linear rows leave out least about the axis of the largest turn; where shifts are locked, they are those of the reference point
+        calm = _flood(scene, _linear(scene, goal)[0], WorkBudget())[0].calmest()
+        scene = replace(scene, origin=scene.origin + calm)
     linear, tangent = _linear(scene, goal)
     aim = within * max(abs(witness), 1e-3 * max(answer.assembly.gap, 1e-6 * answer.assembly.size))
     target = (
         _tangent_of(witness + TARGET_SHARE * aim, goal) if tangent else (witness + TARGET_SHARE * aim) / goal.weight
     )
     flood, points = _flood(scene, linear, proof_budget(work, clock))
+
+    def tell(reached: int, open_: int, best: float) -> None:
+        most = (2 * math.atan(best) if tangent else best) * goal.weight if math.isfinite(best) else math.nan
+        doing = f"{reached} boxes of poses, {open_} of them open" if open_ else f"{reached} boxes of poses"
+        context.tell(Progress(f"proof, {clock.spent:.0f} s: {doing}", 0, 0, most))
+
     try:
-        best = flood.run(target)
+        best = flood.run(target, tell)
     except Unbounded as why:
         return not_proven(answer, clock, str(why))
     if not math.isfinite(best):
@@ -122,7 +136,7 @@ def _goal_of(answer: Answer) -> Pull | Turn | str:
     return goal if goal.weight > 0 else "a bound in space is proven for a goal of positive weight"
 
 
-def _scene(assembly: Assembly) -> _Scene | str:
+def _scene(assembly: Assembly, stop: Stop) -> _Scene | str:
     """What moves among what, or why there is no bound."""
     group = grouped(assembly)
     moves = np.flatnonzero(group.bodies.moves)
@@ -133,9 +147,11 @@ def _scene(assembly: Assembly) -> _Scene | str:
     if assembly.drawing.ignore:
         return "parts that may overlap (ignore) are not supported by bounds in space"
     body = int(moves[0])
-    pieces = inner_pieces(assembly)
+    pieces = inner_pieces(assembly, stop)
     parts = group.body_of == body
     moving = np.array([parts[piece.part] for piece in pieces])
+    if stop.is_set():
+        return "no bound was found in the time or work given"
     if not moving.any() or moving.all():
         return "there is nothing that could hold it"
     return _Scene(assembly, group, body, group.bodies.at[body], pieces, moving, parts)
@@ -176,10 +192,10 @@ def _flood(scene: _Scene, goal: LinearGoal, budget: WorkBudget) -> tuple[PoseFlo
 
     def material(fixed: bool, point: Floats) -> MaterialPoint | None:
         """The piece that a point [mm], from the origin, belongs to, and where it is inside."""
-        best = None
-        for k, piece in enumerate(scene.pieces):
-            if bool(scene.moving[k]) == fixed:
-                continue
+        best, own = None, contacts[not fixed]
+        outside = np.maximum.reduceat(own.normals @ point - own.offsets, own.first)
+        for k in own.number[outside < 1e-6 * size].tolist():
+            piece = scene.pieces[k]
             inside = piece.drawn_in((point + origin)[None], INWARD * size)[0]
             away = float(np.abs(inside - origin - point).max())
             if away < 1e-6 * size and (best is None or away < best[2]):
@@ -195,10 +211,15 @@ def _flood(scene: _Scene, goal: LinearGoal, budget: WorkBudget) -> tuple[PoseFlo
         points.append(found)
         return len(points) - 1, found[1] - origin
 
+    clearance = scene.assembly.gap or 1e-2 * size
     for fixed in (False, True):
         # a corner near an edge may be beyond either of two faces; the middle of an edge is seldom
-        places = np.vstack([ends[fixed].reshape(-1, 3), ends[fixed].mean(axis=1)])
-        for point in np.unique(places.round(9), axis=0):
+        edge, start, stop, _ = contacts[fixed].bites(ends[fixed], NEAR * clearance)
+        along = ends[fixed][edge, 1] - ends[fixed][edge, 0]
+        inset = np.minimum(2 * NEAR * clearance / np.linalg.norm(along, axis=1), (stop - start) / 2)
+        places = [ends[fixed].reshape(-1, 3), ends[fixed].mean(axis=1)]
+        places += [ends[fixed][edge, 0] + t[:, None] * along for t in (start + inset, (start + stop) / 2, stop - inset)]
+        for point in np.unique(np.vstack(places).round(9), axis=0):
             found = named(fixed, point)
             if found is not None:
                 contacts[fixed].add(np.array([found[0]]), found[1][None])
@@ -207,7 +228,6 @@ def _flood(scene: _Scene, goal: LinearGoal, budget: WorkBudget) -> tuple[PoseFlo
         for p, m in zip(scene.pieces, scene.moving, strict=True)
         if m
     )
-    clearance = scene.assembly.gap or 1e-2 * size
     free = scene.group.bodies.free[scene.body]
     flood = PoseFlood(
         (contacts[0], contacts[1]),
