@@ -177,8 +177,8 @@ def main() -> None:
                     accepted += wrong
                     print("   a changed certificate is verified:", found.at_most, "WRONG" if wrong else "and true")
     print(
-        f"{bounded} of {given.count} bounded, {within} within 1 %, {below} below the search, {refused} not verified; {accepted} of {tried} forgeries "
-        f"accepted; median {np.median(seconds):.2f} s, most {max(seconds):.2f} s"
+        f"{bounded} of {given.count} bounded, {within} within 1 %, {below} below the search, {refused} not verified; {accepted} of "
+        f"{tried} forgeries accepted; median {np.median(seconds):.2f} s, most {max(seconds):.2f} s"
     )
 
 

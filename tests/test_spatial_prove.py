@@ -81,8 +81,8 @@ def test_a_file_that_asks_for_endless_work_is_refused(proven, monkeypatch):
     monkeypatch.setattr(work_limit, "STEPS", work_limit.STEPS // 5)
     assert verify(copy.deepcopy(proven.bound.certificate)).proven
     content = copy.deepcopy(proven.bound.certificate)
-    content["pieces"][0]["faces"] += [[0.0, 0.0, 1.0, 1e6]] * 4000
-    content["proof"] = {"rows": [[len(content["points"]) - 1, 0, 0]] * 4000, "best": []}
+    content["parts"][0]["vertices"] += [[0.0, 0.0, 0.0]] * 2000
+    content["pieces"] += content["pieces"][:1] * 400
     content["sha256"] = hashlib.sha256(
         json.dumps({n: v for n, v in content.items() if n != "sha256"}).encode()
     ).hexdigest()

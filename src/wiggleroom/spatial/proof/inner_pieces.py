@@ -1,7 +1,7 @@
-"""Convex pieces inside solids, each grown until the surface stops it.
+"""Convex pieces inside solids, each as large as the surface lets it be.
 
 Where two pieces of a partition meet, a point could pass between them along their common face. Pieces that overlap leave no such seam:
-every face that does not lie on the surface is pushed out, in turn, until it meets the surface.
+each is cut off only by planes that leave triangles of the surface outside.
 """
 
 from __future__ import annotations
