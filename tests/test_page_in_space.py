@@ -383,6 +383,20 @@ def test_freedoms_and_plans_in_space_are_told_with_their_frames(lid: Served) -> 
         assert json.loads(base64.b64decode(saved["data"]))["dimension"] == 3
 
 
+def test_a_bound_is_proven_in_space_and_stays_with_the_answer(lid: Served) -> None:
+    pytest.importorskip("highspy")
+    with lid.visit() as page:
+        case, block = LID["parts"]
+        text = json.dumps(LID | {"parts": [case, block | {"lock": ["z", "rx"]}]}).encode()  # it could leave upwards
+        page.until(page.send("open", name="lid.json", data=base64.b64encode(text).decode()), "opened")
+        page.design = {"fixed": ["case"], "goals": [{"part": "block", "direction": [1, 0, 0]}]}
+        found = page.ask("flex")
+        reply = page.ask("prove", share=0.05, seconds=60)
+        assert found["objective"] <= reply["at_most"] <= 1.05 * found["objective"]
+        assert "proven" in reply["words"]
+        assert "--prove 0.05" in reply["command"]
+
+
 def test_questions_of_drawings_are_refused_in_space_in_one_line(lid: Served) -> None:
     with lid.visit() as page:
         page.until(
@@ -390,7 +404,6 @@ def test_questions_of_drawings_are_refused_in_space_in_one_line(lid: Served) -> 
         )
         asked = [
             ("reach", {"part": "block", "grip": [0, 0]}),
-            ("prove", {}),
             ("bound", {}),
         ]
         asked += [("space", {"a": "case", "b": "block"}), ("save", {"what": "cut-svg"})]

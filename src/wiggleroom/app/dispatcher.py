@@ -35,7 +35,7 @@ ANSWERS = {
     "lay": "sheet_requests",
 }
 """Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
-OF_DRAWINGS = ("reach", "prove", "bound", "space", "assemble", "lay")
+OF_DRAWINGS = ("reach", "bound", "space", "assemble", "lay")
 """What is not answered in space."""
 
 

@@ -136,7 +136,7 @@ def _options(options: Mapping[str, OptionValue]) -> tuple[str, ...]:
 
 def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
     """A value that no motion exceeds."""
-    from wiggleroom.bound.prove import prove as work_out
+    from wiggleroom.questions import prove as work_out
 
     answer = searched(document, request.design, out)
     done = work_out(answer, request.share, seconds=request.seconds, stop=out.stop, progress=out.progress)

@@ -1,7 +1,7 @@
 /** How sure the answer is, and proving a bound. */
 
 import { useSignal } from "@preact/signals";
-import { design, inSpace } from "../design.ts";
+import { design } from "../design.ts";
 import { ask } from "../session.ts";
 import { answer, bound, standalone, can, checked, current, hello, planned, proof } from "../state.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
@@ -19,7 +19,7 @@ export function Sure() {
       </Section>}
       {planned.value && current(planned.value) && <Section title="How sure is the plan"><Terms all={planned.value.reply.sure} /></Section>}
       {checked.value && (standalone.value || current(checked.value)) && <Section title="How sure is it whether it comes apart"><Terms all={checked.value.reply.sure} /></Section>}
-      {!standalone.value && !inSpace() && about?.reply.objective != null && <Prove />}
+      {!standalone.value && about?.reply.objective != null && <Prove />}
     </>
   );
 }
@@ -37,7 +37,7 @@ function Prove() {
   const start = (): void => void ask("prove", { design: design.peek(), share: percent.value / 100, seconds: seconds.value });
   return (
     <Section title="Prove a bound">
-      <p>A value that no motion can exceed. It takes longer than the answer, and needs joints that close round each other.</p>
+      <p>A value that no motion can exceed. It takes longer than the answer, and needs joints that close round each other; in space, one part that moves.</p>
       <div class="asks">
         <label>within <NumberBox value={percent.value} min={0.01} step={0.5} unit="%" label="how near the bound should come" onChange={(v) => (percent.value = v)} /></label>
         <label>for at most <NumberBox value={seconds.value} min={1} step={5} unit="s" label="time for the proof" onChange={(v) => (seconds.value = v)} /></label>
