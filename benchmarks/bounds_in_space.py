@@ -153,7 +153,8 @@ def main() -> None:
         for seed in range(given.first, given.first + given.count):
             content, direction, point = case(seed)
             file = Path(folder) / "case.json"
-            file.write_text(json.dumps(content))
+            pull = {"part": "body", "direction": direction.tolist(), "point": point.tolist()}
+            file.write_text(json.dumps(content | {"pull": [pull]}))
             began = time.process_time()
             answer = wr.flex(wr.read(file), wr.Pull("body", tuple(direction), tuple(point)), search=0)
             answer = wr.prove(answer, 0.01, work=WORK, certify=True)
