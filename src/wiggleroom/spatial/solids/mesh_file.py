@@ -233,8 +233,8 @@ def _uncrossed(
     if at is None:
         return surface, notes
     where = f"({at[0]:.4g}, {at[1]:.4g}, {at[2]:.4g})"
-    while 10 * near <= SLIVER * size:
-        near *= 10
+    while near < SLIVER * size:
+        near = min(10 * near, SLIVER * size)
         if self_crossing(surface, near, stop) is None:
             return surface, [
                 *notes,
