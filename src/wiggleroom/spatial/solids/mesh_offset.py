@@ -45,8 +45,8 @@ MAX_MOVES = 30
 """They are moved so often."""
 MAX_QUARTERS = 6
 """A corner that came out on another side goes a quarter of the way, so often."""
-BLOCK = 4000
-"""Points whose distances are found together."""
+BLOCK = 250
+"""Points, or triangles, whose distances are found together."""
 WITHIN = np.array([(i, j, 3 - i - j) for i in range(4) for j in range(4 - i)]) / 3
 """Places on a triangle, as shares of its corners, whose depths are looked at."""
 MOSTLY = 0.95
