@@ -45,11 +45,16 @@ def test_a_moved_mesh_goes_round_what_is_made_and_little_more(mesh: trimesh.Trim
     made = made_of(mesh, gap)
     assert 0 < made.mostly <= made.overshoot
     assert made.mostly <= gap / 8
+    triangles = np.ascontiguousarray(mesh.triangles)
+    side = made.surface.vertices[made.surface.faces][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 3)
+    along = np.einsum("pe,kex->pkx", np.column_stack([np.arange(33), np.arange(33)[::-1]]) / 32, side).reshape(-1, 3)
+    shallow = surface_distances(triangles, along, np.empty_like(along)).min()
+    assert shallow >= gap / 2 - made.overshoot - 1e-9
+    assert shallow <= gap / 2 - 0.95 * made.overshoot
     rng = np.random.default_rng(3)
     share = rng.dirichlet((1, 1, 1), 4000)
     near = mesh.triangles[rng.integers(0, len(mesh.faces), 4000)]
     points = np.einsum("kij,ki->kj", near, share) + rng.normal(scale=gap, size=(4000, 3))
-    triangles = np.ascontiguousarray(mesh.triangles)
     deep = surface_distances(triangles, points, np.empty_like(points))
     deep = np.where(winding_numbers(triangles, points) > 0.5, deep, -deep)
     inside = winding_numbers(made.surface.vertices[made.surface.faces], points) > 0.5

@@ -19,7 +19,7 @@ from wiggleroom.spatial.solids.convex_hulls import filled_up, hull_surface, hull
 from wiggleroom.spatial.solids.file_digits import step_of_numbers
 from wiggleroom.spatial.solids.fins import convex_without_fins
 from wiggleroom.spatial.solids.mesh_file import MeshFiles
-from wiggleroom.spatial.solids.mesh_pieces import in_pieces, mesh_made
+from wiggleroom.spatial.solids.mesh_pieces import CutsLeft, in_pieces, mesh_made
 from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of, volume_of
 
 BORDER = 1e-3
@@ -206,3 +206,13 @@ def test_a_groove_is_filled_up_where_it_is_shallow_and_not_where_it_is_narrow(
     if found is not None:
         assert volume_of(found[0]) == pytest.approx(60, rel=1e-12)
         assert deep / 3 < found[1] < 3.1 * deep
+
+
+def test_a_solid_that_needs_more_cuts_than_are_left_is_a_shell() -> None:
+    bowl = trimesh.creation.box((9, 9, 9)).difference(trimesh.creation.icosphere(subdivisions=1, radius=3))
+    made, _ = mesh_made(Surface(np.array(bowl.vertices), np.array(bowl.faces, dtype=np.int64)), 0.0)
+    assert made is not None
+    assert in_pieces(made, lambda: 1e-3).overshoot == 0
+    shell = in_pieces(made, lambda: 1e-3, left=CutsLeft(5))
+    assert shell.overshoot == 1e-3
+    assert len(shell.pieces) == len(made.surface.faces)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import re
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -301,6 +302,19 @@ def test_the_checks_see_what_overlaps() -> None:
     spin[1, 5] = np.pi / 2  # a square looks the same after a quarter turn, but cannot get there
     assert deepest_overlap(assembly, spin) == 0
     assert swept.overlaps(rest, spin)
+
+
+def test_once_it_was_asked_to_stop_no_path_is_free() -> None:
+    from wiggleroom.spatial.overlaps.swept_check import SweptCheck
+
+    blocks = [{"name": n, "boxes": [[x, 0, 0, x + 1, 1, 1]]} for n, x in (("a", 0.0), ("b", 2.2))]
+    swept, rest, past, stop = SweptCheck(spatial(*blocks)), np.zeros((2, 6)), np.zeros((2, 6)), threading.Event()
+    past[1, :2] = -2.2, 2.2
+    assert swept.doubtful(rest, past, stop=stop) == []
+    assert swept.room(rest, [1], np.array([-1.0, 0, 0]), 60.0, stop) == pytest.approx(1.2)
+    stop.set()
+    assert swept.doubtful(rest, past, stop=stop) == [(0, 1)]
+    assert swept.room(rest, [1], np.array([-1.0, 0, 0]), 60.0, stop) == 0
 
 
 def test_a_sweep_in_space_follows_the_closed_form() -> None:

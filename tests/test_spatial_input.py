@@ -8,6 +8,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
+import manifold3d
 import numpy as np
 import pytest
 import trimesh
@@ -20,7 +21,7 @@ from wiggleroom.spatial.solids.convex import convex_piece, distinct_axes
 from wiggleroom.spatial.solids.convex_hulls import hull_surface
 from wiggleroom.spatial.solids.made_solids import made_solid
 from wiggleroom.spatial.solids.mesh_pieces import in_pieces
-from wiggleroom.spatial.solids.solid_boolean import centroid_of, solid_of, union_of
+from wiggleroom.spatial.solids.solid_boolean import centroid_of, solid_of, surface_of, union_of, volume_of
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial, read_spatial_assembly
 from wiggleroom.spatial.solids.spatial_file import read_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
@@ -429,6 +430,22 @@ def test_a_mesh_that_crosses_itself_is_what_it_encloses(tmp_path: Path) -> None:
     assert [note for note in notes if "crosses itself at" in note]
     truth = shapely.union_all([shapely.Polygon(ring[list(f)]) for f in flat]).area * 3
     assert centroid_of(surface)[0] == pytest.approx(truth, rel=1e-9)
+
+
+def test_a_mesh_that_crosses_itself_by_a_sliver_is_as_drawn(tmp_path: Path) -> None:
+    """A cut whose two walls go through each other at its ground, by 0.0003 mm in 20."""
+    from wiggleroom.spatial.solids.mesh_file import MeshFiles
+
+    across = manifold3d.CrossSection([[(-0.5, 11), (-0.0003, 2), (0.0003, 2), (0.5, 11)]])
+    cut = manifold3d.Manifold.extrude(across, 30).translate((0, 0, -15))
+    surface = surface_of(manifold3d.Manifold.cube((20, 20, 20), True) - cut)
+    ground = np.abs(surface.vertices[:, 0]) < 1e-3
+    assert ground.sum() == 4
+    surface.vertices[ground, 0] *= -1
+    trimesh.Trimesh(surface.vertices, surface.faces, process=False).export(tmp_path / "a.ply")
+    read, notes = MeshFiles(1.0).read(tmp_path / "a.ply")
+    assert any("crosses itself at" in note and "the part is as drawn" in note for note in notes), notes
+    assert volume_of(read) == pytest.approx(volume_of(surface), rel=1e-6)
 
 
 def test_a_place_is_said_where_a_mesh_is_open(tmp_path: Path) -> None:

@@ -110,9 +110,14 @@ class StoppedError(WiggleroomError):
     """Work was asked to stop before there was anything to say."""
 
 
+def is_asked(stop: Stop | None) -> bool:
+    """True where the work was asked to stop."""
+    return stop is not None and stop.is_set()
+
+
 def go_on(stop: Stop | None) -> None:
     """Raise StoppedError where the work was asked to stop."""
-    if stop is not None and stop.is_set():
+    if is_asked(stop):
         raise StoppedError("asked to stop")
 
 

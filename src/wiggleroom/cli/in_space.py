@@ -102,10 +102,10 @@ def draw_in_space(
         found = assembled_sheet(
             file, sheet, unit=asked.length_unit, options=read_options(asked), stop=stop, overlapping=overlapping
         )
-        drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
+        drawing = replace(read_spatial(sure_text(file, found), stop=stop), source=found.source, notes=found.notes)
     else:
         with at_once(stop):
-            drawing = read_spatial(file if "\n" in file else Path(file))
+            drawing = read_spatial(file if "\n" in file else Path(file), stop=stop)
     for line in drawing.notes:
         note(line)
     members = {p.name: None for p in drawing.parts}

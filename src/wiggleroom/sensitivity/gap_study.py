@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.context import Context
 from wiggleroom.drawing.model import Drawing
+from wiggleroom.errors import Stop
 from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.sensitivity.dual_face import DualFace
 from wiggleroom.sensitivity.found_motion import Found, MadeAssembly, endless
@@ -95,8 +96,11 @@ class GapStudy(Protocol[Found]):
     def clearance(self) -> float:
         """Typical clearance between neighbours [mm]."""
 
-    def at_gap(self, gap: float) -> Self:
-        """The same question with another gap [mm]; InputError where parts cannot be made, OverlapError where they overlap."""
+    def at_gap(self, gap: float, stop: Stop | None = None) -> Self:
+        """The same question with another gap [mm]; InputError where parts cannot be made, OverlapError where they overlap.
+
+        StoppedError where it was asked to stop before they were made.
+        """
 
     def made_of(self, drawing: Drawing) -> Self:
         """The same question of another drawing of the same parts; InputError as for `at_gap`."""

@@ -18,6 +18,7 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.context import Context
 from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies, largest_clearance_path
 from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.cells import Cells, concatenated, replaced
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
@@ -115,8 +116,9 @@ class PlanarStudy:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
-    def at_gap(self, gap: float) -> Self:
+    def at_gap(self, gap: float, stop: Stop | None = None) -> Self:
         """The same question with another gap [mm] of the whole assembly."""
+        go_on(stop)
         return replace(self, question=assemble(self.assembly.drawing, gap=gap), found=None)
 
     def made_of(self, drawing: Drawing) -> Self:

@@ -75,8 +75,8 @@ class SearchedGaps(Generic[Found]):
 
     def _tried(self, gap: float, search: bool) -> Trial:
         try:
-            made = self.study.at_gap(gap)
-        except InputError as why:
+            made = self.study.at_gap(gap, self.context.stop)
+        except (InputError, StoppedError) as why:
             return Trial(gap, None, verdict_of(why), False)
         smaller = [t for t in self.trials.values() if t.gap < gap and t.checked and t.value is not None]
         best = max(smaller, key=lambda t: t.value or 0.0, default=None)

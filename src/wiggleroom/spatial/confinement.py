@@ -153,7 +153,7 @@ class PairwiseConfinement:
 
     def _caged(self, one: list[int], two: list[int]) -> bool:
         """True where something of the second lies in a closed cavity of the first, or holds a ball that cannot leave it."""
-        if len(two) > 1:
+        if self._stopped() or len(two) > 1:
             return False
         assembly, ignored = self.ready.assembly, self.ready.grouping.bodies.ignored
         cage, owner = self._framed(one, np.eye(3), np.zeros(3))

@@ -274,7 +274,7 @@ class DisassemblyStage:
             for direction in (axis, -axis):
                 if self.context.stopped:
                     return None
-                departure = StraightDeparture(self.ready, path[-1], direction)
+                departure = StraightDeparture(self.ready, path[-1], direction, self.context.stop)
                 group = departure.first()
                 if group:
                     return group, np.concatenate([path, departure.end(group)[None]])
@@ -337,7 +337,7 @@ class DisassemblyStage:
     def _along(self, path: Floats, axis: Floats, body: int) -> _Departure | None:
         """A body that leaves along an axis, ahead or back, from the end of a path, and what it takes along."""
         for direction in (axis, -axis):
-            departure = StraightDeparture(self.ready, path[-1], direction)
+            departure = StraightDeparture(self.ready, path[-1], direction, self.context.stop)
             group = departure.parts_with([body])
             if group:
                 return group, np.concatenate([path, departure.end(group)[None]])
@@ -353,7 +353,7 @@ class DisassemblyStage:
                 self.context.go_on()
                 if not moves[b][np.abs(direction) > 1e-12].all():
                     continue
-                far = ready.checker.room(motion, mine, direction, ready.size)
+                far = ready.checker.room(motion, mine, direction, ready.size, self.context.stop)
                 if not NEW_PLACE * ready.clearance < far < ready.size:
                     continue
                 end = motion.copy()

@@ -358,7 +358,7 @@ class SpatialSearch:
             return done
         if np.abs(done.path[-1, :, :3]).max() < DEPARTED * self.ready.size:
             return done
-        departure = StraightDeparture(self.ready, done.path[-1], total / np.linalg.norm(total))
+        departure = StraightDeparture(self.ready, done.path[-1], total / np.linalg.norm(total), self.context.stop)
         leaving = departure.parts_with(sorted({t.body for t in pulls}))
         if not leaving:
             return done

@@ -83,9 +83,9 @@ class SpatialStudy:
         """Typical clearance between neighbours [mm]."""
         return self.ready.clearance
 
-    def at_gap(self, gap: float) -> Self:
+    def at_gap(self, gap: float, stop: Stop | None = None) -> Self:
         """The same question with another gap [mm] of the whole assembly."""
-        return replace(self, assembly=assemble_spatial(self.assembly.drawing, gap=gap), found=None)
+        return replace(self, assembly=assemble_spatial(self.assembly.drawing, gap=gap, stop=stop), found=None)
 
     def made_of(self, drawing: Drawing) -> Self:
         """The same question of another drawing of the same parts."""

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
@@ -19,10 +20,10 @@ FAR = 3.0
 
 
 class StraightDeparture:
-    """Bodies that block each other on the path in a direction (3,) from a motion (n, 6)."""
+    """Bodies that block each other on the path in a direction (3,) from a motion (n, 6); once it was asked to stop none leaves."""
 
-    def __init__(self, ready: SpatialPrepared, motion: Floats, direction: Floats) -> None:
-        self._ready, self._motion, self._direction = ready, motion, direction
+    def __init__(self, ready: SpatialPrepared, motion: Floats, direction: Floats, stop: Stop | None = None) -> None:
+        self._ready, self._motion, self._direction, self._stop = ready, motion, direction, stop
         moves = ready.grouping.bodies.free[:, :3]
         self._loose: NDArray[np.bool_] = np.asarray(moves[:, np.abs(direction) > 1e-12].all(axis=1))
         self._blocked: dict[int, set[int]] = {}
@@ -58,6 +59,6 @@ class StraightDeparture:
         if body not in self._blocked:
             body_of = self._ready.grouping.body_of
             mine = np.flatnonzero(body_of == body).tolist()
-            pairs = self._ready.checker.doubtful(self._motion, self.end(mine), only=mine)
+            pairs = self._ready.checker.doubtful(self._motion, self.end(mine), only=mine, stop=self._stop)
             self._blocked[body] = {int(body_of[k]) for pair in pairs for k in pair} - {body}
         return self._blocked[body]

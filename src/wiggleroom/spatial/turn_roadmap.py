@@ -134,7 +134,8 @@ class TurnRoadmap:
             return
         mine = np.flatnonzero(ready.grouping.body_of == body)
         for axis in np.eye(3)[free[:3]]:
-            room = sum(ready.checker.room(motion, mine, way, ready.size) for way in (axis, -axis))
+            stop = self.context.stop
+            room = sum(ready.checker.room(motion, mine, way, ready.size, stop) for way in (axis, -axis))
             self.skipped |= bool(room > LEAST_EXTENT * ready.clearance)
 
     def turned_from(self, motion: Floats, body: int, space: TranslationSpace) -> Iterator[Floats]:

@@ -6,7 +6,8 @@ part, shows that the pieces stay apart, or the time between is halved.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.drawing.model import ConvexPiece
+from wiggleroom.errors import Stop, is_asked
 from wiggleroom.spatial.overlaps.overlap_check import free_pairs
 from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.solids.separating_axis import candidate_axes, extent, separation
@@ -21,6 +23,8 @@ from wiggleroom.spatial.solids.separating_axis import candidate_axes, extent, se
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+AT_ONCE = 256
+"""Pieces of a part whose boxes are compared with those of another part together."""
 MAX_HALVINGS = 14
 """The time between two waypoints is halved at most this many times."""
 
@@ -42,6 +46,7 @@ class SweptCheck:
             pieces += placed
             part += [k] * len(placed)
         self._reference, self._part = reference, np.array(part, dtype=np.int64)
+        self._pieces_of = np.searchsorted(self._part, np.arange(len(reference)))
         self._pieces = pieces
         self._corners = np.vstack([p.corners for p in pieces])
         count = np.array([len(p.corners) for p in pieces])
@@ -58,39 +63,51 @@ class SweptCheck:
         return bool(len(self.doubtful(start, end, first=True)))
 
     def doubtful(
-        self, start: Floats, end: Floats, first: bool = False, only: Iterable[int] | None = None
+        self,
+        start: Floats,
+        end: Floats,
+        first: bool = False,
+        only: Iterable[int] | None = None,
+        stop: Stop | None = None,
     ) -> list[tuple[int, int]]:
         """Pairs of parts for which it is not certain that they stay apart between two motions.
 
-        Where asked the first one is enough, and only pairs with exactly one of some parts are looked at.
+        Where asked the first one is enough, and only pairs with exactly one of some parts are looked at. Once it was asked to stop all
+        others are uncertain.
         """
         T0, T1 = self._reference + start[:, :3], self._reference + end[:, :3]
         R0, R1 = exponential(start[:, 3:]), exponential(end[:, 3:])
         turn = logarithm(np.einsum("nji,njk->nik", R0, R1))
         found: list[tuple[int, int]] = []
-        for i, j in self._near(T0, T1, R0, R1, turn, only):
-            a, b = int(self._part[i]), int(self._part[j])
-            if found and found[-1] == (a, b):
-                continue
-            P, Q = self._pieces[i], self._pieces[j]
-            apart = stay_apart(
-                P.corners, P.normals, P.edges, Q.corners, Q.normals, Q.edges,
-                T0[a], T1[a], R0[a], turn[a], T0[b], T1[b], R0[b], turn[b],
-            )  # fmt: skip
-            if not apart:
-                found.append((a, b))
+        for pair, pieces in self._near(T0, T1, R0, R1, turn, only):
+            a, b = pair
+            at = T0[a], T1[a], R0[a], turn[a], T0[b], T1[b], R0[b], turn[b]
+            if not all(not is_asked(stop) and self._stay_apart(i, j, at) for i, j in pieces):
+                found.append(pair)
                 if first:
                     break
         return found
 
-    def room(self, motion: Floats, only: Iterable[int], direction: Floats, most: float) -> float:
-        """How far some parts can go along a direction (3,) from a motion (n, 6) before they meet others [mm]; `most` where further."""
+    def _stay_apart(self, i: int, j: int, at: tuple[Floats, ...]) -> bool:
+        P, Q = self._pieces[i], self._pieces[j]
+        return bool(stay_apart(P.corners, P.normals, P.edges, Q.corners, Q.normals, Q.edges, *at))
+
+    def room(
+        self, motion: Floats, only: Iterable[int], direction: Floats, most: float, stop: Stop | None = None
+    ) -> float:
+        """How far some parts can go along a direction (3,) from a motion (n, 6) before they meet others [mm]; `most` where further.
+
+        0 where it was asked to stop before that was known.
+        """
         ahead, mine = motion.copy(), np.zeros(len(motion), dtype=bool)
         mine[list(only)] = True
         ahead[mine, :3] += most * direction
         T, R = self._reference + motion[:, :3], exponential(motion[:, 3:])
         posed: dict[int, ConvexPiece] = {}
-        for i, j in self._near(T, self._reference + ahead[:, :3], R, R, np.zeros_like(T), np.flatnonzero(mine)):
+        near = self._near(T, self._reference + ahead[:, :3], R, R, np.zeros_like(T), np.flatnonzero(mine))
+        for i, j in chain.from_iterable(pieces for _, pieces in near):
+            if is_asked(stop):
+                return 0.0
             P, Q = (posed.setdefault(k, self._pieces[k].placed(R[p], T[p])) for k in (i, j) for p in (self._part[k],))
             sign = 1.0 if mine[self._part[j]] else -1.0
             far = free_distance(P.corners, P.normals, P.edges, Q.corners, Q.normals, Q.edges, sign * direction)
@@ -99,8 +116,8 @@ class SweptCheck:
 
     def _near(
         self, T0: Floats, T1: Floats, R0: Floats, R1: Floats, turn: Floats, only: Iterable[int] | None
-    ) -> list[tuple[int, int]]:
-        """Pairs of pieces whose swept boxes meet, sorted by parts; those of pairs that may overlap left out."""
+    ) -> Iterator[tuple[tuple[int, int], Iterator[tuple[int, int]]]]:
+        """Pairs of parts that must stay apart and whose swept boxes meet, sorted; with each the pairs of their pieces that may meet."""
         import shapely
 
         part = self._part
@@ -110,15 +127,34 @@ class SweptCheck:
         one, other = ((R[owner] @ self._corners[:, :, None])[:, :, 0] + T[owner] for T, R in ((T0, R0), (T1, R1)))
         low = np.minimum.reduceat(np.minimum(one, other), self._first) - bulge[:, None]
         high = np.maximum.reduceat(np.maximum(one, other), self._first) + bulge[:, None]
-        flat = shapely.box(*low[:, :2].T, *high[:, :2].T)
-        i, j = shapely.STRtree(flat).query(flat)
-        a, b = part[i], part[j]
-        keep = (a < b) & (low[i, 2] <= high[j, 2]) & (low[j, 2] <= high[i, 2]) & ~(self._fixed[a] & self._fixed[b])
+        whole = np.minimum.reduceat(low, self._pieces_of), np.maximum.reduceat(high, self._pieces_of)
+        flat = shapely.box(*whole[0][:, :2].T, *whole[1][:, :2].T)
+        a, b = shapely.STRtree(flat).query(flat)
+        keep = (a < b) & _meet(*whole, a, b) & ~(self._fixed[a] & self._fixed[b])
         if only is not None:
             some = np.isin(np.arange(len(self._reference)), list(only))
             keep &= some[a] != some[b]
-        pairs = sorted(zip(a[keep].tolist(), b[keep].tolist(), i[keep].tolist(), j[keep].tolist(), strict=True))
-        return [(i, j) for a, b, i, j in pairs if (a, b) not in self._allowed]
+        for pair in sorted(zip(a[keep].tolist(), b[keep].tolist(), strict=True)):
+            if pair not in self._allowed:
+                yield pair, self._near_pieces(low, high, *(np.flatnonzero(part == k) for k in pair))
+
+    @staticmethod
+    def _near_pieces(low: Floats, high: Floats, one: Ints, other: Ints) -> Iterator[tuple[int, int]]:
+        """Pairs of some pieces and others whose boxes meet, found some at a time."""
+        import shapely
+
+        tree = shapely.STRtree(shapely.box(*low[other, :2].T, *high[other, :2].T))
+        for k in range(0, len(one), AT_ONCE):
+            some = one[k : k + AT_ONCE]
+            i, j = tree.query(shapely.box(*low[some, :2].T, *high[some, :2].T))
+            i, j = some[i], other[j]
+            meet = _meet(low, high, i, j)
+            yield from zip(i[meet].tolist(), j[meet].tolist(), strict=True)
+
+
+def _meet(low: Floats, high: Floats, one: Ints, other: Ints) -> NDArray[np.bool_]:
+    """True where boxes from `low` (n, 3) to `high` (n, 3) meet along z."""
+    return np.asarray((low[one, 2] <= high[other, 2]) & (low[other, 2] <= high[one, 2]))
 
 
 @njit(**OPTIONS)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.dimension import MESHES
 from wiggleroom.drawing.model import Surface
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.spatial.solids.convex_hulls import filled_up, hull_surface
 from wiggleroom.spatial.solids.file_digits import coordinate_step, coordinates_as_written
 from wiggleroom.spatial.solids.mesh_pieces import convex_pieces
@@ -55,7 +55,8 @@ MERGED = 1e-6
 SAME_VOLUME = 1e-9
 """Volumes that differ by less than this share are those of the same solid."""
 SLIVER = 1e-4
-"""Two faces that lie on each other and are narrower than this share of the size are a sliver that merged corners folded flat."""
+"""Two faces that lie on each other and are narrower than this share of the size are a sliver that merged corners folded flat, and a
+surface that crosses itself by less encloses slivers only."""
 AS_ONE = "they move as one"
 PLAUSIBLE = (1.0, 5000.0)
 """Of meshes whose largest is smaller or larger than this, in a unit that their file does not say, the unit is asked about [mm]."""
@@ -72,10 +73,12 @@ class MeshFiles:
     ----------
     unit : float [mm]
         One unit of formats that say none: STL, OBJ, PLY.
+    stop : optional
+        Anything with `is_set()`: then reading ends with a StoppedError.
     """
 
-    def __init__(self, unit: float) -> None:
-        self._unit = unit
+    def __init__(self, unit: float, stop: Stop | None = None) -> None:
+        self._unit, self._stop = unit, stop
         self._files: dict[Path, tuple[dict[str, tuple[Any, float]], float]] = {}
         self._surfaces: dict[tuple[Path, str], tuple[Surface, list[str]]] = {}
         self._separate: dict[tuple[Path, str], list[Surface]] = {}
@@ -151,6 +154,7 @@ class MeshFiles:
         return self._files[path]
 
     def _surface(self, path: Path, body: str) -> tuple[Surface, list[str]]:
+        go_on(self._stop)
         if (path, body) not in self._surfaces:
             bodies, unit = self._bodies(path)
             mesh, step = bodies[body]
@@ -160,8 +164,10 @@ class MeshFiles:
                 notes = ([f"{name}: curved faces are flattened to {step:.3g} mm"] if step else []) + notes
             else:
                 corners, faces = np.asarray(mesh.vertices, float) * unit, np.asarray(mesh.faces, dtype=np.int64)
-                surface, notes = _as_drawn(name, *_closed(name, corners, faces), step * unit)
-                surface, notes = _uncrossed(name, surface, notes, step * unit)
+                surface, notes = _closed(name, corners, faces)
+                go_on(self._stop)
+                surface, notes = _as_drawn(name, surface, notes, step * unit)
+                surface, notes = _uncrossed(name, surface, notes, step * unit, self._stop)
             self._surfaces[path, body] = surface, notes
         return self._surfaces[path, body]
 
@@ -211,20 +217,30 @@ def _as_drawn(name: str, surface: Surface, notes: list[str], step: float) -> tup
     return surface, notes
 
 
-def _uncrossed(name: str, surface: Surface, notes: list[str], step: float) -> tuple[Surface, list[str]]:
-    """The surface of what a surface that crosses itself encloses, by convex pieces.
+def _uncrossed(
+    name: str, surface: Surface, notes: list[str], step: float, stop: Stop | None
+) -> tuple[Surface, list[str]]:
+    """A surface that crosses itself by no more than a sliver as it is; else that of what it encloses, by convex pieces.
 
     Raises
     ------
     InputError
         If it has none: some of it is inside out, or it has too many.
     """
-    near = max(STEPS * step, SAME_PLACE * float(np.ptp(surface.vertices, axis=0).max()))
-    at = self_crossing(surface, near)
+    size = float(np.ptp(surface.vertices, axis=0).max())
+    near = max(STEPS * step, SAME_PLACE * size)
+    at = self_crossing(surface, near, stop)
     if at is None:
         return surface, notes
     where = f"({at[0]:.4g}, {at[1]:.4g}, {at[2]:.4g})"
-    pieces = convex_pieces(solid_of(surface))
+    while near < SLIVER * size:
+        near = min(10 * near, SLIVER * size)
+        if self_crossing(surface, near, stop) is None:
+            return surface, [
+                *notes,
+                f"{name}: crosses itself at {where} by less than {near:.1g} mm; the part is as drawn",
+            ]
+    pieces = convex_pieces(solid_of(surface), stop)
     if pieces is None:
         message = f"{name}: crosses itself at {where}; mend the mesh"
         raise InputError(message)

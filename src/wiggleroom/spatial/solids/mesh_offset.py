@@ -17,6 +17,7 @@ from wiggleroom.drawing.model import Surface
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.face_planes import face_planes, shared_edges
+from wiggleroom.spatial.triangle_distances import nearest_triangles
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,8 +45,8 @@ MAX_MOVES = 30
 """They are moved so often."""
 MAX_QUARTERS = 6
 """A corner that came out on another side goes a quarter of the way, so often."""
-BLOCK = 4000
-"""Points whose distances are found together."""
+BLOCK = 250
+"""Points, or triangles, whose distances are found together."""
 WITHIN = np.array([(i, j, 3 - i - j) for i in range(4) for j in range(4 - i)]) / 3
 """Places on a triangle, as shares of its corners, whose depths are looked at."""
 MOSTLY = 0.95
@@ -87,8 +88,9 @@ def mesh_offset(drawn: Surface, inward: float, stop: Stop | None = None) -> tupl
     a, b, c = near.triangles.transpose(1, 0, 2)
     area = np.cumsum(np.tile(np.linalg.norm(np.cross(b - a, c - a), axis=1), len(WITHIN))[order])
     mostly = depth.ravel()[order][np.searchsorted(area, (1 - MOSTLY) * area[-1])]
-    over = [float(max(inward - d, 0.0)) for d in (depth.min(), mostly)]
-    return Surface(drawn.vertices + shift, drawn.faces), over[0], over[1]
+    moved = Surface(drawn.vertices + shift, drawn.faces)
+    least = _least_distance(moved, near.triangles, inward, stop)
+    return moved, inward - least, float(max(inward - mostly, 0.0))
 
 
 class _Near:
@@ -128,6 +130,16 @@ class _Near:
             go_on(self._stop)
             found[k] = winding_numbers(self.triangles, points[k : k + 1])[0] > 0.5
         return found
+
+
+def _least_distance(surface: Surface, triangles: Floats, reach: float, stop: Stop | None) -> float:
+    """Least distance [mm] of a surface from triangles (t, 3, 3), or `reach` where that is less."""
+    own, least = surface.vertices[surface.faces], reach
+    for k in range(0, len(own), BLOCK):
+        go_on(stop)
+        _, _, p, q = nearest_triangles(own[k : k + BLOCK], triangles, least)
+        least = min(least, float(np.linalg.norm(q - p, axis=1).min(initial=least)))
+    return least
 
 
 def _places(vertices: Floats, faces: Ints) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -52,6 +53,8 @@ CROWDED = 64
 face."""
 MANY_NOTCHES = 400
 """Solids of more planes of faces at reflex edges are taken as shells: to cut them takes long."""
+MOST_CUTS = 2500
+"""So many cuts are tried for all solids of an assembly together, a few seconds of work; solids that need more are taken as shells."""
 SIDES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 """Corners of a tetrahedron at the ends of each edge."""
 UNCUT = "cannot be cut into convex pieces exactly: a mesh of fewer, flat faces would do"
@@ -70,13 +73,33 @@ def mesh_made(drawn: Surface, gap: float, stop: Stop | None = None) -> tuple[Mad
     return MadeSolid((), surface, volume, centroid), []
 
 
-def in_pieces(made: MadeSolid, thick: Callable[[], float], stop: Stop | None = None) -> MadeSolid:
+class CutsLeft:
+    """How many cuts may still be tried."""
+
+    def __init__(self, count: float = MOST_CUTS) -> None:
+        self._count = count
+
+    def take(self) -> bool:
+        """Count one cut; False where it is one too many."""
+        self._count -= 1
+        return self._count >= 0
+
+
+def notches(made: MadeSolid) -> int:
+    """Number of planes of faces at reflex edges."""
+    return 0 if _is_convex(made.surface) else len(_cuts(made.surface))
+
+
+def in_pieces(
+    made: MadeSolid, thick: Callable[[], float], stop: Stop | None = None, left: CutsLeft | None = None
+) -> MadeSolid:
     """A solid as made in convex pieces.
 
-    One that is larger than made, of more than `MANY_NOTCHES` concave faces, or that cannot be cut, becomes a shell as thick [mm] as asked.
+    One that is larger than made, of more than `MANY_NOTCHES` concave faces, or that cannot be cut with the cuts that are left, becomes a
+    shell as thick [mm] as asked.
     """
-    if not made.overshoot and (_is_convex(made.surface) or len(_cuts(made.surface)) <= MANY_NOTCHES):
-        pieces = convex_pieces(solid_of(made.surface), stop)
+    if not made.overshoot and notches(made) <= MANY_NOTCHES:
+        pieces = convex_pieces(solid_of(made.surface), stop, left or CutsLeft())
         if pieces is not None:
             return replace(made, pieces=tuple(pieces))
     most = thick()
@@ -201,8 +224,10 @@ def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surfac
     return hull_surface(cut.intersections), ""
 
 
-def convex_pieces(solid: Any, stop: Stop | None = None) -> list[ConvexPiece] | None:
+def convex_pieces(solid: Any, stop: Stop | None = None, left: CutsLeft | None = None) -> list[ConvexPiece] | None:
     """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
+
+    Without `left` only the number of pieces is limited.
 
     No plane cuts a part more than `PEELS` times: corners off their planes would come off film after film without end. Films of rounding
     are left out, and fins on what else is convex: they are no material, and may lie across holes. Pieces lie on different sides of a cut,
@@ -213,7 +238,8 @@ def convex_pieces(solid: Any, stop: Stop | None = None) -> list[ConvexPiece] | N
     todo = [(lump, np.zeros((0, 4))) for lump in _lumps(solid)]
     whole = solid.volume()
     found: list[Floats] = []
-    left, excess = whole, 0.0
+    missing, excess = whole, 0.0
+    left = CutsLeft(math.inf) if left is None else left
     low, high = np.split(np.array(solid.bounding_box()), 2)
     near, thin = FLAT * np.abs([low, high]).max(), FILM * float(np.linalg.norm(high - low))
     while todo:
@@ -238,6 +264,9 @@ def convex_pieces(solid: Any, stop: Stop | None = None) -> list[ConvexPiece] | N
                     break
                 if (np.abs(done - cut) < [FLAT, FLAT, FLAT, near]).all(axis=1).sum() >= PEELS:
                     continue
+                if not left.take():
+                    return None
+                go_on(stop)
                 compared += 1
                 both = [h for half in part.split_by_plane(tuple(cut[:3].tolist()), cut[3]) for h in _lumps(half)]
                 hollow = sum(hull_volume(surface_of(h).vertices) for h in both)
@@ -249,13 +278,13 @@ def convex_pieces(solid: Any, stop: Stop | None = None) -> list[ConvexPiece] | N
             if not halves and (bare := convex_without_fins(part, thin)) is not None:
                 corners, hull = bare, hull_volume(bare)
         if not halves:
-            left -= part.volume()
+            missing -= part.volume()
         if not halves and not film:
             found.append(corners)
             excess += abs(hull - part.volume())
         if len(found) + len(todo) > MAX_PIECES:
             return None
-    if excess + abs(left) > INEXACT * whole:
+    if excess + abs(missing) > INEXACT * whole:
         return None
     return [convex_piece(corners) for corners in found]
 

@@ -7,17 +7,18 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Surface
+from wiggleroom.errors import Stop, go_on
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BATCH = 1_000_000
-"""Pairs of triangles that are compared together."""
+BATCH = 4000
+"""Triangles that are compared with those near them together."""
 MOST_PAIRS = 30_000_000
 """Surfaces of which the boxes round more pairs of triangles meet are not looked at."""
 
 
-def self_crossing(surface: Surface, near: float) -> Floats | None:
+def self_crossing(surface: Surface, near: float, stop: Stop | None = None) -> Floats | None:
     """A point (3,) [mm] where an edge of a surface goes through a triangle of the same shell; None where none does.
 
     Parameters
@@ -38,8 +39,9 @@ def self_crossing(surface: Surface, near: float) -> Floats | None:
     boxes = shapely.box(*low[:, flat].T, *high[:, flat].T)
     tree = shapely.STRtree(boxes)
     seen = 0
-    for begin in range(0, len(faces), max(1, BATCH // 50)):
-        one, other = tree.query(boxes[begin : begin + max(1, BATCH // 50)])
+    for begin in range(0, len(faces), BATCH):
+        go_on(stop)
+        one, other = tree.query(boxes[begin : begin + BATCH])
         one += begin
         meet = (low[one] <= high[other]).all(axis=1) & (low[other] <= high[one]).all(axis=1)
         meet &= (shell[one] == shell[other]) & (one != other)

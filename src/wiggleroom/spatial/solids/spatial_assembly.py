@@ -15,7 +15,7 @@ from wiggleroom.drawing.model import Drawing, Goal, MadeSolid, Part
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.solids.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.solids.made_solids import made_solid
-from wiggleroom.spatial.solids.mesh_pieces import in_pieces
+from wiggleroom.spatial.solids.mesh_pieces import CutsLeft, in_pieces, notches
 from wiggleroom.spatial.solids.shell_thickness import shell_thickness
 from wiggleroom.spatial.solids.spatial_file import read_spatial
 
@@ -103,9 +103,9 @@ def _in_pieces(drawing: Drawing, made: Sequence[MadeSolid], stop: Stop | None) -
     for k, one in enumerate(made):
         if not one.pieces:
             users.setdefault(id(one), []).append(k)
-    found = list(made)
-    for who in users.values():
-        whole = in_pieces(made[who[0]], partial(shell_thickness, drawing, made, who, stop), stop)
+    found, left = list(made), CutsLeft()
+    for who in sorted(users.values(), key=lambda who: notches(made[who[0]])):  # those that are cut soonest first
+        whole = in_pieces(made[who[0]], partial(shell_thickness, drawing, made, who, stop), stop, left)
         for k in who:
             found[k] = whole
     return found
@@ -136,4 +136,6 @@ def read_spatial_assembly(
     stop: Stop | None = None,
 ) -> Assembly:
     """Assembly of a file of format wiggleroom/2; see `wiggleroom.read`."""
-    return assemble_spatial(read_spatial(path), gap=gap, fix=fix, goals=goals, overlapping=overlapping, stop=stop)
+    return assemble_spatial(
+        read_spatial(path, stop=stop), gap=gap, fix=fix, goals=goals, overlapping=overlapping, stop=stop
+    )

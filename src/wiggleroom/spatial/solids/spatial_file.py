@@ -19,7 +19,7 @@ from wiggleroom.drawing.readers.assembly_schema import GapEntry, convert
 from wiggleroom.drawing.readers.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.readers.source import load
 from wiggleroom.drawing.readers.voxel_puzzle import read_puzzle
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.files import leads_back
 from wiggleroom.spatial.rotations import fixed_axes
 from wiggleroom.spatial.solids.box_union import union_of_boxes
@@ -31,7 +31,7 @@ MAX_PARTS = 20_000
 """Files of more parts are refused."""
 
 
-def read_spatial(source: str | Path, *, alone: bool = False) -> Drawing:
+def read_spatial(source: str | Path, *, alone: bool = False, stop: Stop | None = None) -> Drawing:
     """Parts and questions of a file of format wiggleroom/2, or of a voxel puzzle, in millimetres.
 
     Parameters
@@ -40,11 +40,15 @@ def read_spatial(source: str | Path, *, alone: bool = False) -> Drawing:
         Path of the file, or its text; what a text names beside itself is not opened.
     alone : bool
         True: neither is what a file names.
+    stop : optional
+        Anything with `is_set()`.
 
     Raises
     ------
     InputError
         With one line per finding, all of them at once.
+    StoppedError
+        If it was asked to stop.
 
     Examples
     --------
@@ -58,17 +62,17 @@ def read_spatial(source: str | Path, *, alone: bool = False) -> Drawing:
     text = load(source, opening="{[", name="assembly")
     folder = Path(source).parent if isinstance(source, Path) or text.name != "assembly" else None
     require_solid_library()
-    return _SpatialReader(text.name, folder, entry_of(text, SpatialFileEntry), alone).drawing()
+    return _SpatialReader(text.name, folder, entry_of(text, SpatialFileEntry), alone, stop).drawing()
 
 
 class _SpatialReader(EntryReader[SpatialFileEntry]):
     """Goes through one file and collects what is wrong with it."""
 
-    def __init__(self, file: str, folder: Path | None, entry: SpatialFileEntry, alone: bool) -> None:
+    def __init__(self, file: str, folder: Path | None, entry: SpatialFileEntry, alone: bool, stop: Stop | None) -> None:
         super().__init__(file, entry)
         self._folder, self._alone = folder, alone
         self._notes: list[str] = []
-        self._meshes = MeshFiles(self._mm)
+        self._meshes = MeshFiles(self._mm, stop)
         self._solids: dict[tuple[object, ...], Solid | None] = {}
 
     def drawing(self) -> Drawing:
