@@ -101,7 +101,7 @@ def net_of_lines(
         outline = found.outlines[k]
         left = [f for f in by_owner[k] if f not in waste]
         replaced_whole += len(left) < 2
-        own = _faces(faces[left], outline.stroke, outline.row, outline.region)
+        own = _faces([faces[f] for f in left], outline.stroke, outline.row, outline.region)
         if len(left) == 1:  # still one part, with its name
             own = [Outline(own[0].region, outline.stroke, outline.row)]
         made += own
