@@ -221,6 +221,12 @@ def test_slots_by_open_lines_over_an_edge_fall_out(tmp_path):
     assert area(read(tmp_path, panel, large)) == pytest.approx([20000 - 11200, 11200])
 
 
+def test_slots_in_a_hole_stay_holes(tmp_path):
+    """A line across the corner of a hole cuts nothing off that: what it bounds is cut out of the panel, too."""
+    corner = path([(60, 40), (60, 50), (50, 50)], closed=False)
+    assert area(read(tmp_path, rect(0, 0, 200, 100), rect(50, 40, 60, 40), corner)) == pytest.approx([20000 - 2400])
+
+
 @pytest.mark.parametrize(
     ("closed", "key", "areas"),
     [(True, False, [6880, 6940]), (False, True, [120, 6940, 6940]), (False, False, [6940, 7060])],

@@ -96,7 +96,10 @@ def net_of_lines(
     tree = shapely.STRtree([shapely.LineString(points) for points in corners])
     faces = np.array(net.faces, dtype=object)
     names, asked = asked_for(options.solid, faces)
-    waste = set() if "all" in names else _waste(faces, [f for k in by_owner for f in by_owner[k]]) - asked
+    around = [outline.polygon for k, outline in enumerate(found.outlines) if k not in reached]
+    nested = shapely.STRtree(around).query(shapely.point_on_surface(faces), predicate="within")[0]
+    closed = [f for k in by_owner for f in by_owner[k]]
+    waste = set() if "all" in names else _waste(faces, closed, nested.tolist()) - asked
     for k in sorted(replaced):
         outline = found.outlines[k]
         left = [f for f in by_owner[k] if f not in waste]
@@ -178,23 +181,23 @@ def _owners(
     return owner, [f for f in range(len(faces)) if f not in smallest]
 
 
-def _waste(faces: NDArray[np.object_], closed: Collection[int]) -> set[int]:
+def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collection[int]) -> set[int]:
     """Faces of a net that are no parts: splinters, slots set into the edge of a part, gaps between parts.
 
     A slot takes, with all others there, at most `SMALL` of one other face, shares half of its edge with it round a corner (more than
-    half where it meets further faces), and meets those in a straight line, so that it reaches into none. A gap is small beside two others, with which it shares most
-    of its edge, where one of them is a closed outline or slots between parts show finger joints.
+    half where it meets further faces), and meets those in a straight line, so that it reaches into none. A gap is small beside two
+    others, with which it shares most of its edge, where one of them is a closed outline or slots between parts show finger joints.
 
     Parameters
     ----------
     faces : (n,) polygons [mm]
-    closed : collection of int
-        Those in closed outlines.
+    closed, nested : collection of int
+        Those in closed outlines of the net; those inside outlines that are not in it, which may be holes.
 
     Examples
     --------
     >>> panel = shapely.box(0, 0, 9, 9) - shapely.box(4, 8, 5, 9)
-    >>> _waste(np.array([panel, shapely.box(4, 8, 5, 9)]), [0, 1])
+    >>> _waste(np.array([panel, shapely.box(4, 8, 5, 9)]), [0, 1], [])
     {1}
     """
     area, edges = shapely.area(faces), shapely.boundary(faces)
@@ -211,6 +214,7 @@ def _waste(faces: NDArray[np.object_], closed: Collection[int]) -> set[int]:
     into = bent & (np.bincount(first, bent, minlength=len(faces))[first] == 1)
     into &= (area[first] <= SMALL * area[second]) & (part < 1 - 1e-6)
     into &= part >= np.where(met[first] > 1, _SET_IN + 1e-6, _SET_IN - 1e-6)
+    into &= ~np.isin(first, list(nested))
     taken = np.bincount(second[into], area[first[into]], minlength=len(faces))
     into &= taken[second] <= SMALL * area[second]
     slots = first[into]
