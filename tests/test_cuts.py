@@ -258,7 +258,7 @@ SVGS = [
         "a slot over a cut line",
         SHEET + path_of("M50 10V50") + box(48, 20, 4, 10),
         [1580, 1580],
-        "2 outlines inside others are holes",
+        "2 small faces set into the edges of parts",
     ),
     (
         "a piece within cut lines",

@@ -187,7 +187,7 @@ def test_panels_that_share_an_edge(tmp_path, short):
     bridge = path([(100, 50), (120, 50)], closed=False)
     drawing = read(tmp_path, path(upper), lower, bridge)
     assert area(drawing) == pytest.approx([200 * 50 - 120, 200 * 60], rel=1e-3)
-    assert said(drawing, "taken as waste")
+    assert said(drawing, "taken as cut out")
 
 
 def test_an_end_too_far_away_stays_open(tmp_path):
@@ -209,12 +209,36 @@ def test_ends_with_no_other_one_near_are_joined(length, gap, third, joined):
 
 
 def test_slots_by_open_lines_over_an_edge_fall_out(tmp_path):
-    """Three sides of each slot are drawn; two alike at the edge are slots, one piece cut off is a part."""
+    """Three sides of each slot are drawn, two of a corner: they fall out, unless asked for; what is wider than a quarter is a part."""
     slots = [path([(x, 100), (x, 90), (x + 3, 90), (x + 3, 100)], closed=False) for x in (60, 120)]
-    drawing = read(tmp_path, rect(0, 0, 200, 100), *slots)
-    assert area(drawing) == pytest.approx([20000 - 60])
-    assert said(drawing, "are slots, and fall out")
-    assert area(read(tmp_path, rect(0, 0, 200, 100), slots[0])) == pytest.approx([30, 19970])
+    corner, large = (path([(0, y), (x, y), (x, 0)], closed=False) for x, y in ((50, 40), (140, 80)))
+    panel = rect(0, 0, 200, 100)
+    drawing = read(tmp_path, panel, *slots, corner)
+    assert area(drawing) == pytest.approx([20000 - 60 - 2000])
+    assert said(drawing, "taken as cut out")
+    assert area(read(tmp_path, panel, *slots, solid=("@61,205",))) == pytest.approx([30, 19940])
+    assert area(read(tmp_path, panel, *slots, solid=("all",))) == pytest.approx([30, 30, 19940])
+    assert area(read(tmp_path, panel, large)) == pytest.approx([20000 - 11200, 11200])
+
+
+def test_slots_in_a_hole_stay_holes(tmp_path):
+    """A line across the corner of a hole cuts nothing off that: what it bounds is cut out of the panel, too."""
+    corner = path([(60, 40), (60, 50), (50, 50)], closed=False)
+    assert area(read(tmp_path, rect(0, 0, 200, 100), rect(50, 40, 60, 40), corner)) == pytest.approx([20000 - 2400])
+
+
+@pytest.mark.parametrize(
+    ("closed", "key", "areas"),
+    [(True, False, [6880, 6940]), (False, True, [120, 6940, 6940]), (False, False, [6940, 7060])],
+)
+def test_gaps_of_finger_joints_between_panels(tmp_path, closed, key, areas):
+    """Two panels laid edge to edge, all lines drawn once: fingers leave gaps; a key that reaches into both is a part."""
+    teeth = [(100, 0), (100, 10), (94, 10), (94, 20), (100, 20), (100, 30), (106, 30), (106, 40), (100, 40), (100, 50)]
+    teeth += [(94, 50), (94, 60), (100, 60), (100, 70)]
+    closers = [path([(100, a), (100, a + 10)], closed=False) for a in (10, 30, 50) if closed]
+    keys = [path([(100, 10), (106, 10), (106, 20), (100, 20)], closed=False)] if key else []
+    drawing = read(tmp_path, rect(0, 0, 200, 70), path(teeth, closed=False), *closers, *keys)
+    assert area(drawing) == pytest.approx(areas)
 
 
 def test_labels_of_one_kind_are_no_names(tmp_path):
@@ -288,18 +312,6 @@ def test_splinters_fall_out(tmp_path):
     panel = rect(20, 20, 200, 100)
     assert counted(read(tmp_path, panel, path([(20, 22), (22, 20)], closed=False)))[0] == 1
     assert counted(read(tmp_path, panel, path([(20, 60), (60, 20)], closed=False)))[0] == 2
-
-
-def test_notches_by_open_lines_are_asked_about(tmp_path):
-    """A face in the edge of another one may be a notch; the note gives the point that leaves it out."""
-    panel, notch = rect(20, 20, 200, 100), path([(100, 20), (100, 60), (130, 60), (130, 20)], closed=False)
-    drawing = read(tmp_path, panel, notch)
-    assert counted(drawing)[0] == 2
-    asked = next(note for note in drawing.notes if "if notches" in note)
-    left = read(tmp_path, panel, notch, skip=tuple(asked.split("--skip ")[1].replace(",@", " @").split()))
-    assert area(left) == pytest.approx([200 * 100 - 30 * 40])
-    halves = read(tmp_path, panel, path([(120, 20), (120, 120)], closed=False))
-    assert not any("if notches" in note for note in halves.notes)
 
 
 def test_scraps_in_holes(tmp_path):

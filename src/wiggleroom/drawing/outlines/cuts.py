@@ -43,8 +43,6 @@ class Claims:
         A person gave it a name of its own.
     face : list of bool
         It is a face of a net of lines, so that nothing lies around or under it.
-    enclosed : list of bool
-        It lies between faces of the outline around it, small beside them.
     style : list
         Outlines of one style are drawn with the same line.
     """
@@ -54,7 +52,6 @@ class Claims:
     cut: list[str]
     named: list[bool]
     face: list[bool]
-    enclosed: list[bool]
     style: list[object]
 
     def is_part(self, row: int) -> bool:
@@ -178,7 +175,7 @@ def cuts_of(
     Examples
     --------
     >>> squares = np.array([shapely.box(-r, -r, r, r) for r in (9, 6, 3)])
-    >>> plain = Claims([False] * 3, [False] * 3, [""] * 3, [False] * 3, [False] * 3, [False] * 3, [0] * 3)
+    >>> plain = Claims([False] * 3, [False] * 3, [""] * 3, [False] * 3, [False] * 3, [0] * 3)
     >>> nest = {1: 0, 2: 1}
     >>> cuts_of(squares, nest, nest, EdgeCrossings({}, {}, set()), plain, 1e-6).rows
     {1}
@@ -209,9 +206,6 @@ def cuts_of(
                 host[i] = parent if inside_part and parent is not None else max(over, key=over.__getitem__, default=i)
             elif chosen:
                 loose.append(i)
-        elif claims.enclosed[i] and not claims.named[i]:
-            cut.add(i)
-            host[i] = i
         elif inside_part:
             if i not in pieces:
                 cut.add(i)

@@ -214,30 +214,33 @@ def _cut(region: Region, inners: NDArray[np.object_], gone: NDArray[np.object_],
     """
     edges = np.array([shapely.LinearRing(ring) for ring in (region.outer, *region.holes)])
     tree = shapely.STRtree(inners)
-    first, second = tree.query(inners, predicate="dwithin", distance=touch if len(gone) else 0.0)
-    met, _ = tree.query(edges, predicate="dwithin", distance=touch if len(gone) else 0.0)
-    if (first == second).all() and not len(met):
-        new = (clean_ring(shapely.get_coordinates(inner), clockwise=True) for inner in inners)
-        return [Region(region.outer, (*region.holes, *new))]
+    reach = touch if len(gone) else 0.0
+    first, second = tree.query(inners, predicate="dwithin", distance=reach)
+    near = np.zeros(len(inners), dtype=bool)
+    near[first[first != second]] = True
+    near[tree.query(edges, predicate="dwithin", distance=reach)[1]] = True
+    alone = [clean_ring(shapely.get_coordinates(inner), clockwise=True) for inner in inners[~near]]
+    if not near.any():
+        return [Region(region.outer, (*region.holes, *alone))]
     material = shapely.Polygon(region.outer, region.holes)
     if not material.is_valid:
         return [region]
-    rest = shapely.difference(material, shapely.union_all(inners))
+    rest = shapely.difference(material, shapely.union_all(inners[near]))
     if len(gone):
         rest = _without_walls(rest, shapely.union_all(gone), touch)
     least = 1e-9 * shapely.Polygon(region.outer).area
-    pieces = [piece for piece in shapely.get_parts(rest) if piece.area > least]
-    return [
-        Region(
-            clean_ring(shapely.get_coordinates(piece.exterior)),
-            tuple(
-                clean_ring(shapely.get_coordinates(hole), clockwise=True)
-                for hole in piece.interiors
-                if shapely.Polygon(hole).area > least
-            ),
-        )
-        for piece in pieces
-    ]
+    pieces = shapely.get_parts(rest)
+    pieces = pieces[shapely.area(pieces) > least]
+    own, holder = shapely.STRtree(pieces).query(shapely.point_on_surface(inners[~near]), predicate="within")
+    made = []
+    for k, piece in enumerate(pieces):
+        outer, *holes = shapely.get_rings(piece)
+        areas = shapely.area(shapely.polygons(np.array(holes, dtype=object)))
+        large = (hole for hole, area in zip(holes, areas, strict=True) if area > least)
+        drawn = [clean_ring(shapely.get_coordinates(hole), clockwise=True) for hole in large]
+        drawn += [alone[row] for row in own[holder == k].tolist()]
+        made.append(Region(clean_ring(shapely.get_coordinates(outer)), tuple(drawn)))
+    return made
 
 
 def _without_walls(rest: shapely.Geometry, gone: shapely.Geometry, touch: float) -> shapely.Geometry:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.outlines.cuts import SMALL
 from wiggleroom.drawing.outlines.joining import BEAM, closed_loops, join_ends, open_chains, outline_of
+from wiggleroom.drawing.outlines.naming import asked_for
 from wiggleroom.drawing.outlines.planar_faces import net_of
 from wiggleroom.drawing.outlines.rings import clean_ring
 from wiggleroom.drawing.outlines.sheet_frame import View, page_edge
@@ -19,18 +20,16 @@ from wiggleroom.drawing.outlines.stroke_outlines import of_stroke
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
 from wiggleroom.drawing.strokes.elements import Stroke
 from wiggleroom.drawing.strokes.layers import is_cut
+from wiggleroom.drawing.strokes.read_options import ReadOptions
 
 _NEAR_SHARE, _NEARLY = 0.01, 1.0
 """An open line whose ends are nearer to each other than this [share of its length, mm] was to be closed, perhaps."""
-_CRUMB = 0.01
-"""Faces that are smaller than this share of the one beside them, ..."""
-_ALIKE = 0.02
-"""... and whose size differs by no more than this share from that of another such face, are slots over an edge, ..."""
 _SPLINTER = 1e-3
-"""... and so are single ones smaller than this share."""
-
+"""Faces smaller than this share of the only one beside them are splinters."""
+_SET_IN, _FINGERS = 0.5, 3
+"""A face that shares at least this share of its edge with one other is set into it; so many between parts are gaps of finger joints."""
 _GAP, _CLOSED_IN = 0.1, 0.6
-"""A face between parts is waste where it is smaller than this share of two beside it, with which it shares this share of its edge."""
+"""A face between parts is a gap where it is smaller than this share of two beside it, with which it shares this share of its edge."""
 
 
 def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
@@ -78,7 +77,9 @@ def _distinct_lines(lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
     return list(seen.values())
 
 
-def net_of_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: View | None) -> NDArray[np.object_]:
+def net_of_lines(
+    found: Traced, lines: Sequence[OpenLine], size: float, view: View | None, options: ReadOptions
+) -> NDArray[np.object_]:
     """Closed outlines cut by lines, also that of the page, and faces of the lines themselves; returns lines that bound nothing."""
     page = page_edge(found, lines, view)
     found.outlines += [page] if page is not None else []
@@ -91,33 +92,26 @@ def net_of_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: Vi
     by_owner, outside = _owners(found, reached, net.faces)
     replaced = {k for k, faces in by_owner.items() if len(faces) > 1}
     made: list[Outline] = []
-    cut_out: list[shapely.Polygon] = []
     replaced_whole = 0
     tree = shapely.STRtree([shapely.LineString(points) for points in corners])
-    enclosed = _enclosed(found, reached, replaced, net.faces, by_owner)
+    faces = np.array(net.faces, dtype=object)
+    names, asked = asked_for(options.solid, faces)
+    around = [outline.polygon for k, outline in enumerate(found.outlines) if k not in reached]
+    nested = shapely.STRtree(around).query(shapely.point_on_surface(faces), predicate="within")[0]
+    closed = [f for k in by_owner for f in by_owner[k]]
+    waste = set() if "all" in names else _waste(faces, closed, nested.tolist()) - asked
     for k in sorted(replaced):
         outline = found.outlines[k]
-        left, slots = _without_slots([net.faces[f] for f in by_owner[k]])
-        if slots:
-            cut_out += slots
-            replaced_whole += len(left) == 1
-        own = _faces(left, outline.stroke, outline.row, outline.region)
-        if slots and len(left) == 1:  # still one part, with its name
+        left = [f for f in by_owner[k] if f not in waste]
+        replaced_whole += len(left) < 2
+        own = _faces([faces[f] for f in left], outline.stroke, outline.row, outline.region)
+        if len(left) == 1:  # still one part, with its name
             own = [Outline(own[0].region, outline.stroke, outline.row)]
-        made += [replace(face, enclosed=k in enclosed) for face in own]
+        made += own
     alone = []
-    faces = np.array(net.faces, dtype=object)
     neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
     shared = np.bincount(neighbours, minlength=len(net.faces)) > 1
-    gaps = _gaps(faces, outside)
-    if gaps:
-        at = faces[gaps[0]].representative_point()
-        found.note(
-            f"{_many(len(gaps), 'small face')} beside outlines whose edges they share taken as waste, and left out "
-            f"(the first at ({at.x:.6g}, {at.y:.6g}) mm); close them if they are parts"
-        )
-        found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(faces[f].exterior) for f in gaps)))
-        outside = [f for f in outside if f not in gaps]
+    outside = [f for f in outside if f not in waste]
     edges = [np.mean(net.faces[f].exterior.coords[:2], axis=0) for f in outside]
     nearest = tree.nearest(shapely.points(edges)).tolist() if outside else []
     for f, line in zip(outside, nearest, strict=True):
@@ -128,17 +122,18 @@ def net_of_lines(found: Traced, lines: Sequence[OpenLine], size: float, view: Vi
             ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
     found.divided = len(replaced) - replaced_whole
-    found.outlines = [
-        replace(outline, enclosed=k in enclosed) for k, outline in enumerate(found.outlines) if k not in replaced
-    ]
+    found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
     found.outlines += [*made, *alone]
-    if cut_out:
-        at = cut_out[0].representative_point()
+    waste -= {f for k in by_owner if k not in replaced for f in by_owner[k]}
+    if waste:
+        at = faces[min(waste)].representative_point()
         found.note(
-            f"{len(cut_out)} small faces that open lines cut off the edge of an outline are slots, and fall out "
-            f"(the first at ({at.x:.6g}, {at.y:.6g}) mm)"
+            f"{_many(len(waste), 'small face')} set into the edges of parts, or between them, taken as cut out (the first at "
+            f"({at.x:.6g}, {at.y:.6g}) mm); --solid @x,y or all makes parts of them"
         )
-        found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(face.exterior) for face in cut_out)))
+        found.remarks.append(
+            Remark("left out", tuple(shapely.get_coordinates(faces[f].exterior) for f in sorted(waste)))
+        )
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
     return np.array(net.dangles, dtype=object)
@@ -186,80 +181,50 @@ def _owners(
     return owner, [f for f in range(len(faces)) if f not in smallest]
 
 
-def _without_slots(faces: Sequence[shapely.Polygon]) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
-    """Faces of an outline without what falls out where lines cut slots over its edge, and these slots.
+def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collection[int]) -> set[int]:
+    """Faces of a net that are no parts: splinters, slots set into the edge of a part, gaps between parts.
 
-    A slot is small beside its only neighbour, and tiny or one of several that are alike; a part that was cut off is not.
+    A slot takes, with all others there, at most `SMALL` of one other face, shares half of its edge with it round a corner (more than
+    half where it meets further faces), and meets those in a straight line, so that it reaches into none. A gap is small beside two
+    others, with which it shares most of its edge, where one of them is a closed outline or slots between parts show finger joints.
+
+    Parameters
+    ----------
+    faces : (n,) polygons [mm]
+    closed, nested : collection of int
+        Those in closed outlines of the net; those inside outlines that are not in it, which may be holes.
+
+    Examples
+    --------
+    >>> panel = shapely.box(0, 0, 9, 9) - shapely.box(4, 8, 5, 9)
+    >>> _waste(np.array([panel, shapely.box(4, 8, 5, 9)]), [0, 1], [])
+    {1}
     """
-    all_faces = np.array(faces, dtype=object)
-    area = shapely.area(all_faces)
-    small = np.flatnonzero(area < _CRUMB * area.max())
-    if not len(small):
-        return list(faces), []
-    first, second = shapely.STRtree(all_faces).query(all_faces[small], predicate="intersects")
-    first = small[first]
-    long = (first != second) & (shapely.length(shapely.intersection(all_faces[first], all_faces[second])) > 0)
-    first, second = first[long], second[long]
-    single = np.flatnonzero(np.bincount(first, minlength=len(faces)) == 1)
-    beside = dict(zip(first.tolist(), second.tolist(), strict=True))
-    single = np.array([k for k in single.tolist() if area[k] < _CRUMB * area[beside[k]]], dtype=int)
-    size = np.column_stack([area, shapely.length(all_faces)])[single]
-    near = (np.abs(size[:, None] - size) <= _ALIKE * size[:, None]).all(axis=2).sum(axis=1) > 1
-    tiny = np.array([area[k] < _SPLINTER * area[beside[k]] for k in single.tolist()], dtype=bool)
-    slots = set(single[near | tiny].tolist())
-    return [face for k, face in enumerate(faces) if k not in slots], [faces[k] for k in sorted(slots)]
-
-
-def _gaps(faces: NDArray[np.object_], outside: Sequence[int]) -> list[int]:
-    """Faces in no outline that are no parts: splinters beside another one, and small ones between others.
-
-    These are small beside at least two, one in a closed outline, that share most of their edge with them.
-    """
-    if not outside:
-        return []
     area, edges = shapely.area(faces), shapely.boundary(faces)
-    own = np.array(outside)
-    first, second = shapely.STRtree(faces).query(faces[own], predicate="intersects")
-    first = own[first]
+    rim = shapely.length(edges)
+    first, second = shapely.STRtree(faces).query(faces, predicate="intersects")
+    border = shapely.intersection(edges[first], edges[second])
+    length = shapely.length(border)
+    beside = (first != second) & (length > 1e-9 * rim[first])
+    first, second, border, length = first[beside], second[beside], border[beside], length[beside]
+    met = np.bincount(first, minlength=len(faces))
+    splinters = first[(area[first] < _SPLINTER * area[second]) & (met[first] == 1)]
+    bent = np.hypot(*np.ptp(shapely.bounds(border).reshape(-1, 2, 2), axis=1).T) < (1 - 1e-6) * length
+    part = length / rim[first]
+    into = bent & (np.bincount(first, bent, minlength=len(faces))[first] == 1)
+    into &= (area[first] <= SMALL * area[second]) & (part < 1 - 1e-6)
+    into &= part >= np.where(met[first] > 1, _SET_IN + 1e-6, _SET_IN - 1e-6)
+    into &= ~np.isin(first, list(nested))
+    taken = np.bincount(second[into], area[first[into]], minlength=len(faces))
+    into &= taken[second] <= SMALL * area[second]
+    slots = first[into]
     large = area[first] <= _GAP * area[second]
-    first, second = first[large], second[large]
-    shared = shapely.length(shapely.intersection(edges[first], edges[second]))
-    first, second, shared = first[shared > 0], second[shared > 0], shared[shared > 0]
-    total = np.bincount(first, shared, minlength=len(faces))
-    closed = (total >= _CLOSED_IN * shapely.length(edges)) & (np.bincount(first, minlength=len(faces)) > 1)
-    closed &= np.bincount(first, ~np.isin(second, own), minlength=len(faces)) > 0
-    closed[first[area[first] < _SPLINTER * area[second]]] = True
-    return np.flatnonzero(closed).tolist()
-
-
-def _enclosed(
-    found: Traced,
-    reached: Sequence[int],
-    replaced: set[int],
-    faces: Sequence[shapely.Polygon],
-    by_owner: dict[int, list[int]],
-) -> set[int]:
-    """Closed outlines that lie between faces of the one around them, each at least four times as large: slots over a cut."""
-    inner = [(k, f) for k in reached for f in by_owner.get(k, [])]
-    outer = [(k, f) for k in sorted(replaced) for f in by_owner[k]]
-    if not outer:
-        return set()
-    around = np.array([found.outlines[k].polygon for k, _ in outer], dtype=object)
-    own, pieces = (np.array([faces[f] for _, f in pairs], dtype=object) for pairs in (inner, outer))
-    first, second = shapely.STRtree(pieces).query(own, predicate="intersects")
-    other = np.array(
-        [inner[i][0] != outer[j][0] for i, j in zip(first.tolist(), second.tolist(), strict=True)], dtype=bool
-    )
-    holds = other & shapely.covers(around[second], shapely.point_on_surface(own[first]))
-    beside: dict[int, set[int]] = {}
-    for i, j in zip(first[holds].tolist(), second[holds].tolist(), strict=True):
-        beside.setdefault(inner[i][0], set()).add(j)
-    area = shapely.area(pieces)
-    return {
-        k
-        for k, rows in beside.items()
-        if len(rows) > 1 and found.outlines[k].polygon.area <= SMALL * area[sorted(rows)].min()
-    }
+    gaps = np.bincount(first[large], part[large], minlength=len(faces)) >= _CLOSED_IN
+    gaps &= np.bincount(first[large], minlength=len(faces)) > 1
+    if (met[slots] > 1).sum() < _FINGERS:
+        gaps &= np.bincount(first[large], np.isin(second[large], list(closed)), minlength=len(faces)) > 0
+        gaps[list(closed)] = False
+    return {*splinters.tolist(), *slots.tolist(), *np.flatnonzero(gaps).tolist()}
 
 
 def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None) -> list[Outline]:

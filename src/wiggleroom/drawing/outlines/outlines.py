@@ -102,7 +102,7 @@ def traced(
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
     lines = joined_lines(found, lines, size)
     lines = without_engraved_styles(found, options, lines)
-    loose = net_of_lines(found, lines, size, view) if lines else np.empty(0, dtype=object)
+    loose = net_of_lines(found, lines, size, view, options) if lines else np.empty(0, dtype=object)
     say_dangles(found, lines, without_lettering(found, loose, options))
     found.outlines.sort(key=lambda outline: outline.row)
     _without_copies(found)

@@ -38,8 +38,6 @@ _SAME = 1e-9
 _CRUMB = 0.01
 """What a cut leaves loose of a part falls out where it is smaller than this share of the largest piece."""
 
-_SET_IN = 0.5
-"""A small face that shares this much of its edge with one other alone may be a notch there."""
 _LETTER = 1e-3
 """Parts smaller than this share of the largest one are letters, marks or scraps, perhaps."""
 
@@ -139,7 +137,7 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
         [strokes[row] for row in first], [inside[row] for row in first], [not outlines[row].face for row in first]
     )
     names = unique_names(final)
-    _say_faces(found, first, names)
+    _say_faces(found, first)
     _say_nesting(found, names, first, in_material, cuts)
     _say_divided(found, dict(reversed([*zip(first, names, strict=True)])), divided, claims, given)
     _say_pieces(found, outlines, groups)
@@ -238,7 +236,7 @@ def _claims(
     """What the file and the options say about each outline: a part whatever lies around it, or a cut."""
     solid_names, solid_rows = asked_for(options.solid, polygons)
     hole_names, hole_rows = asked_for(options.hole, polygons)
-    claims = Claims([], [], [], [], [], [], [])
+    claims = Claims([], [], [], [], [], [])
     unknown = hole_names - {"all"}
     inner = [(around[i], o.stroke.label) for i, o in enumerate(found.outlines) if i in around and o.stroke.label]
     kinds = {parent for (parent, _), n in Counter(inner).items() if n > 1}  # labels in these are no names: "M4", "M4"
@@ -270,7 +268,6 @@ def _claims(
         )  # fmt: skip
         claims.named.append(own and not outline.face and has_own_name(stroke))
         claims.face.append(outline.face)
-        claims.enclosed.append(outline.enclosed)
         claims.style.append((stroke.colour, bool(stroke.fill), stroke.line_type))
     if unknown:
         listed = ", ".join(sorted(unknown))
@@ -396,31 +393,12 @@ def _pieces(outlines: Sequence[Outline], material: dict[int, list[Region]]) -> l
     return list(groups.values())
 
 
-def _say_faces(found: Traced, first: Sequence[int], names: Sequence[str]) -> None:
-    """Note parts that open lines bound or cut, and those of them that may be notches in the edge of another one."""
-    faces = [k for k, row in enumerate(first) if found.outlines[row].face or found.outlines[row].of_lines]
-    if not faces:
-        return
-    cut = f"{'1 outline' if found.divided == 1 else f'{found.divided} outlines'} cut, " if found.divided else ""
-    found.note(f"{cut}{'1 face' if len(faces) == 1 else f'{len(faces)} faces'} of open lines taken as parts")
-    polygons = np.array([found.outlines[row].polygon for row in first], dtype=object)
-    edges, area = shapely.boundary(polygons), shapely.area(polygons)
-    k, other = shapely.STRtree(polygons).query(polygons[faces], predicate="intersects")
-    k = np.array(faces)[k]
-    shared = shapely.length(shapely.intersection(edges[k], edges[other]))
-    beside = (k != other) & (shared > 0)
-    k, other, shared = k[beside], other[beside], shared[beside]
-    set_in = (shared >= _SET_IN * shapely.length(edges[k])) & (area[k] <= SMALL * area[other])
-    set_in &= np.bincount(k, minlength=len(first))[k] == 1
-    if set_in.any():
-        where = [polygons[row].representative_point() for row in k[set_in].tolist()]
-        listed = ", ".join(
-            f"{names[row]} in {names[j]}" for row, j in zip(k[set_in][:4], other[set_in][:4], strict=True)
-        )
-        points = ",".join(f"@{point.x:.6g},{point.y:.6g}" for point in where[:4])
-        found.note(
-            f"{listed}{', ...' if len(where) > 4 else ''}: parts in the edge of others; if notches, --skip {points}"
-        )
+def _say_faces(found: Traced, first: Sequence[int]) -> None:
+    """Note parts that open lines bound or cut."""
+    faces = sum(found.outlines[row].face or found.outlines[row].of_lines for row in first)
+    if faces:
+        cut = f"{'1 outline' if found.divided == 1 else f'{found.divided} outlines'} cut, " if found.divided else ""
+        found.note(f"{cut}{'1 face' if faces == 1 else f'{faces} faces'} of open lines taken as parts")
 
 
 def _say_nesting(

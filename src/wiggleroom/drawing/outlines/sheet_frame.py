@@ -169,6 +169,8 @@ class _Evidence:
         Its line is one of those that are not cut: grey or dashed, where nothing else is.
     panels : bool
         Outlines inside have holes of their own, so that they are parts.
+    all_open : bool
+        All of them have.
     covered : bool
         What is inside covers more of it than holes do of a panel.
     apart : bool
@@ -181,6 +183,7 @@ class _Evidence:
     own: str
     drawn_aside: bool
     panels: bool
+    all_open: bool
     covered: bool
     apart: bool
     outside: bool
@@ -241,6 +244,8 @@ class _Sheet:
             return rows, f"{size}, {seen.own}"
         if len(rows) > 1 and seen.panels:
             return rows, "all of one size, what is in them has holes"
+        if seen.panels and seen.all_open:
+            return rows, "all that is in it has holes"
         return set(), ""
 
     def doubt(self) -> None:
@@ -346,6 +351,7 @@ class _Sheet:
             own=f"drawn alone as {strokes[0].line_type}" if dashed else own,
             drawn_aside=dashed or bool(colour and all(is_grey(c) or is_light(c) for c in colour)),
             panels=len(inner) > 1 and covered >= _COVERED and bool(opened),
+            all_open=len(opened) == len(inner),
             covered=len(inner) > 1 and covered >= _COVERED,
             apart=bool((first == second).all()),
             outside=all(is_outside_layer(outlines[row].stroke.layer) for row in inner)

@@ -58,7 +58,8 @@ def _distinct_rings(rings: list[Points]) -> list[Points]:
         return rings
     seen: dict[bytes, Points] = {}
     for ring in rings:
-        seen.setdefault(clean_ring(ring)[np.lexsort(clean_ring(ring).T)].tobytes(), ring)
+        corners = clean_ring(ring)
+        seen.setdefault(corners[np.lexsort(corners.T)].tobytes(), ring)
     return list(seen.values())
 
 

@@ -26,8 +26,6 @@ class Outline:
         Whether it is a piece of a closed outline that lines cut.
     of_lines : bool
         Whether it is a face that open lines bound elsewhere.
-    enclosed : bool
-        Whether it lay inside a closed outline that lines cut into faces around it, small beside them: a slot over the cut.
     """
 
     region: Region
@@ -35,7 +33,6 @@ class Outline:
     row: int
     face: bool = False
     of_lines: bool = False
-    enclosed: bool = False
 
     @cached_property
     def polygon(self) -> shapely.Polygon:

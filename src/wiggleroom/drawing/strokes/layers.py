@@ -415,7 +415,7 @@ def _reference_bar(artwork: Artwork, reasons: list[str]) -> None:
 def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
     """Leave out what is filled without a line of another colour inside outlines that are lines without a fill.
 
-    Red fills are fixed parts, unless they have the colour of lettering.
+    Red fills are fixed parts, unless they have the colour of lettering or others are left out as well.
     """
     rows = [i for i, reason in enumerate(reasons) if not reason]
     lettered = {s.fill for s, reason in zip(artwork.strokes, reasons, strict=True) if reason and s.fill}
@@ -425,18 +425,24 @@ def _filled(artwork: Artwork, reasons: list[str], options: ReadOptions) -> None:
         for i in rows
         if artwork.strokes[i].fill
         and (artwork.strokes[i].colour in ("", artwork.strokes[i].fill) or is_light(artwork.strokes[i].colour))
-        and (not artwork.strokes[i].fixed or artwork.strokes[i].fill in lettered) and not _called(artwork.strokes[i], options)
+        and not _called(artwork.strokes[i], options)
     ]  # fmt: skip
     if not lines or not fills:
         return
     boxes = _boxes_of_outlines([artwork.strokes[i] for i in lines])
     area, tree = shapely.area(boxes), shapely.STRtree(boxes)
+    inner = [_box(artwork.strokes[i]) for i in fills]
+    fills = [
+        i
+        for i, box in zip(fills, inner, strict=True)
+        if (area[tree.query(box, predicate="covered_by")] > box.area).any()
+    ]
+    if all(artwork.strokes[i].fixed and artwork.strokes[i].fill not in lettered for i in fills):
+        return
     for i in fills:
-        inner = _box(artwork.strokes[i])
-        if (area[tree.query(inner, predicate="covered_by")] > inner.area).any():
-            reasons[i] = (
-                "filled without a line of another colour, among lines: engraving; --solid NAME|all reads it as a part"
-            )
+        reasons[i] = (
+            "filled without a line of another colour, among lines: engraving; --solid NAME|all reads it as a part"
+        )
 
 
 def _boxes_of_outlines(strokes: Sequence[Stroke]) -> NDArray[np.object_]:
