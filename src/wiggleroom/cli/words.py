@@ -7,8 +7,6 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from itertools import zip_longest
 
-from wiggleroom.drawing.dimension import PUZZLES
-
 DRAWINGS = (".svg", ".dxf", ".lbrn2", ".lbrn")
 
 
@@ -33,6 +31,8 @@ def with_json_alone(argv: Sequence[str]) -> list[str]:
 
 
 def _is_no_output(word: str) -> bool:
+    from wiggleroom.drawing.dimension import PUZZLES  # loads the readers
+
     return (word.startswith("-") and word != "-") or os.path.splitext(word)[1].lower() in (*DRAWINGS, *PUZZLES)
 
 
