@@ -66,7 +66,7 @@ def test_a_path_by_whole_steps_is_free_by_the_collision_library() -> None:
     grid = lattice(ready)
     found = lattice_search(grid, UNLIMITED)
     assert found.complete
-    path = lattice_motions(ready, grid, found)
+    path = lattice_motions(ready, grid, found.offsets)
     boxes = [
         [spatial_overlaps.box(np.add(b[:3], 0.05), np.subtract(b[3:], 0.05)) for b in part]
         for part in (cabinet + rails, drawer, door)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -122,6 +123,73 @@ def test_two_that_turn_only_together_are_not_called_interlocked() -> None:
     )  # fmt: skip
     assert wr.check(spatial(*parts, gap=0.2)).verdict == "unknown"
     assert wr.check(spatial(*parts, gap=0.2, glue=[["bar", "peg"]])).verdict == "comes apart"
+
+
+def test_a_barb_that_passes_by_a_tilt_of_less_than_a_degree_comes_apart() -> None:
+    base = [
+        (-45, -10, -3.6, 110, 50, -2.4),
+        (-35, 0, -2.4, 14, 40, -0.3),
+        (86, 5, -2.4, 90, 35, 2.7),
+        (45, 17, -2.4, 50, 23, 7.5),
+        (-1, -10, -2.4, 13, -1, 3.6),
+        (-1, 41, -2.4, 13, 50, 3.6),
+        (-1, -1, 2.1, 13, 11, 3.6),
+        (-1, 29, 2.1, 13, 41, 3.6),
+        (84, 5, 5.4, 104, 35, 6.3),
+        (104, 5, -2.4, 108, 35, 6.3),
+    ]
+    lid = [
+        (0, 0, 0, 12, 40, 1.8),
+        (12, 12, 0, 44, 28, 1.8),
+        (44, 12, 0, 77, 16, 1.8),
+        (44, 24, 0, 77, 28, 1.8),
+        (77, 12, 0, 82, 28, 1.8),
+        (78, 12, 1.8, 82, 28, 4.2),
+        (82, 12, 3, 100, 28, 4.2),
+        (91, 12, 2.1, 100, 28, 3),
+    ]
+    latch = spatial({"name": "base", "boxes": base, "fixed": True}, {"name": "lid", "boxes": lid})
+    found = wr.check(latch)
+    assert [escape.parts for escape in found.escapes] == [("lid",)]
+    corners = [[np.array(list(product(*np.reshape(box, (2, 3)).T.tolist()))) for box in boxes] for boxes in (base, lid)]
+    judge = Judge(corners, latch.reference, [True, False])
+    assert worst_on(judge, found.escapes[0].path) < 1e-9 * latch.size
+
+
+@pytest.mark.slow
+def test_what_turns_where_whole_steps_lead_is_not_called_interlocked() -> None:
+    # case and bar slide off a pin together; then the bar turns a quarter, half a step further, and leaves through a window
+    frame = [
+        (-10, -20, -20, 0, 50, 50),
+        (50, -20, -20, 60, 50, 50),
+        (0, -20, -20, 50, -10, 50),
+        (0, 40, -20, 30, 50, 50),
+        (40, 40, -20, 50, 50, 50),
+        (30, 40, -20, 40, 50, 10),
+        (30, 40, 20, 40, 50, 50),
+        (0, -10, -20, 50, 40, -10),
+        (0, -10, 40, 50, 40, 50),
+        (0, 10, 10, 20, 20, 20),
+    ]
+    case = [
+        (0, -10, -10, 10, 10, 40),
+        (0, 20, -10, 10, 40, 40),
+        (0, 10, -10, 10, 20, 10),
+        (0, 10, 20, 10, 20, 40),
+        (20, -10, -10, 30, 40, 40),
+        (10, -10, -10, 20, 0, 40),
+        (10, 30, -10, 20, 40, 10),
+        (10, 30, 20, 20, 40, 40),
+        (10, 0, -10, 20, 30, 0),
+        (10, 0, 30, 20, 30, 40),
+    ]
+    bar = [(10, 0, 0, 20, 10, 20)]
+    parts = (
+        {"name": "frame", "boxes": frame, "fixed": True},
+        {"name": "case", "boxes": case},
+        {"name": "bar", "boxes": bar},
+    )
+    assert wr.check(spatial(*parts, gap=0.2)).verdict != "interlocked"
 
 
 def test_the_axis_of_a_loose_pin_is_that_of_one_of_its_round_parts_and_lies_not_between_them() -> None:

@@ -6,7 +6,7 @@ the search ends without a path out, none exists by whole steps; turns, and what 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -158,12 +158,18 @@ class LatticeSearch:
         The direction in which they go on.
     complete : bool
         True where all arrangements within reach were looked at.
+    arrangements : tuple of (n, 3) int16
+        Those, as steps of all bodies from rest, which is the first.
+    before : tuple of int
+        Number of the one from which each was reached first; -1 for rest.
     """
 
     offsets: tuple[Steps, ...] = ()
     axis: int = 0
     sign: int = 1
     complete: bool = True
+    arrangements: tuple[Steps, ...] = ()
+    before: tuple[int, ...] = ()
 
 
 def lattice_search(found: Lattice, context: Context) -> LatticeSearch:
@@ -188,12 +194,19 @@ def lattice_search(found: Lattice, context: Context) -> LatticeSearch:
             yield out[k].copy(), None
 
     ended = tree.search(Level(moves, lambda: len(tree.states) > most), context=context)
-    return ended or LatticeSearch(complete=complete and tree.whole)
+    if ended is not None:
+        return ended
+    seen = tree.states
+    return LatticeSearch(
+        complete=complete and tree.whole,
+        arrangements=tuple(v.state for v in seen),
+        before=tuple(v.parent for v in seen),
+    )
 
 
-def lattice_motions(ready: SpatialPrepared, found: Lattice, search: LatticeSearch) -> Floats:
-    """Motions (k, n, 6) [mm, rad] of the parts along a path by whole steps."""
-    offsets = np.array(search.offsets)[:, ready.grouping.body_of]
+def lattice_motions(ready: SpatialPrepared, found: Lattice, steps: Sequence[Steps]) -> Floats:
+    """Motions (k, n, 6) [mm, rad] of the parts where all bodies are whole steps (k, n, 3) from rest."""
+    offsets = np.array(steps)[:, ready.grouping.body_of]
     motions = np.zeros((len(offsets), len(ready.assembly.parts), 6))
     motions[:, :, :3] = (offsets * found.step) @ found.frame.T
     return motions

@@ -30,6 +30,7 @@ from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.spatial.spatial_search import SpatialSearch
+from wiggleroom.spatial.spatial_starts import best_of_starts, random_leads
 from wiggleroom.spatial.straight_departure import StraightDeparture
 from wiggleroom.spatial.turn_roadmap import TurnRoadmap
 from wiggleroom.spatial.turning_in_place import common_edges, turn_in_place, turns_in_place
@@ -54,6 +55,8 @@ MAX_SPINNING = 200
 """At most so many bodies are turned in place to see whether they turn without limit."""
 MAX_TOGETHER = 30
 """At most so many pairs of neighbours are turned as one to see whether they turn."""
+MAX_ARRANGEMENTS = 40
+"""At most so many arrangements that whole steps lead to are gone on from by slides and turns."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 
@@ -203,6 +206,7 @@ class DisassemblyStage:
     def __post_init__(self) -> None:
         self._rest = np.zeros((len(self.ready.assembly.parts), 6))
         self._axes = _face_axes(self.ready)
+        self._unseen = False
         self._tree: StateTree[Floats, _Leg] = StateTree(self._rest, self._is_new, MAX_PLACES)
         self._roadmap = TurnRoadmap(self.ready, self._axes[:MAX_AXES], self.context)
         self._held = PairwiseConfinement(self.ready, self.context)
@@ -232,7 +236,8 @@ class DisassemblyStage:
             out = tree.search(*levels, context=self.context)
         if out is None and not self.proven:
             self.cut |= tree.full or len(tree.states) > MAX_PULLED
-            self.loose = roadmap.turns or roadmap.spent or roadmap.skipped or self._turn_together()
+            self.loose = roadmap.turns or roadmap.spent or roadmap.skipped or self._unseen
+            self.loose = self.loose or any(self._turn_together(v.state) for v in tree.states[:MAX_ARRANGEMENTS])
         return out
 
     def _is_new(self, motion: Floats, leg: _Leg) -> bool:
@@ -251,9 +256,10 @@ class DisassemblyStage:
         if self._efforts:
             self.proven = self._held.prove(self._efforts.pop(0))
 
-    def _turn_together(self) -> bool:
+    def _turn_together(self, motion: Floats) -> bool:
         """True where two neighbours, or all that move, turn in place as one: each may keep the other from turning alone."""
-        assembly, group = self.ready.assembly, self.ready.grouping
+        assembly = displaced(self.ready.assembly, motion)
+        group = grouped(assembly)
         moving = np.flatnonzero(group.bodies.moves)
         near = near_pieces(group.bodies, group.pose_of(self._rest), NEW_PLACE * self.ready.clearance)[:, [0, 2]]
         pairs = np.unique(np.sort(near[np.isin(near, moving).all(axis=1)], axis=1), axis=0)
@@ -290,11 +296,22 @@ class DisassemblyStage:
         if not found.offsets:
             # clearances that add up to a step let parts through where whole steps do not
             self.exhaustive = found.complete and grid.clearance * len(grid.stands) < grid.step.min()
+            self._go_on_from(lattice_motions(ready, grid, found.arrangements), found.before)
             return None
-        path = lattice_motions(ready, grid, found)
+        path = lattice_motions(ready, grid, found.offsets)
         if any(ready.checker.overlaps(one, other) for one, other in itertools.pairwise(path)):
             return None
         return self._straight(path, grid.frame[:, found.axis][None])
+
+    def _go_on_from(self, arrangements: Floats, before: Sequence[int]) -> None:
+        """Make places of what whole steps lead to, in the order in which they were reached, as far as there are not too many."""
+        self._unseen = len(arrangements) > MAX_ARRANGEMENTS
+        for k in range(1, min(len(arrangements), MAX_ARRANGEMENTS)):
+            leg = arrangements[[before[k], k]]
+            if self.ready.checker.overlaps(*leg):
+                self._unseen = True
+                return
+            self._tree.append(arrangements[k], before[k], _Leg(leg))
 
     def _moved_alone(self, here: int) -> _Steps:
         """What leaves straight, or by translations or a turn of one body; and where slides and turns of one body lead.
@@ -362,22 +379,26 @@ class DisassemblyStage:
                     yield end, _Leg(np.stack([motion, end]))
 
     def _pulled(self, here: int) -> _Steps:
-        """Pull every body in every direction, from the first places."""
+        """Pull every body in every direction, from the first places; from the first of all also on the paths of random pulls."""
         while self._efforts and not self.proven:
             self._prove()
             self.context.go_on()
         if self.proven or here >= MAX_PULLED:
             return
         ready, motion, path = self.ready, self._tree.states[here].state, self._path(here)
-        begin = ready.grouping.pose_of(motion)
+        begin, leads = ready.grouping.pose_of(motion), None
         for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
             for direction in (sign * axis for axis in self._axes[:3] for sign in (1.0, -1.0)):
                 self.context.go_on()
                 goal = SumOfTerms((Displacement(b, np.zeros(3), direction, begin.T[b]),))
                 self.questions += 1
-                done = SpatialSearch(ready, goal, self.context.silent, begin).run()
+                climb = SpatialSearch(ready, goal, self.context.silent, begin)
+                done = climb.run()
                 if not len(done.program.a):
                     continue
+                if here == 0:
+                    leads = list(random_leads(climb, None)) if leads is None else leads
+                    done = best_of_starts(climb, done, leads, once=True).end
                 self.cut |= not done.good and done.found.error > UNDECIDED
                 gone = list(done.leaving)
                 if not gone and done.good and done.found.status is SolverStatus.ESCAPING:

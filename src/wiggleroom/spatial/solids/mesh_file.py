@@ -292,6 +292,7 @@ def _check_is_whole(path: Path) -> None:
         raise InputError(message)
 
 
+@np.errstate(all="ignore")  # coordinates that are no numbers, or far too large, are refused in one line afterwards
 def _bodies(path: Path, ending: str) -> tuple[dict[str, tuple[Any, float]], float]:
     """Meshes of a file by name, placed as the file places them, and the step of their coordinates; and the file's unit [mm]."""
     import trimesh
