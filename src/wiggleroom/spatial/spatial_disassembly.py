@@ -296,7 +296,8 @@ class DisassemblyStage:
         if not found.offsets:
             # clearances that add up to a step let parts through where whole steps do not
             self.exhaustive = found.complete and grid.clearance * len(grid.stands) < grid.step.min()
-            self._go_on_from(lattice_motions(ready, grid, found.arrangements), found.before)
+            if grid.step.min() > NEW_PLACE * ready.clearance:  # other steps lead no further than the play
+                self._go_on_from(lattice_motions(ready, grid, found.arrangements), found.before)
             return None
         path = lattice_motions(ready, grid, found.offsets)
         if any(ready.checker.overlaps(one, other) for one, other in itertools.pairwise(path)):
@@ -304,14 +305,20 @@ class DisassemblyStage:
         return self._straight(path, grid.frame[:, found.axis][None])
 
     def _go_on_from(self, arrangements: Floats, before: Sequence[int]) -> None:
-        """Make places of what whole steps lead to, in the order in which they were reached, as far as there are not too many."""
-        self._unseen = len(arrangements) > MAX_ARRANGEMENTS
-        for k in range(1, min(len(arrangements), MAX_ARRANGEMENTS)):
+        """Make places of what whole steps lead to, in the order in which they were reached, as far as there are not too many.
+
+        Whole steps know of no locks: what these forbid is left out.
+        """
+        locked = ~self.ready.grouping.bodies.free[self.ready.grouping.body_of, :3]
+        place = {0: 0}
+        for k in range(1, len(arrangements)):
+            if np.abs(arrangements[k, :, :3][locked]).max(initial=0.0) > SAME_PLACE:
+                continue
             leg = arrangements[[before[k], k]]
-            if self.ready.checker.overlaps(*leg):
+            if before[k] not in place or len(place) == MAX_ARRANGEMENTS or self.ready.checker.overlaps(*leg):
                 self._unseen = True
                 return
-            self._tree.append(arrangements[k], before[k], _Leg(leg))
+            place[k] = self._tree.append(arrangements[k], place[before[k]], _Leg(leg))
 
     def _moved_alone(self, here: int) -> _Steps:
         """What leaves straight, or by translations or a turn of one body; and where slides and turns of one body lead.
@@ -396,10 +403,10 @@ class DisassemblyStage:
                 done = climb.run()
                 if not len(done.program.a):
                     continue
+                self.cut |= not done.good and done.found.error > UNDECIDED
                 if here == 0:
                     leads = list(random_leads(climb, None)) if leads is None else leads
                     done = best_of_starts(climb, done, leads, once=True).end
-                self.cut |= not done.good and done.found.error > UNDECIDED
                 gone = list(done.leaving)
                 if not gone and done.good and done.found.status is SolverStatus.ESCAPING:
                     gone = leaving_parts(ready, done.path[-1], goal)
