@@ -60,7 +60,8 @@ def moved(page: Any) -> dict[str, list[float]]:
 
 
 def drag(page: Any, grip: tuple[float, float], by: tuple[float, float]) -> None:
-    """Take a part at a point [mm] and let it go elsewhere."""
+    """Take a part at a point [mm], once the picture stands still, and let it go elsewhere."""
+    settled(page, lambda: (place(page, *grip), moved(page)))
     page.mouse.move(*place(page, *grip))
     page.mouse.down()
     page.mouse.move(*place(page, grip[0] + by[0], grip[1] + by[1]), steps=14)
