@@ -17,7 +17,7 @@ from tests.test_imports import ORDER
 from wiggleroom import schema
 from wiggleroom.app.dispatcher import ANSWERS, OF_DRAWINGS
 from wiggleroom.assembly.joints import JOINTS
-from wiggleroom.cli import coupon_command, make_command, make_image_command, words
+from wiggleroom.cli import coupon_command, make_command, make_image_command
 from wiggleroom.cli.words import DRAWINGS
 from wiggleroom.drawing import dimension
 from wiggleroom.drawing.read import READERS
@@ -43,7 +43,6 @@ def test_every_solver_is_a_choice_of_the_command():
 
 def test_every_format_that_is_read_is_known_to_the_command_line_and_the_page():
     assert {*DRAWINGS, ".json"} == set(READERS)
-    assert words.PUZZLES == dimension.PUZZLES
     accepted = re.search(r'accept="([^"]*)"', (TOP / "web/src/chrome/TopBar.tsx").read_text())
     assert set(accepted[1].split(",")) == {*READERS, *dimension.PUZZLES}
 
