@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from wiggleroom.deadline import Deadline
     from wiggleroom.drawing.model import Drawing
 
-_OF_DRAWINGS = ("unit", "dpi", "only", "skip", "join", "solid", "hole")
-"""Options that say how a drawing is read, a cutting sheet too."""
+_OF_DRAWINGS = ("unit", "dpi", "flatten", "only", "skip", "join", "solid", "hole")
+"""Options that say how a drawing is read; all but `flatten` go with a cutting sheet, too."""
 
 
 def read_in_space(
@@ -86,8 +86,8 @@ def draw_in_space(
     if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
     drawn = sheet is not None and sheet.given
-    for option in ("unit", "dpi", "flatten", "only", "skip", "join", "solid", "hole"):
-        if getattr(asked, option) not in (None, ()) and not (drawn and option in _OF_DRAWINGS):
+    for option in _OF_DRAWINGS:
+        if getattr(asked, option) not in (None, ()) and not (drawn and option != "flatten"):
             wrong.append(
                 f"--{option.replace('_', '-')} is for parts in the plane; {file} is asked in space: leave it out"
             )

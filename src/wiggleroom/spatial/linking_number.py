@@ -59,10 +59,7 @@ def curve_graph(pieces: Sequence[ConvexPiece]) -> CurveGraph:
     >>> curve_graph([cuboid(*np.array(bar, dtype=float)) for bar in bars]).cycles.shape
     (1, 8)
     """
-    import networkx as nx
-
-    graph = piece_graph(pieces)
-    return closed_curves(pieces, graph, nx.cycle_basis(graph))
+    return closed_curves(pieces, piece_graph(pieces))
 
 
 def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
@@ -77,8 +74,13 @@ def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
     return graph
 
 
-def closed_curves(pieces: Sequence[ConvexPiece], graph: nx.Graph, cycles: Sequence[Sequence[int]]) -> CurveGraph:
-    """Curves along cycles of a graph of convex pieces, through the point `shared` (3,) [mm] of every edge."""
+def closed_curves(
+    pieces: Sequence[ConvexPiece], graph: nx.Graph, cycles: Sequence[Sequence[int]] | None = None
+) -> CurveGraph:
+    """Curves along cycles of a graph of convex pieces, by default a basis of all, through the point `shared` (3,) [mm] of every edge."""
+    import networkx as nx
+
+    cycles = nx.cycle_basis(graph) if cycles is None else cycles
     middles = [p.corners.mean(axis=0) for p in pieces]
     number = {frozenset(edge): k for k, edge in enumerate(graph.edges)}
     segments = [s for i, j, at in graph.edges.data("shared") for s in ([middles[i], at], [at, middles[j]])]

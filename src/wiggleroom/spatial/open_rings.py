@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,6 @@ from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.linking_number import (
     CurveGraph,
     closed_curves,
-    common_point,
-    curve_graph,
     linked,
     links,
     near_pairs,
@@ -29,6 +28,9 @@ from wiggleroom.spatial.linking_number import (
 )
 from wiggleroom.spatial.overlaps.surface_distance import surface_distances
 from wiggleroom.spatial.solids.separating_axis import nearest_difference, separation
+
+if TYPE_CHECKING:
+    import networkx as nx
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -62,9 +64,14 @@ class RingBody:
     surfaces: Sequence[Surface]
 
     @cached_property
+    def graph(self) -> nx.Graph:
+        """Pieces that hang together."""
+        return piece_graph(self.pieces)
+
+    @cached_property
     def closed(self) -> CurveGraph:
         """Closed curves in its material."""
-        return curve_graph(self.pieces)
+        return closed_curves(self.pieces, self.graph)
 
     @cached_property
     def thickness(self) -> float:
@@ -76,7 +83,7 @@ def held_by_opening(ring: RingBody, other: RingBody) -> bool:
     """True where a curve through openings of a ring is linked with closed curves in another body, which is too thick to pass them."""
     if not len(other.closed.cycles):
         return False
-    widths, through = _curves_through(ring.pieces, _openings(ring.pieces, other.thickness))
+    widths, through = _curves_through(ring, _openings(ring, other.thickness))
     around = np.flatnonzero(links(through, other.closed))
     if not len(around):
         return False
@@ -85,26 +92,26 @@ def held_by_opening(ring: RingBody, other: RingBody) -> bool:
     return inner is not None and linked(replace(through, cycles=through.cycles[narrowest, None]), inner)
 
 
-def _curves_through(pieces: Sequence[ConvexPiece], openings: list[Opening]) -> tuple[list[float], CurveGraph]:
+def _curves_through(body: RingBody, openings: list[Opening]) -> tuple[list[float], CurveGraph]:
     """For each opening that closes a curve its width [mm], ascending, and that curve: through it, and through no wider ones."""
     import networkx as nx
 
-    graph = piece_graph(pieces)
+    graph = body.graph.copy()
     nx.set_edge_attributes(graph, 0.0, "width")
     graph.add_edges_from((i, j, {"shared": middle, "width": width}) for width, i, j, middle in openings)
     tree = nx.minimum_spanning_tree(graph, weight="width")
     closing = [(width, i, j) for width, i, j, _ in openings if not tree.has_edge(i, j)]
     cycles = [nx.shortest_path(tree, i, j) for _, i, j in closing]
-    return [width for width, _, _ in closing], closed_curves(pieces, graph, cycles)
+    return [width for width, _, _ in closing], closed_curves(body.pieces, graph, cycles)
 
 
-def _openings(pieces: Sequence[ConvexPiece], limit: float) -> list[Opening]:
+def _openings(body: RingBody, limit: float) -> list[Opening]:
     """Openings between pieces that are no wider than a limit [mm], the narrowest first."""
-    apart = []
+    pieces, apart = body.pieces, []
     for i, j in near_pairs(pieces, 2 * limit):
         P, Q = pieces[i], pieces[j]
         room = separation(P.corners, P.normals, P.edges, Q.corners, Q.normals, Q.edges, np.empty(3))
-        if 0 < room < 2 * limit and common_point(P, Q) is None:
+        if 0 < room < 2 * limit and not body.graph.has_edge(i, j):
             apart.append((float(room), i, j))
     found = []
     for _, i, j in sorted(apart)[:MAX_OPENINGS]:

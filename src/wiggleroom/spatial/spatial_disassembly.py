@@ -218,8 +218,12 @@ class DisassemblyStage:
             return Separability.UNKNOWN, Certainty.SEARCHED
         if self.proven:
             return Separability.INTERLOCKED, Certainty.PROVEN
-        cut = self.context.stopped or self.loose or (self.cut and not self.exhaustive)
-        return (Separability.UNKNOWN if cut else Separability.INTERLOCKED), Certainty.SEARCHED
+        return (Separability.UNKNOWN if self._unsure else Separability.INTERLOCKED), Certainty.SEARCHED
+
+    @property
+    def _unsure(self) -> bool:
+        """True where a search says nothing of what stays."""
+        return self.context.stopped or self.loose or (self.cut and not self.exhaustive)
 
     def escape_path(self) -> _Departure | None:
         """Parts that leave, and the path of all (k, n, 6); None where none was found."""
@@ -237,7 +241,8 @@ class DisassemblyStage:
         if out is None and not self.proven:
             self.cut |= tree.full or len(tree.states) > MAX_PULLED
             self.loose = roadmap.turns or roadmap.spent or roadmap.skipped or self._unseen
-            self.loose = self.loose or any(self._turn_together(v.state) for v in tree.states[:MAX_ARRANGEMENTS])
+            if not self._unsure:  # turns as one take long to look for, and could only make it less sure
+                self.loose = any(self._turn_together(v.state) for v in tree.states[:MAX_ARRANGEMENTS])
         return out
 
     def _is_new(self, motion: Floats, leg: _Leg) -> bool:
