@@ -7,7 +7,6 @@ part, shows that the pieces stay apart, or the time between is halved.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +22,8 @@ from wiggleroom.spatial.solids.separating_axis import candidate_axes, extent, se
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-AT_ONCE = 256
-"""Pieces of a part whose boxes are compared with those of another part together."""
+AT_ONCE = 2000
+"""Boxes that are compared with all others together."""
 MAX_HALVINGS = 14
 """The time between two waypoints is halved at most this many times."""
 
@@ -78,15 +77,17 @@ class SweptCheck:
         T0, T1 = self._reference + start[:, :3], self._reference + end[:, :3]
         R0, R1 = exponential(start[:, 3:]), exponential(end[:, 3:])
         turn = logarithm(np.einsum("nji,njk->nik", R0, R1))
-        found: list[tuple[int, int]] = []
-        for pair, pieces in self._near(T0, T1, R0, R1, turn, only):
-            a, b = pair
+        found: set[tuple[int, int]] = set()
+        for i, j in self._near(T0, T1, R0, R1, turn, only):
+            a, b = pair = int(self._part[i]), int(self._part[j])
+            if pair in found:
+                continue
             at = T0[a], T1[a], R0[a], turn[a], T0[b], T1[b], R0[b], turn[b]
-            if not all(not is_asked(stop) and self._stay_apart(i, j, at) for i, j in pieces):
-                found.append(pair)
+            if is_asked(stop) or not self._stay_apart(i, j, at):
+                found.add(pair)
                 if first:
                     break
-        return found
+        return sorted(found)
 
     def _stay_apart(self, i: int, j: int, at: tuple[Floats, ...]) -> bool:
         P, Q = self._pieces[i], self._pieces[j]
@@ -104,8 +105,7 @@ class SweptCheck:
         ahead[mine, :3] += most * direction
         T, R = self._reference + motion[:, :3], exponential(motion[:, 3:])
         posed: dict[int, ConvexPiece] = {}
-        near = self._near(T, self._reference + ahead[:, :3], R, R, np.zeros_like(T), np.flatnonzero(mine))
-        for i, j in chain.from_iterable(pieces for _, pieces in near):
+        for i, j in self._near(T, self._reference + ahead[:, :3], R, R, np.zeros_like(T), np.flatnonzero(mine)):
             if is_asked(stop):
                 return 0.0
             P, Q = (posed.setdefault(k, self._pieces[k].placed(R[p], T[p])) for k in (i, j) for p in (self._part[k],))
@@ -116,10 +116,8 @@ class SweptCheck:
 
     def _near(
         self, T0: Floats, T1: Floats, R0: Floats, R1: Floats, turn: Floats, only: Iterable[int] | None
-    ) -> Iterator[tuple[tuple[int, int], Iterator[tuple[int, int]]]]:
-        """Pairs of parts that must stay apart and whose swept boxes meet, sorted; with each the pairs of their pieces that may meet."""
-        import shapely
-
+    ) -> Iterator[tuple[int, int]]:
+        """Pairs of pieces of parts that must stay apart whose swept boxes meet, sorted by parts, some pieces at a time."""
         part = self._part
         angle = np.linalg.norm(turn, axis=1)[part]
         bulge = self._radius * (1 - np.cos(np.minimum(angle, np.pi) / 2))  # how far an arc leaves its chord
@@ -127,34 +125,30 @@ class SweptCheck:
         one, other = ((R[owner] @ self._corners[:, :, None])[:, :, 0] + T[owner] for T, R in ((T0, R0), (T1, R1)))
         low = np.minimum.reduceat(np.minimum(one, other), self._first) - bulge[:, None]
         high = np.maximum.reduceat(np.maximum(one, other), self._first) + bulge[:, None]
-        whole = np.minimum.reduceat(low, self._pieces_of), np.maximum.reduceat(high, self._pieces_of)
-        flat = shapely.box(*whole[0][:, :2].T, *whole[1][:, :2].T)
-        a, b = shapely.STRtree(flat).query(flat)
-        keep = (a < b) & _meet(*whole, a, b) & ~(self._fixed[a] & self._fixed[b])
-        if only is not None:
-            some = np.isin(np.arange(len(self._reference)), list(only))
-            keep &= some[a] != some[b]
-        for pair in sorted(zip(a[keep].tolist(), b[keep].tolist(), strict=True)):
-            if pair not in self._allowed:
-                yield pair, self._near_pieces(low, high, *(np.flatnonzero(part == k) for k in pair))
+        parts = np.minimum.reduceat(low, self._pieces_of), np.maximum.reduceat(high, self._pieces_of)
+        near = np.zeros(len(self._reference), dtype=bool)
+        for pair in self._meeting(*parts, np.arange(len(near)), only):
+            near[list(pair)] = True
+        rows = np.flatnonzero(near[part])
+        yield from ((int(rows[i]), int(rows[j])) for i, j in self._meeting(low[rows], high[rows], part[rows], only))
 
-    @staticmethod
-    def _near_pieces(low: Floats, high: Floats, one: Ints, other: Ints) -> Iterator[tuple[int, int]]:
-        """Pairs of some pieces and others whose boxes meet, found some at a time."""
+    def _meeting(self, low: Floats, high: Floats, part: Ints, only: Iterable[int] | None) -> Iterator[tuple[int, int]]:
+        """Pairs of boxes (n, 3) of parts that must stay apart that meet, sorted by parts, some boxes at a time."""
         import shapely
 
-        tree = shapely.STRtree(shapely.box(*low[other, :2].T, *high[other, :2].T))
-        for k in range(0, len(one), AT_ONCE):
-            some = one[k : k + AT_ONCE]
-            i, j = tree.query(shapely.box(*low[some, :2].T, *high[some, :2].T))
-            i, j = some[i], other[j]
-            meet = _meet(low, high, i, j)
-            yield from zip(i[meet].tolist(), j[meet].tolist(), strict=True)
-
-
-def _meet(low: Floats, high: Floats, one: Ints, other: Ints) -> NDArray[np.bool_]:
-    """True where boxes from `low` (n, 3) to `high` (n, 3) meet along z."""
-    return np.asarray((low[one, 2] <= high[other, 2]) & (low[other, 2] <= high[one, 2]))
+        some = np.isin(np.arange(len(self._reference)), [] if only is None else list(only))
+        flat = shapely.box(*low[:, :2].T, *high[:, :2].T)
+        tree = shapely.STRtree(flat)
+        for k in range(0, len(flat), AT_ONCE):
+            i, j = tree.query(flat[k : k + AT_ONCE])
+            i += k
+            a, b = part[i], part[j]
+            keep = (a < b) & (low[i, 2] <= high[j, 2]) & (low[j, 2] <= high[i, 2]) & ~(self._fixed[a] & self._fixed[b])
+            if only is not None:
+                keep &= some[a] != some[b]
+            for row in np.flatnonzero(keep)[np.lexsort((j[keep], i[keep], b[keep], a[keep]))].tolist():
+                if (int(a[row]), int(b[row])) not in self._allowed:
+                    yield int(i[row]), int(j[row])
 
 
 @njit(**OPTIONS)
