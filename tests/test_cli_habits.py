@@ -63,6 +63,7 @@ def test_json_before_a_drawing_reads_the_drawing(run: Run) -> None:
         (["flex", "--modle", "hull", "chain.json"], "Did you mean --model?"),
         (["draw", "chain.json", "-o", "chain.svg"], "there is no option -o; draw takes FILE OUT and options"),
         (["draw", "chain.json", "chain.svg", "more"], "unexpected: more; draw takes FILE OUT and options"),
+        (["flex", "chain.json", "--gap"], "--gap is given no value; flex takes FILE and options"),
         (["flex", "chain.json", "--fix", "B2"], 'there is no part "B2": did you mean "b2"?'),
         (["make", "gird", "3", "3", "-o", "x.json"], 'Did you mean "grid"?'),
     ],
