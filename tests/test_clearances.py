@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
@@ -229,6 +230,23 @@ def test_boxes_in_space():
         assert (found.xy[k], found.z[k]) == (pytest.approx(xy, abs=1e-9), pytest.approx(z, abs=1e-9))
         assert found.too_near[k] == near
     assert found.fused == (("a", "beside", "in"),)
+
+
+def test_bars_that_cross_edge_on_edge_are_as_deep_as_their_edges_are():
+    """Bars of 10 mm lie on their edges, one across the other, 1 mm in each other: no face is across that."""
+    bar = np.array([[-20.0, -5, -5], [20, 5, 5]])[None]
+    low = Part("low", solid=Boxes(bar), R=Rotation.from_euler("x", 45, degrees=True).as_matrix())
+    across = Rotation.from_euler("z", 90, degrees=True) * Rotation.from_euler("x", 45, degrees=True)
+    high = Part("high", solid=Boxes(bar), R=across.as_matrix(), at=(0, 0, 10 * math.sqrt(2) - 1))
+    found = wr.clearances(assemble_spatial(Drawing((low, high)), overlapping=True))
+    assert found.gap == pytest.approx([-1])
+    assert found.direction[0] == pytest.approx([0, 0, 1])
+
+
+def test_a_strip_with_a_notch_in_its_end_is_as_deep_as_it_is_wide():
+    strip = region([(0, 0), (10, 0), (10, 1), (0, 1), (4, 0.5)])
+    found = wr.clearances(planar(("strip", strip, ()), ("plate", region(box(-5, -5, 20, 20)), ())))
+    assert found.gap == pytest.approx([-1])
 
 
 def test_a_slope_is_measured_along_the_layers_and_across_them():

@@ -135,8 +135,7 @@ def overlap_width(shape: shapely.Geometry) -> float:
     hull = shapely.convex_hull(shape)
     if hull.area <= 0:
         return 0.0
-    least = _across(hull)[0] * float(shape.area / hull.area)
-    return least if shape.area >= (1 - CONVEX) * hull.area else min(least, _largest_disc(shape))
+    return _across(hull)[0] if shape.area >= (1 - CONVEX) * hull.area else _largest_disc(shape)
 
 
 def _across(hull: shapely.Polygon) -> tuple[float, NDArray[np.float64]]:

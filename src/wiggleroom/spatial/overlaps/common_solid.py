@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 
 MAX_STARTS = 200
 """Faces of a piece, the largest first, below whose middles a ball is begun."""
+MAX_CORNERS = 1000
+"""The least width of a convex piece of more corners is one across a face."""
 MAX_STEPS = 30
 """A ball grows in so many steps at most."""
 SETTLED = 1e-9
@@ -31,7 +33,7 @@ class CommonPiece:
     Parameters
     ----------
     depth : float [mm]
-        Of a convex piece the least width across one of its faces, else the diameter of the largest ball found in it.
+        Of a convex piece the least width, else the diameter of the largest ball found in it.
     middle : (3,) float64 [mm]
         The centroid, else the middle of the ball.
     across : (3,) float64 or None
@@ -57,8 +59,11 @@ def common_piece(surface: Surface) -> CommonPiece:
     """
     width, normal = least_width(surface)
     if width == 0 or volume_of(surface) >= (1 - CONVEX) * hull_volume(surface.vertices):
-        middle = centroid_of(surface)[1] if width > 0 else surface.vertices.mean(axis=0)
-        return CommonPiece(width, middle, normal)
+        if width == 0:
+            return CommonPiece(0.0, surface.vertices.mean(axis=0), normal)
+        if len(surface.vertices) <= MAX_CORNERS:
+            width, normal = hull_width(surface.vertices)
+        return CommonPiece(width, centroid_of(surface)[1], normal)
     middle, radius = largest_ball(surface)
     return CommonPiece(min(width, 2 * radius), middle, None)
 
@@ -73,6 +78,25 @@ def least_width(surface: Surface) -> tuple[float, Floats]:
     unit = normal[area > 0] / area[area > 0, None]
     width = np.ptp(surface.vertices @ unit.T, axis=0)
     return float(width.min()), unit[width.argmin()]
+
+
+def hull_width(points: Floats) -> tuple[float, Floats]:
+    """Least width of the hull of points (k, 3) [mm], and the unit vector (3,) across: that of a face, or of two edges.
+
+    Points that are apart by a vector of the hull of all differences are in the hull; its nearest face is as far away as the hull is wide.
+
+    Examples
+    --------
+    >>> edges = np.array([[-1.0, 0, 0], [1, 0, 0], [0, -1, 0.7], [0, 1, 0.7]])
+    >>> round(hull_width(edges)[0], 9)
+    0.7
+    """
+    from scipy.spatial import ConvexHull
+
+    corners = points[ConvexHull(points).vertices]
+    faces = ConvexHull((corners[:, None] - corners[None]).reshape(-1, 3), qhull_options="Qt Q12").equations
+    nearest = faces[faces[:, 3].argmax()]
+    return float(-nearest[3]), nearest[:3]
 
 
 def largest_ball(surface: Surface) -> tuple[Floats, float]:
