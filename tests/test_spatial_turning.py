@@ -157,6 +157,12 @@ def test_a_barb_that_passes_by_a_tilt_of_less_than_a_degree_comes_apart() -> Non
 
 
 @pytest.mark.slow
+def test_what_leaves_by_tilts_of_two_degrees_with_slides_is_not_called_interlocked() -> None:
+    """A key was moved by slides of at most 0.6 mm with tilts of at most 2.5 degrees, then out; the boxes were grown where it never was."""
+    assembly = wr.read(Path(__file__).parent / "solids" / "tilting_key.json")
+    assert wr.check(assembly).verdict != "interlocked"
+
+
 def test_what_turns_where_whole_steps_lead_is_not_called_interlocked() -> None:
     # case and bar slide off a pin together; then the bar turns a quarter, half a step further, and leaves through a window
     frame = [

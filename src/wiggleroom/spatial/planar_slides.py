@@ -21,7 +21,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.search.state_tree import EqualKeys, Exit, Level, StateTree
-from wiggleroom.spatial.overlaps.difference_section import MinkowskiDifference, minkowski_difference, slab_shadow
+from wiggleroom.spatial.overlaps.difference_section import (
+    MinkowskiDifference,
+    eroded,
+    minkowski_difference,
+    slab_shadow,
+)
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
@@ -105,6 +110,9 @@ class TranslationSpace:
         Rotations of the world by which the body is turned about its reference point: it may meet nothing in any of them.
     axes : (k, 3) float64, optional
         Directions across which slabs may lie; those of the world by default.
+    tilts : (2, 3) float64, optional [rad]
+        Turns about the axes of the world, back and ahead, with which the body may move, too: what it may not meet is smaller by as much
+        as they carry its corners. Where it cannot go then, it cannot go with such turns.
     """
 
     def __init__(
@@ -115,8 +123,10 @@ class TranslationSpace:
         turns: Floats | None = None,
         axes: Floats | None = None,
         context: Context = UNLIMITED,
+        tilts: Floats | None = None,
     ) -> None:
         self._ready, self._motion, self._body, self._context = ready, motion, body, context
+        self._tilts = tilts
         self._axes = np.eye(3) if axes is None else axes
         self._turns = np.eye(3)[None] if turns is None else turns
 
@@ -145,8 +155,28 @@ class TranslationSpace:
             if self._stopped():
                 return []
             if (min(p, q), max(p, q)) not in bodies.ignored:
-                found.append(minkowski_difference(P, Q))
-        return found
+                difference: MinkowskiDifference | None = minkowski_difference(P, Q)
+                if self._tilts is not None and difference is not None:
+                    difference = eroded(difference, partial(_carried, Q - pose.T[self._body], self._tilts))
+                found.append(difference)
+        return [difference for difference in found if difference is not None]
+
+    def _views(self) -> list[tuple[int, Floats, list[MinkowskiDifference]]]:
+        """Of each axis how many differences slope about it, a frame along it and the differences in that; the fewest first."""
+        views = []
+        for frame in map(_frame_along, self._axes):
+            turned = [d.turned(frame) for d in self._differences]
+            views.append((sum(not d.is_prism for d in turned), frame, turned))
+        return sorted(views, key=lambda view: view[0])
+
+    def is_open(self) -> bool:
+        """True where translations lead out, however close to what the body may not meet."""
+        if not self._differences:
+            return True
+        sloping, _, turned = self._views()[0]
+        shadows = self._shadows(turned, sloping > 0)
+        margin = MARGINS[-1] * self._ready.clearance
+        return self._stopped() or _through(_slabs(shadows, margin, self._ready.size)) is not None
 
     def way_out(self) -> tuple[Floats, Floats] | None:
         """Checked motions (k, n, 6) of the body, from where it is to where it is free along one of the axes, ahead or back; and that axis.
@@ -155,12 +185,7 @@ class TranslationSpace:
         """
         if not self._differences:
             return None
-        views = []
-        for axis in self._axes:
-            frame = _frame_along(axis)
-            turned = [d.turned(frame) for d in self._differences]
-            views.append((sum(not d.is_prism for d in turned), frame, turned))
-        views.sort(key=lambda view: view[0])
+        views = self._views()
         for sloping, frame, turned in views[:1] if views[0][0] == 0 else views[:MAX_SLOPING]:
             path = self._along(frame, turned, sloping > 0)
             if path is not None:
@@ -182,11 +207,7 @@ class TranslationSpace:
     @cached_property
     def _reached(self) -> _Reached | None:
         """Free translations connected with none, in slabs across the axis about which the fewest faces slope."""
-        views = []
-        for frame in map(_frame_along, self._axes):
-            turned = [d.turned(frame) for d in self._differences]
-            views.append((sum(not d.is_prism for d in turned), frame, turned))
-        sloping, frame, turned = min(views, key=lambda view: view[0])
+        sloping, frame, turned = self._views()[0]
         shadows = self._shadows(turned, sloping > 0)
         for margin in MARGINS:
             slabs = _slabs(shadows, margin * self._ready.clearance, self._ready.size)
@@ -245,6 +266,22 @@ class TranslationSpace:
 
     def _stopped(self) -> bool:
         return self._context.stopped
+
+
+def _carried(corners: Floats, tilts: Floats, normals: Floats) -> Floats:
+    """How far turns carry the corners of a piece (k, 3) [mm] that are foremost against each normal (f, 3) along it, at most (f,) [mm].
+
+    In all directions the turned piece reaches at least as far as its foremost corner, and that is one of those of the faces beside it. About
+    the axes it turns by up to `tilts` (2, 3) [rad], back and ahead; beyond the first order it is carried by no more than half of the square
+    of the whole angle times the lever.
+    """
+    lever = np.linalg.norm(corners, axis=1)
+    moment = np.cross(corners[None], normals[:, None])
+    far = np.maximum(moment, 0.0) @ tilts[1] + np.maximum(-moment, 0.0) @ tilts[0]
+    far += lever * (tilts.max(axis=0) ** 2).sum() / 2
+    against = normals @ corners.T
+    foremost = against <= against.min(axis=1, keepdims=True) + SAME_HEIGHT * lever.max()
+    return np.asarray(np.where(foremost, far, 0.0).max(axis=1))
 
 
 def _frame_along(axis: Floats) -> Floats:

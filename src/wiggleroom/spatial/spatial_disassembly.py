@@ -22,7 +22,8 @@ from wiggleroom.search.state_tree import Exit, Level, StateTree
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
 from wiggleroom.spatial.lattice import lattice
 from wiggleroom.spatial.lattice_search import lattice_motions, lattice_search
-from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
+from wiggleroom.spatial.planar_slides import TranslationSpace
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.rigid import near_pieces
 from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.solids.convex import distinct_axes
@@ -33,7 +34,7 @@ from wiggleroom.spatial.spatial_search import SpatialSearch
 from wiggleroom.spatial.spatial_starts import best_of_starts, random_leads
 from wiggleroom.spatial.straight_departure import StraightDeparture
 from wiggleroom.spatial.turn_roadmap import TurnRoadmap
-from wiggleroom.spatial.turning_in_place import common_edges, turn_in_place, turns_in_place
+from wiggleroom.spatial.turning_in_place import LEAST_TURN, common_edges, turn_in_place, turns_in_place
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
@@ -57,6 +58,8 @@ MAX_TOGETHER = 30
 """At most so many pairs of neighbours are turned as one to see whether they turn."""
 MAX_ARRANGEMENTS = 40
 """At most so many arrangements that whole steps lead to are gone on from by slides and turns."""
+ROOM_ON_THE_WAY = 2.0
+"""Once a body has slid it may turn by this multiple of what it turns where it is."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 
@@ -241,6 +244,8 @@ class DisassemblyStage:
         if out is None and not self.proven:
             self.cut |= tree.full or len(tree.states) > MAX_PULLED
             self.loose = roadmap.turns or roadmap.spent or roadmap.skipped or self._unseen
+            if not self._unsure:
+                self.loose = any(self._may_tilt_out(v.state) for v in tree.states[:MAX_PULLED])
             if not self._unsure:  # turns as one take long to look for, and could only make it less sure
                 self.loose = any(self._turn_together(v.state) for v in tree.states[:MAX_ARRANGEMENTS])
         return out
@@ -260,6 +265,28 @@ class DisassemblyStage:
         """Try the next proof that nothing leaves, if one is left."""
         if self._efforts:
             self.proven = self._held.prove(self._efforts.pop(0))
+
+    def _may_tilt_out(self, motion: Floats) -> bool:
+        """True where a body could leave by translations if it were smaller by as much as the turns move it that its play allows.
+
+        The largest turns either way about three axes are searched, with whatever slides go with them.
+        """
+        ready = self.ready
+        begin = ready.grouping.pose_of(motion)
+        for b in np.flatnonzero(ready.grouping.bodies.moves & ready.grouping.bodies.free[:, 3:].any(axis=1)).tolist():
+            tilts = np.zeros((2, 3))
+            for (way, sign), (k, axis) in itertools.product(enumerate((-1.0, 1.0)), enumerate(np.eye(3))):
+                self.questions += 1
+                goal = SumOfTerms((Twist(b, sign * axis, 1.0),))
+                turned = SpatialSearch(ready, goal, self.context.silent, begin, once=True).run()
+                turn = ready.grouping.pose_of(turned.path[-1]).R[b] @ begin.R[b].T
+                tilts[way, k] = max(0.0, sign * float(logarithm(turn[None])[0, k]))
+                if tilts[way, k] > LEAST_TURN or self.context.stopped:
+                    return True
+            axes, tilts = self._axes[:MAX_AXES], ROOM_ON_THE_WAY * tilts
+            if TranslationSpace(ready, motion, b, axes=axes, context=self.context, tilts=tilts).is_open():
+                return True
+        return False
 
     def _turn_together(self, motion: Floats) -> bool:
         """True where two neighbours, or all that move, turn in place as one: each may keep the other from turning alone."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -71,6 +71,44 @@ def minkowski_difference(P: Floats, Q: Floats) -> MinkowskiDifference:
         found.append(np.delete(hull.simplices[once], k, axis=1))
     kept, numbers = np.unique(np.vstack(found), return_inverse=True)
     return MinkowskiDifference(points[kept], numbers.reshape(-1, 2).astype(np.int64))
+
+
+def eroded(solid: MinkowskiDifference, depth: Callable[[Floats], Floats]) -> MinkowskiDifference | None:
+    """A convex solid whose faces lie further in; None where next to nothing is left.
+
+    Parameters
+    ----------
+    solid : MinkowskiDifference
+    depth : callable
+        Of outward normals (f, 3): how far in these faces lie (f,) [mm], 0 or more.
+
+    Examples
+    --------
+    >>> cube = np.array([[x, y, z] for x in (0.0, 3.0) for y in (0.0, 3.0) for z in (0.0, 3.0)])
+    >>> inner = eroded(minkowski_difference(cube, np.zeros((1, 3))), lambda normals: np.ones(len(normals)))
+    >>> inner.corners.min(axis=0).round(9).tolist(), inner.corners.max(axis=0).round(9).tolist()
+    ([1.0, 1.0, 1.0], [2.0, 2.0, 2.0])
+    >>> eroded(inner, lambda normals: np.full(len(normals), 0.6)) is None
+    True
+    """
+    from scipy.optimize import linprog
+    from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
+    middle = solid.corners.mean(axis=0)
+    faces = ConvexHull(solid.corners - middle, qhull_options="Qt Q12").equations
+    inside, least = np.zeros(3), -GRID * float(faces[:, 3].min())
+    faces[:, 3] += depth(faces[:, :3])
+    if faces[:, 3].max() > -least:
+        found = linprog(
+            [0, 0, 0, -1.0], np.insert(faces[:, :3], 3, 1.0, axis=1), -faces[:, 3], bounds=[(None, None)] * 4
+        )
+        if not found.success or found.x[3] <= least:
+            return None
+        inside = found.x[:3]
+    try:
+        return minkowski_difference(HalfspaceIntersection(faces, inside).intersections + middle, np.zeros((1, 3)))
+    except QhullError:  # flat but for rounding
+        return None
 
 
 def slab_shadow(differences: Sequence[MinkowskiDifference], low: float, high: float) -> shapely.Geometry:
