@@ -46,7 +46,7 @@ def allowable_gap(
         return MotionBorder(study_of(assembly, goals), at_most, context).enclose()
     if fits is not None:
         return _fitting(assembly, fits)
-    return held_gap(assembly, largest_gap(assembly, context=context), context)
+    return held_gap(assembly, largest_gap(assembly, context), context)
 
 
 def check_question(at_most: float | None, holds: bool, fits: float | None) -> None:
