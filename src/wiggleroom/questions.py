@@ -376,9 +376,17 @@ def largest_gap(
     """
     context = Context(stop=_within(seconds, stop), progress=progress)
     if assembly.dimension == 3:
-        from wiggleroom.spatial.spatial_study import spatial_largest_gap
+        from wiggleroom.disassembly.largest_gap import largest_gap_over
+        from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+        from wiggleroom.spatial.spatial_disassembly import check_spatial
 
-        return spatial_largest_gap(assembly, context=context.silent)
+        context = context.silent
+        return largest_gap_over(
+            assembly,
+            lambda gap: assemble_spatial(assembly.drawing, gap=gap, stop=context.stop),
+            lambda made: check_spatial(made, every=False, context=context),
+            context,
+        )
     from wiggleroom.disassembly.largest_gap import largest_gap as work_out
 
     return work_out(assembly, context)
