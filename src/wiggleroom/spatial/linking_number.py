@@ -47,21 +47,6 @@ class CurveGraph:
     cycles: Ints
 
 
-def curve_graph(pieces: Sequence[ConvexPiece]) -> CurveGraph:
-    """Closed curves inside the union of convex pieces that overlap or share faces.
-
-    Every segment joins points of one convex piece; curves go over to the next in the middle of what both have in common.
-
-    Examples
-    --------
-    >>> from wiggleroom.spatial.solids.convex import cuboid
-    >>> bars = [([0, 0, 0], [3, 1, 1]), ([2, 1, 0], [3, 2, 1]), ([0, 2, 0], [3, 3, 1]), ([0, 1, 0], [1, 2, 1])]
-    >>> curve_graph([cuboid(*np.array(bar, dtype=float)) for bar in bars]).cycles.shape
-    (1, 8)
-    """
-    return closed_curves(pieces, piece_graph(pieces))
-
-
 def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
     """Convex pieces that overlap or share faces; every edge has a point that both have in common, `shared` (3,) [mm]."""
     import networkx as nx
@@ -77,7 +62,18 @@ def piece_graph(pieces: Sequence[ConvexPiece]) -> nx.Graph:
 def closed_curves(
     pieces: Sequence[ConvexPiece], graph: nx.Graph, cycles: Sequence[Sequence[int]] | None = None
 ) -> CurveGraph:
-    """Curves along cycles of a graph of convex pieces, by default a basis of all, through the point `shared` (3,) [mm] of every edge."""
+    """Curves along cycles of a graph of convex pieces, by default a basis of all, through the point `shared` (3,) [mm] of every edge.
+
+    Every segment joins points of one convex piece; curves go over to the next in the middle of what both have in common.
+
+    Examples
+    --------
+    >>> from wiggleroom.spatial.solids.convex import cuboid
+    >>> bars = [([0, 0, 0], [3, 1, 1]), ([2, 1, 0], [3, 2, 1]), ([0, 2, 0], [3, 3, 1]), ([0, 1, 0], [1, 2, 1])]
+    >>> pieces = [cuboid(*np.array(bar, dtype=float)) for bar in bars]
+    >>> closed_curves(pieces, piece_graph(pieces)).cycles.shape
+    (1, 8)
+    """
     import networkx as nx
 
     cycles = nx.cycle_basis(graph) if cycles is None else cycles
