@@ -15,7 +15,7 @@ from wiggleroom.context import Context
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.freespace.models.halfspaces import Halfspaces
-from wiggleroom.freespace.models.pair_hulls import hulls
+from wiggleroom.freespace.models.hull import hulls
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.nonlinear_program import Program, build_program
