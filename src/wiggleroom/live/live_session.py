@@ -20,6 +20,7 @@ from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_among_few, holding_contacts, others_back
 from wiggleroom.live.drag_target import target_in_sight
+from wiggleroom.live.gap_continuation import KnownEnds, kept
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.planar_loose import PlanarLoose
@@ -30,14 +31,12 @@ from wiggleroom.live.warm_start import (
     TimeBudget,
     WarmSearch,
     free_of_overlap,
-    pushed,
     seated,
     state_at,
     state_at_rest,
     state_beside,
 )
 from wiggleroom.maximise import witness
-from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import unlimited
@@ -48,15 +47,6 @@ from wiggleroom.search.recession import recession_direction
 
 Floats = NDArray[np.float64]
 Spot = tuple[float, float]
-
-MAX_CARRIED_GROWTH = 0.1
-"""A largest motion is followed to parts larger by up to this share of the clearance."""
-RETREAT_SHARES = (0.01, 0.05, 0.15)
-"""Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
-MAX_WARM_STARTS = 3
-"""At most this many ends of earlier requests are tried, the nearest first."""
-MAX_KEPT_ENDS = 16
-"""Number of ends of largest motions that are kept as starts for others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -466,74 +456,3 @@ class Live:
             if found is not None and found.state.linked:
                 return found.design.ready, replace(found.state, mu=FIRST_BARRIER, ended=None), None
         return self.ready, state_at_rest(self.ready), None
-
-
-@dataclass(frozen=True, eq=False)
-class KnownEnd:
-    """Where a largest motion ended, in which design; its outlines may have been refined where they touch."""
-
-    goals: tuple[Goal, ...]
-    design: GapDesign
-    state: State
-
-
-class KnownEnds:
-    """Ends of the last largest motions."""
-
-    def __init__(self) -> None:
-        self._ends: list[KnownEnd] = []
-
-    def keep(self, goals: tuple[Goal, ...], design: GapDesign, state: State) -> None:
-        """Keep an end, in place of an older one of the same design and goals."""
-        others = [e for e in self._ends if e.goals != goals or e.design.assembly is not design.assembly]
-        self._ends = [*others, KnownEnd(goals, design, state)][-MAX_KEPT_ENDS:]
-
-    def at(self, goals: tuple[Goal, ...], design: GapDesign) -> KnownEnd | None:
-        """The end of these goals in this very design."""
-        found = [e for e in self._ends if e.goals == goals and e.design.assembly is design.assembly]
-        return found[-1] if found else None
-
-    def near(self, goals: tuple[Goal, ...], design: GapDesign) -> State | None:
-        """State to begin at: the end of the same goals at the nearest gap, or at a smaller one."""
-        if design.assembly.drawing.gaps:
-            return None
-        same = [e for e in self._ends if e.goals == goals and e.design.roles == design.roles]
-        same.sort(key=lambda e: float(np.abs(e.design.inward - design.inward).max()))
-        for end in same[:MAX_WARM_STARTS]:
-            growth = float(np.abs(end.design.inward - design.inward).max())
-            state = kept(end.state, end.design, design)
-            if state is None and growth < MAX_CARRIED_GROWTH * design.ready.clearance:
-                state = _followed(end.state, end.design, design)
-            if state is not None:
-                return replace(state, near=True)
-        return None
-
-
-def kept(state: State, old: GapDesign, new: GapDesign) -> State | None:
-    """The state in another design, where all parts are as small or smaller; else None."""
-    if old.roles != new.roles or not (old.inward <= new.inward + 1e-12).all():
-        return None
-    return _in_design(state, old, new)
-
-
-def _followed(end: State, old: GapDesign, new: GapDesign) -> State | None:
-    """The state in a design where some parts are a little larger; None where they do not fit there."""
-    there = _in_design(end, old, new)
-    if there is None:
-        return None
-    less = 2 * float((old.inward - new.inward).max()) / old.ready.clearance  # motions shrink like the gap
-    for aside in RETREAT_SHARES:
-        state = pushed(new.ready, replace(there, inner=max(1 - less - aside, 0.0) * there.inner, linked=False))
-        if state is not None and free_of_overlap(new.ready, state.inner):  # the old motion is one of smaller parts
-            return replace(state, motion=state.inner)
-    return None
-
-
-def _in_design(state: State, old: GapDesign, new: GapDesign) -> State | None:
-    """The state with its cells carried to the outlines of another design; None where these have other corners."""
-    one, other = old.ready.bodies, new.ready.bodies
-    if one is other:
-        return state
-    if not np.array_equal(np.diff(one.shapes.first)[one.shape], np.diff(other.shapes.first)[other.shape]):
-        return None
-    return replace(state, cells=carried(state.cells, one, other))
