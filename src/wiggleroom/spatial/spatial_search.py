@@ -20,9 +20,9 @@ from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_objectives import SumOfTerms, Twist
 from wiggleroom.spatial.planes.undetermined_planes import past_undetermined_planes
-from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_that_meet
+from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_not_among, pairs_that_meet
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
-from wiggleroom.spatial.spatial_path_check import free_path
+from wiggleroom.spatial.spatial_path_check import free_path, passing_pairs
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.spatial.straight_departure import StraightDeparture
 from wiggleroom.spatial.turning_in_place import TurnInPlace, common_edges, endless_turn, turn_in_place
@@ -264,6 +264,9 @@ class SpatialSearch:
             missed, rest_of_way = self._missed(program, found)
             if not len(missed) or self._asked_to_stop():
                 done = self._checked(program, found)
+                if not done.whole and not self._asked_to_stop():
+                    missed, rest_of_way = self._passed_through(program, found), []
+            if not len(missed) or self._asked_to_stop():
                 if before is not None and not done.good and self.value(before) > self.value(done):
                     return before
                 if end is None or done.good or self._asked_to_stop():
@@ -382,3 +385,8 @@ class SpatialSearch:
     def _lacks(self, program: SeparatingPlaneProgram, pose: SpatialPose) -> bool:
         """True where pairs of pieces outside the program overlap."""
         return len(pairs_that_meet(self.ready.grouping.bodies, pose, program.pieces, 0.0)) > 0
+
+    def _passed_through(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Ints:
+        """Pairs of pieces outside the program that meet between two waypoints: small pieces go through each other in one step."""
+        bodies = self.ready.grouping.bodies
+        return pairs_not_among(bodies, passing_pairs(bodies, [point.pose for point in found.path]), program.pieces)

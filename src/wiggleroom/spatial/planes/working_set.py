@@ -48,10 +48,14 @@ def _faces(bodies: RigidBodies, pose: SpatialPose, who: list[int], clearance: fl
 
 def pairs_that_meet(bodies: RigidBodies, pose: SpatialPose, known: Ints, reach: float) -> Ints:
     """Pairs of pieces (k, 4) that are not among those known (j, 4) and are within `reach` [mm], if any of them overlap."""
-    near = near_pieces(bodies, pose, reach)
-    new = near[~np.isin(_keys(bodies, near), _keys(bodies, known))]
+    new = pairs_not_among(bodies, near_pieces(bodies, pose, reach), known)
     apart = np.array([best_axis(bodies, pose, who, np.empty(3))[0] for who in new.tolist()])
     return new[apart < reach] if (apart <= 0).any() else new[:0]
+
+
+def pairs_not_among(bodies: RigidBodies, pairs: Ints, known: Ints) -> Ints:
+    """Those pairs of pieces (k, 4) that are not among others (j, 4), in either order."""
+    return pairs[~np.isin(_keys(bodies, pairs), _keys(bodies, known))]
 
 
 def _keys(bodies: RigidBodies, pairs: Ints) -> Ints:
