@@ -24,8 +24,7 @@ from wiggleroom.context import Context
 from wiggleroom.drawing.model import ConvexPiece, Surface
 from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
-from wiggleroom.spatial.linking_number import linked
-from wiggleroom.spatial.open_rings import RingBody, held_by_opening
+from wiggleroom.spatial.linking_number import RingBody, held_by_opening, linked
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
 from wiggleroom.spatial.solids.convex import prism
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
