@@ -22,8 +22,7 @@ from wiggleroom.bench import accuracy, chains, published, speed
 from wiggleroom.bench import interlock_table as interlock
 from wiggleroom.bench import large_assemblies as large
 from wiggleroom.bench import run_one as one
-from wiggleroom.bench.accuracy import PAIRS
-from wiggleroom.bench.collide import overlapping
+from wiggleroom.bench.accuracy import PAIRS, overlapping
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.render import bench_markdown, bench_record, bench_table, with_section
 from wiggleroom.bench.result import Bench, Column, ResultTable

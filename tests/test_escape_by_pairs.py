@@ -13,10 +13,9 @@ from tests.flexing import part_at
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.disassembly.closed_pairs import ClosedPairs, closed_pairs
-from wiggleroom.disassembly.escape_by_pairs import escape_by_known_pairs, escape_by_pairs
+from wiggleroom.disassembly.escape_by_pairs import RelativeSegment, escape_by_known_pairs, escape_by_pairs, follow
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
-from wiggleroom.disassembly.path_following import RelativeSegment, follow
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts

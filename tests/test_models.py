@@ -18,9 +18,8 @@ from tests.test_program import close, slope, steps, whole
 from wiggleroom.assembly.build import assemble
 from wiggleroom.compare.approximate import approximate
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.freespace.models.bounded_slices import _ball
 from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.hull import pair_hull
+from wiggleroom.freespace.models.hull import _ball, pair_hull
 from wiggleroom.freespace.slices import pair_outlines
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.row_kinds import FACE

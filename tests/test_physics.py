@@ -10,7 +10,7 @@ import wiggleroom as wr
 
 pytest.importorskip("pymunk")
 
-from wiggleroom.bench.physics import convex_polygons, pulled_to_rest
+from wiggleroom.bench.chains import convex_polygons, pulled_to_rest
 
 from .oracle.blocks import JOINTS, block
 from .oracle.chain import stored

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1] / "src" / "wiggleroom"
 MOST = 7
 KERNELS = {"jit", "njit", "cfunc", "vectorize", "guvectorize"}
 LIVE = ("others_back", "drag", "flex", "settle", "wiggle")
-PUBLIC = set(wr.__all__) | {"witness", "sweep_spatial"}
+PUBLIC = set(wr.__all__) | {"witness"}
 """Names that are asked from outside, and what of them is asked of one dimension: these take their arguments one by one."""
 PROTOCOLS = {
     ("solve/interior_point.py", "solve"),  # SOLVERS

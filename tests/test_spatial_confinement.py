@@ -16,8 +16,7 @@ from shapely import Polygon, box
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
-from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement, packed_pieces
-from wiggleroom.spatial.inscribed_cylinders import inscribed_cylinders
+from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement, inscribed_cylinders, packed_pieces
 from wiggleroom.spatial.overlaps.pose_cells import (
     CLOSED,
     beyond_face,

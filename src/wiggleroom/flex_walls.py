@@ -17,8 +17,7 @@ from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.canonical_frame import canonical_frame
-from wiggleroom.search.carried_incumbent import carried_incumbent
+from wiggleroom.search.canonical_frame import canonical_frame, carried_incumbent
 from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on, together
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest

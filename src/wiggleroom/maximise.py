@@ -96,52 +96,7 @@ def flex(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """How far the assembly can move.
-
-    Parameters
-    ----------
-    assembly : Assembly or Prepared
-    goals : Pull, Turn, W, Translation or Closer, or several that add up
-        By default what the assembly's file asks for.
-    model : str, Hull or HalfPlane, optional
-        "walls", the exact contacts; "hull", the paper's, or "halfplane", PuzzleFlex's, to compare with: these accept some overlap, which
-        the answer tells. By default what the assembly was prepared for, else walls.
-    solver : str
-        "interior-point", or "ipopt" (needs the extra `ipopt`); half-planes need neither.
-    start : Answer, optional
-        An earlier answer of the same prepared assembly, with walls; the search starts near its motion.
-    search : int, optional
-        Number of starts beside the one from rest: with another objective first, then the true one; 0 for none. By default as many as a
-        fixed amount of work allows, until a better local optimum is unlikely; none for more than 50 free bodies (from 100
-        to 1,000 the first climb is made nine times instead), for models that approximate, and from an earlier answer.
-    prove : float, optional
-        Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
-    seconds : float, optional
-        For `prove`: time that the proof may take, instead of a fixed amount of work.
-    stop : optional
-        Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
-    progress : callable, optional
-        Told a `Progress` every iteration.
-
-    Returns
-    -------
-    Answer
-        A motion, with walls one without overlap, and how sure it is. Where that takes less work than the search, `at_most` says
-        beside it what no motion exceeds; such a quick bound is near only for small assemblies.
-
-    Raises
-    ------
-    InputError
-        If nothing is fixed or pulled, a goal names an unknown part, or there is no such model.
-    TouchingError
-        If two parts touch at rest.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01))
-    >>> round(answer.objective, 4)
-    0.0261
+    """How far an assembly in the plane can move; see `wiggleroom.flex`.
 
     Source: Mind the Gap, section 4; by default walls instead of the hull, and the iterative re-approximation of its outlook.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -55,8 +56,15 @@ def read(
         Parts that stand, besides those the file fixes.
     goals : sequence of Pull or Turn
         In place of the file's, where there are any.
-    only, skip, join, solid, hole, dpi
-        Of drawings only: see `wiggleroom.assembly.build.read`.
+    only, skip : sequence of str
+        Layers, colours or names of a drawing that alone are read, or that are left out; drawings only, as all below.
+    join : float, optional [mm]
+        Open ends nearer than this are joined.
+    solid, hole : sequence of str
+        Outlines inside others that are parts, not holes; outlines that are cut out of the parts around or under them: names, points as
+        "@12,30" [mm], or "all".
+    dpi : float, optional
+        How many units of a drawing are an inch, in place of `unit`.
     stop : optional
         Anything with `is_set()`.
     overlapping : bool
@@ -101,8 +109,8 @@ def assemble(
         Parts that stand, besides those the drawing fixes.
     goals : sequence of Pull, Turn and others
         In place of the drawing's, where there are any.
-    offset
-        Of drawings only: see `wiggleroom.assembly.build.assemble`.
+    offset : mapping of names to float, optional [mm]
+        Added to the offsets of single parts; drawings only.
     overlapping : bool
         See `read`.
 
@@ -149,23 +157,37 @@ def flex(
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for. In space `Pull("lid", (0, 0, 1))` and `Turn("lid", (0, 0, 1))`: a twist about a
         direction of the world.
-    solver, search, stop, progress : optional
-        As of `wiggleroom.maximise.flex`; in space `progress` is called with the number of iterations and the value.
+    model : str, Hull or HalfPlane, optional
+        Of drawings only. "walls", the exact contacts; "hull", the paper's, or "halfplane", PuzzleFlex's, to compare with: these accept
+        some overlap, which the answer tells. By default what the assembly was prepared for, else walls.
+    solver : str
+        "interior-point", or "ipopt" (needs the extra `ipopt`); half-planes need neither.
+    start : Answer, optional
+        Of drawings only: an earlier answer of the same prepared assembly, with walls; the search starts near its motion.
+    search : int, optional
+        Number of starts beside the one from rest: with another objective first, then the true one; 0 for none. By default as many as a
+        fixed amount of work allows, until a better local optimum is unlikely; none for more than 50 free bodies (from 100
+        to 1,000 the first climb is made nine times instead), for models that approximate, and from an earlier answer. In space a few,
+        for at most 6 free bodies.
     prove : float, optional
         Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
     seconds : float, optional
         For `prove`: time that the proof may take, instead of a fixed amount of work.
-    model, start : optional
-        Of drawings only: see `wiggleroom.maximise.flex`.
+    stop : optional
+        Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
+    progress : callable, optional
+        Told a `Progress` every iteration; in space called with the number of iterations and the value.
 
     Returns
     -------
     Answer
+        A motion, with walls one without overlap, and how sure it is. Where that takes less work than the search, `at_most` says
+        beside it what no motion exceeds; such a quick bound is near only for small assemblies.
 
     Raises
     ------
     InputError
-        If nothing is fixed or pulled, or a goal names an unknown part.
+        If nothing is fixed or pulled, a goal names an unknown part, or there is no such model.
     TouchingError
         If two parts touch at rest.
 
@@ -269,6 +291,8 @@ def check(
 ) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
 
+    Fixed parts stand; where none is fixed, the largest part stands. Turning in place is not coming apart.
+
     Parameters
     ----------
     assembly : Assembly
@@ -276,12 +300,14 @@ def check(
         Anything with `is_set()`.
     progress : optional
         Called as it goes on; not in space.
-    boxes, questions : int, optional
-        Of drawings only: see `wiggleroom.disassembly.interlock.check`.
+    boxes : int, optional
+        Of drawings only: boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+    questions : int, optional
+        Of drawings only: largest motions searched at most, each time some parts have left.
     every : bool
-        False: the first path out is enough.
+        False: the first parts that leave are enough; what of the others is not asked, nor what turns in place.
     seconds : float, optional
-        Time that it may take.
+        Time that it may take; then the verdict is what is known so far, as after a request to stop.
 
     Returns
     -------
@@ -290,7 +316,9 @@ def check(
     Raises
     ------
     InputError
-        If there is only one part, or all are fixed.
+        If there is only one part, or all are fixed; if `seconds` is not more than 0.
+    TouchingError
+        If two parts overlap at rest.
 
     Examples
     --------
@@ -298,19 +326,17 @@ def check(
     >>> str(wr.check(wr.patterns.chain(3, joint="finger", gap=0.02)).verdict)
     'comes apart'
     """
+    context = Context(stop=_within(seconds, stop), progress=progress)
     if isinstance(assembly, Assembly) and assembly.dimension == 3:
         from wiggleroom.spatial.spatial_disassembly import check_spatial
 
         refuse_planar_options("check", boxes=boxes, questions=questions)
-        return check_spatial(
-            assembly, every=every, context=Context(stop=stop if seconds is None else Deadline(seconds, stop))
-        )
-    from wiggleroom.disassembly.interlock import check as check_planar
+        return check_spatial(assembly, every=every, context=context.silent)
+    from wiggleroom.disassembly.escape_effort import EscapeEffort
+    from wiggleroom.disassembly.interlock import interlock
 
-    options = given(boxes=boxes, questions=questions)
-    return check_planar(
-        assembly, every=every, seconds=seconds, **options, context=Context(stop=stop, progress=progress)
-    )
+    effort = EscapeEffort(**given(boxes=boxes, questions=questions))
+    return interlock(assembly, effort, every=every, context=context)
 
 
 def largest_gap(
@@ -325,7 +351,7 @@ def largest_gap(
     Parameters
     ----------
     assembly : Assembly
-        Its own gap is where the search begins.
+        Its own gap is where the search begins. Gaps of single joints and offsets of parts stay as they are.
     stop : optional
         Anything with `is_set()`.
     seconds : float, optional
@@ -348,13 +374,32 @@ def largest_gap(
     >>> wr.largest_gap(wr.patterns.chain(2, joint="finger", gap=0.02)).holds is None
     True
     """
+    context = Context(stop=_within(seconds, stop), progress=progress)
     if assembly.dimension == 3:
-        from wiggleroom.spatial.spatial_study import spatial_largest_gap
+        from wiggleroom.disassembly.largest_gap import largest_gap_over
+        from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
+        from wiggleroom.spatial.spatial_disassembly import check_spatial
 
-        return spatial_largest_gap(assembly, context=Context(stop=stop if seconds is None else Deadline(seconds, stop)))
+        context = context.silent
+        return largest_gap_over(
+            assembly,
+            lambda gap: assemble_spatial(assembly.drawing, gap=gap, stop=context.stop),
+            lambda made: check_spatial(made, every=False, context=context),
+            context,
+        )
     from wiggleroom.disassembly.largest_gap import largest_gap as work_out
 
-    return work_out(assembly, seconds=seconds, context=Context(stop=stop, progress=progress))
+    return work_out(assembly, context)
+
+
+def _within(seconds: float | None, stop: Stop | None) -> Stop | None:
+    """A request to stop that comes after some time at the latest; InputError where that is no time."""
+    if seconds is None:
+        return stop
+    if not 0 < seconds < math.inf:
+        finding = f"seconds {seconds:g}: it must be more than 0"
+        raise InputError(finding)
+    return Deadline(seconds, stop)
 
 
 def refuse_planar_options(question: str, **given: Any) -> None:

@@ -43,35 +43,7 @@ def assemble(
     offset: Mapping[str, float] | None = None,
     overlapping: bool = False,
 ) -> Assembly:
-    """Parts as they are made, with their roles.
-
-    Parameters
-    ----------
-    drawing : Drawing [mm]
-    gap : float, optional [mm]
-        In place of the drawing's; curves are cut into edges as it wants them.
-    fix : sequence of names
-        Parts that stand, besides those the drawing fixes.
-    goals : sequence of Pull, Turn or W
-        In place of the drawing's, where there are any.
-    offset : mapping of names to float, optional [mm]
-        Added to the offsets of single parts.
-    overlapping : bool
-        Accept parts that overlap, for `allowable_gap` with `fits`.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong, one line each; an `OverlapError` where that is only that parts overlap.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from wiggleroom.drawing.model import Part, Region
-    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
-    >>> assemble(Drawing((Part("a", (square,)),)), gap=0.5, fix=["a"]).parts[0].fixed
-    True
-    """
+    """Parts of a drawing in the plane as they are made, with their roles; see `wiggleroom.assemble`."""
     used_gap = float(drawing.gap if gap is None else gap)
     used, wrong = with_roles(flattened_for(drawing, used_gap), used_gap, fix, goals)
     names, offsets = {p.name: None for p in used.parts}, dict(offset or {})
@@ -153,42 +125,7 @@ def read(
     dpi: float | None = None,
     overlapping: bool = False,
 ) -> Assembly:
-    """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
-
-    Parameters
-    ----------
-    path : str or path
-        Assembly file (.json) or drawing (.svg, .dxf, .lbrn2).
-    gap : float, optional [mm]
-        In place of the file's.
-    unit : str, optional
-        In place of the file's: mm, cm, m, in, px or pt.
-    flatten : float, optional [mm]
-        Largest distance between a curve and the straight edges that replace it.
-    fix, goals
-        As for `assemble`; a part may also be given by a point of it, as "@12,30" [mm].
-    only, skip : sequence of str
-        Layers, colours or names of a drawing that alone are read, or that are left out.
-    join : float, optional [mm]
-        Open ends nearer than this are joined.
-    solid : sequence of str
-        Outlines inside others that are parts, not holes: names, points or "all".
-    stop : optional
-        Anything with `is_set()`, asked after every element and every outline of a drawing.
-    hole : sequence of str
-        Outlines that are cut out of the parts around or under them: names, points or "all".
-    dpi : float, optional
-        How many units of a drawing are an inch, in place of `unit`.
-    overlapping : bool
-        As for `assemble`.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong, one line each.
-    StoppedError
-        If it was asked to stop.
-    """
+    """Assembly in the plane from a file, see `wiggleroom.read`; `solid`, `fix` and goals may give a point of a part, as "@12,30"."""
     from wiggleroom.drawing import read_drawing
 
     named = [name for goal in goals if (name := part_of(goal)) is not None]

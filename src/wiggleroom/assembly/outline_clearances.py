@@ -22,21 +22,7 @@ Shapes = NDArray[np.object_]
 
 
 def outline_clearances(assembly: Assembly, within: float | None = None, stop: Stop | None = None) -> Clearances:
-    """Clearances of the near pairs of parts in the plane, as made, and the offset at which all fit.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    within : float, optional [mm]
-        Pairs nearer than this; by default `near_distance`.
-    stop : optional
-        Anything with `is_set()`.
-
-    Raises
-    ------
-    StoppedError
-        If it was asked to stop.
-    """
+    """Clearances of the near pairs of parts in the plane, as made, and the offset at which all fit; see `wiggleroom.clearances`."""
     reach = near_distance(assembly) if within is None else within
     shapes, owner = placed_regions(assembly.parts)
     shapely.prepare(shapes)

@@ -16,7 +16,7 @@ from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.context import Context
-from wiggleroom.disassembly.interlock import check
+from wiggleroom.disassembly.interlock import interlock
 from wiggleroom.disassembly.translation import translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import InputError, Stop
@@ -54,7 +54,7 @@ def by_pulls(*models: PairModel) -> Method:
 def by_check(assembly: Assembly, stop: Stop | None) -> str:
     """Method that asks `check`; the first parts that leave are enough."""
     return {"interlocked": LOCKED, "comes apart": APART, "unknown": "unknown"}[
-        check(assembly, every=False, context=Context(stop=stop)).verdict
+        interlock(assembly, every=False, context=Context(stop=stop)).verdict
     ]
 
 

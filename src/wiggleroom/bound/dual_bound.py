@@ -8,7 +8,7 @@ as E = x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) p - R(t_a) tau vanishes (arms p
 motion). As forces balance, all shifts x drop out. What is left falls into a part alpha cos t + beta sin t + gamma t of each body, whose
 largest value over the range of its turn is known, and a part w . R(t_a) tau + m phi of each pair, whose largest value over its
 pocket is taken at a corner. Any forces give a valid bound, and those of the true optimum a near one. It is the whole bound where a
-linear program would take longer than the search did; else that comes nearer, see `limited_tightening`.
+linear program would take longer than the search did; else that comes nearer, see `tightened`.
 """
 
 from __future__ import annotations
@@ -22,13 +22,20 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.bound.branch_and_bound import MANY_BODIES
 from wiggleroom.bound.congruent_joints import CONGRUENCE_TOLERANCE, CONGRUENCE_WORK, Congruence, KnownJoints
-from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
+from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges, turn_differences
+from wiggleroom.bound.joint_multipliers import goal_weights
+from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
+from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.outer_regions import JointPlacement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
+from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
+from wiggleroom.bound.window_bounds import bounded_windows
 from wiggleroom.deadline import WorkBudget
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
+from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.placed_bodies import placed
@@ -46,6 +53,15 @@ MANY_JOINTS = 60
 """Where so many pairs, those with the largest forces, each had a joint of its own, all others are taken to have one too."""
 ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
+
+NEAR = 0.03
+"""A quick bound that lies no further above the motion found than this share is near enough."""
+MANY_NEAR = 0.1
+"""The same where there are many bodies."""
+HOPS = 2
+"""Turns of bodies this many joints apart are tightened."""
+MIN_GAIN = 0.1
+"""It ends where the bound's distance from the motion found falls by less than this share."""
 
 
 def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
@@ -154,7 +170,7 @@ def quick_bound(
     most = _value(them, goal, links, pockets, ranges, forces, found.motion)
     if most is None or found.value <= 0 or find_spec("highspy") is None:
         return most
-    from wiggleroom.bound.limited_tightening import tightened  # slow to import, and not always needed
+    from wiggleroom.bound.dual_bound import tightened  # slow to import, and not always needed
 
     return min(most, tightened(them, goal, links, pockets, found.value, work, budget))
 
@@ -270,3 +286,70 @@ def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:
     """Rather less than a search takes to choose among the contacts of pairs of many corners."""
     corners = np.diff(them.shapes.first)
     return float(0.01 * (corners[them.shape[a]] + corners[them.shape[b]]).sum())
+
+
+def tightened(
+    them: Bodies,
+    goal: PointMotion,
+    joints: JointConstraints,
+    regions: Sequence[LocalOuterRegion],
+    found: float,
+    work: float,
+    budget: WorkBudget,
+) -> float:
+    """Value that no motion exceeds, near `found`, the value of a motion; infinite where the work does not allow a program at all.
+
+    Where the work is infinite and bodies are many, local windows come first, and neighbourhoods are tightened.
+    """
+    held = them.fixed | np.isfinite(first_ranges(them.fixed, joints, regions).far)
+    joints = joints.some(held[joints.a] & held[joints.b])
+    linkage = Linkage(
+        them.fixed,
+        them.radius,
+        them.rest[:, :2],
+        joints,
+        turn_differences(joints, regions),
+        min((region.material.clearance for region in regions), default=1.0),
+    )
+    cuts = RegionCuts([*regions])
+    large = int(np.count_nonzero(held)) > MANY_BODIES
+    many = large and bool(np.isinf(work))
+    if many:
+        cuts.unlike = COARSE_NORMALS
+        for known, _ in bounded_windows(linkage, cuts, budget):
+            linkage = known
+    ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
+    weights = goal_weights(goal, len(held))
+    cutoff = Cutoff(weights, (1 + NEAR / 2) * found)
+    bodies = np.flatnonzero(held & ~them.fixed)
+    asked, near = dominating(linkage, bodies, HOPS), MANY_NEAR if many else NEAR
+    first, again = _work_of_program(len(bodies), len(joints.a))
+    best = np.inf
+    while work >= first and not budget.is_set():
+        try:
+            program = RelaxationInRanges(linkage, cuts, ranges)
+        except InfeasibleRanges:
+            return cutoff.worth
+        work -= first + 2 * len(asked) * again
+        last = large and work < first  # nothing goes on from its basis
+        value, multipliers, *_ = program.largest(weights, budget, interior=many or last)
+        most = max(value, cutoff.worth if np.isfinite(best) else -np.inf)
+        gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
+        best = min(best, most)
+        if best <= (1 + near) * found or gain < MIN_GAIN or work < first or budget.is_set():
+            break
+        new = (
+            neighbourhood_cuts(program, multipliers, asked, cutoff, budget)
+            if many
+            else program.turn_cuts(asked, cutoff, budget)
+        )
+        ranges = after_cuts(ranges, new, linkage.turns)
+        if np.any(ranges.low > ranges.high):
+            return cutoff.worth
+    return float(best)
+
+
+def _work_of_program(bodies: int, joints: int) -> tuple[float, float]:
+    """Rather more than a linear program takes when it is solved first, and when it is asked again with another cost."""
+    first = 80 * ((5 * bodies + 4 * joints) / 340) ** 2.1
+    return first, 0.6 * first

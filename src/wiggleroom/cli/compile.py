@@ -38,7 +38,7 @@ def compile_kernels() -> None:
 def in_the_plane() -> None:
     """The largest motion by every model, whose gap it is due to, a free space, and what interlocks."""
     from wiggleroom.assembly import patterns
-    from wiggleroom.disassembly.interlock import check
+    from wiggleroom.disassembly.interlock import interlock
     from wiggleroom.freespace.free_space import free_space
     from wiggleroom.maximise import flex
     from wiggleroom.sensitivity.planar_study import study_of
@@ -49,7 +49,7 @@ def in_the_plane() -> None:
     rank(study_of(flex(patterns.jigsaw(2, 2, gap=0.02)), None))
     flex(patterns.grid(19, 19), search=0)
     free_space(patterns.chain(2), "b1", "b2")
-    check(patterns.chain(2, joint="swallowtail", gap=0.02))
+    interlock(patterns.chain(2, joint="swallowtail", gap=0.02))
 
 
 def in_space() -> None:

@@ -34,7 +34,7 @@ from wiggleroom.verdict import PathState, Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.freespace.models.halfspaces import Halfspaces
-    from wiggleroom.freespace.models.pair_hulls import Hulls
+    from wiggleroom.freespace.models.hull import Hulls
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -117,7 +117,7 @@ def approximate(assembly: Assembly, model: Hull | HalfPlane, context: Context = 
     them = surveyed.bodies
     found = None
     if isinstance(model, Hull):
-        from wiggleroom.freespace.models.pair_hulls import hulls  # nor this
+        from wiggleroom.freespace.models.hull import hulls  # nor this
 
         pairs = hulls_meet(them, surveyed.geometry, ignored=surveyed.ignored, stop=context.stop)
         found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=context.stop)

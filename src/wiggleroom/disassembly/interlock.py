@@ -13,10 +13,8 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.context import UNLIMITED, Context
-from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.disassemble import disassemble
-from wiggleroom.disassembly.escape_effort import BOXES_FOR_ONE_BODY, EscapeEffort
-from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
+from wiggleroom.disassembly.escape_effort import EscapeEffort
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
@@ -39,38 +37,10 @@ REFINED_SHARE = 0.1
 """Share of it for a tighter bound, where one is known already."""
 
 
-def check(
-    assembly: Assembly,
-    *,
-    boxes: int = BOXES_FOR_ONE_BODY,
-    questions: int = MAX_QUESTIONS,
-    every: bool = True,
-    seconds: float | None = None,
-    context: Context = UNLIMITED,
+def interlock(
+    assembly: Assembly, effort: EscapeEffort | None = None, *, every: bool = True, context: Context = UNLIMITED
 ) -> Interlock:
-    """Whether some parts can be moved without limit away from the others.
-
-    Fixed parts stand; where none is fixed, the largest part stands. Turning in place is not coming apart.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    boxes : int
-        Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
-    questions : int
-        Largest motions searched at most, each time some parts have left.
-    every : bool
-        False: the first parts that leave are enough; what of the others is not asked, nor what turns in place.
-    seconds : float, optional
-        Time that it may take; then the verdict is what is known so far, as after a request to stop.
-    context : Context, optional
-
-    Raises
-    ------
-    TouchingError
-        If two parts overlap at rest.
-    InputError
-        If there is only one body, or all are fixed; if `seconds` is not more than 0.
+    """Whether some parts of a drawing can be moved without limit away from the others; see `wiggleroom.check`.
 
     Notes
     -----
@@ -84,16 +54,7 @@ def check(
     >>> str(found.verdict), str(found.certainty)
     ('interlocked', 'proven')
     """
-    if seconds is not None:
-        if not 0 < seconds < np.inf:
-            finding = f"seconds {seconds:g}: it must be more than 0"
-            raise InputError(finding)
-        context = context.with_stop(Deadline(seconds, context.stop))
-    return interlock(assembly, EscapeEffort(boxes, questions), every=every, context=context)
-
-
-def interlock(assembly: Assembly, effort: EscapeEffort, *, every: bool, context: Context) -> Interlock:
-    """The verdict of `check`, with all that its search may use."""
+    effort = effort or EscapeEffort()
     began = time.perf_counter()
     standing = with_ground(assembly)
     try:

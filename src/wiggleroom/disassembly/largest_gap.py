@@ -10,7 +10,6 @@ from typing import Any
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.context import UNLIMITED, Context
-from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.escape_effort import EscapeEffort
 from wiggleroom.disassembly.interlock import interlock
 from wiggleroom.disassembly.interlock_result import Interlock
@@ -51,40 +50,13 @@ class LargestGap(Drawable):
     apart: Any
 
 
-def largest_gap(assembly: Assembly, *, seconds: float | None = None, context: Context = UNLIMITED) -> LargestGap:
-    """The gap of the whole assembly at which it comes apart, to 0.1 %.
+def largest_gap(assembly: Assembly, context: Context = UNLIMITED) -> LargestGap:
+    """The gap of a whole drawing at which it comes apart, to 0.1 %; see `wiggleroom.largest_gap`.
 
-    Parts only get smaller as the gap grows, so a path apart stays a path apart, and bisection finds the border. Gaps of single joints and
-    offsets of parts stay as they are. Where some gaps cannot be decided, both sides stay further apart.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Its own gap is where the search begins.
-    seconds : float, optional
-        Time that it may take; then both sides are those that are known so far.
-    context : Context, optional
-
-    Raises
-    ------
-    InputError
-        As for `check`.
-
-    Examples
-    --------
-    >>> import wiggleroom as wr
-    >>> found = wr.largest_gap(wr.patterns.chain(2, joint="finger", gap=0.02))
-    >>> found.holds is None
-    True
+    Parts only get smaller as the gap grows, so a path apart stays a path apart, and bisection finds the border. Where some gaps cannot be
+    decided, both sides stay further apart.
     """
-    if seconds is not None:
-        if not 0 < seconds < float("inf"):
-            finding = f"seconds {seconds:g}: it must be more than 0"
-            raise InputError(finding)
-        context = context.with_stop(Deadline(seconds, context.stop))
-
     effort = EscapeEffort(BOXES_PER_GAP, QUESTIONS_PER_GAP)
-
     proof_alone = replace(effort, questions=0)
     undecided: list[float] = []
 

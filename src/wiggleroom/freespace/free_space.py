@@ -18,7 +18,7 @@ from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.freespace.cells.cover import cover
 from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.pair_hulls import hulls, joint_point
+from wiggleroom.freespace.models.hull import hulls, joint_point
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls, model_named
 from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.freespace.slices import Slice, SliceSequence, pair_outlines, slice_sequence

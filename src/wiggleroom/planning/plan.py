@@ -5,24 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly, require_planar
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import Context
-from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.disassemble import disassemble
-from wiggleroom.disassembly.disassembly_sequence import Disassembly
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.displayable import Drawable
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError
 from wiggleroom.planning.gravity import Gravity
 from wiggleroom.planning.plan_geometry import PlanGeometry
-from wiggleroom.planning.planar_plan_geometry import PlanarPlanGeometry
 from wiggleroom.planning.steps import Step, steps_of
-from wiggleroom.search.progress import Progress
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -99,60 +93,30 @@ class Plan(Drawable):
 
 def plan(
     assembly: Assembly,
-    targets: Sequence[str] = (),
-    *,
-    gravity: tuple[float, ...] | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    seconds: float | None = None,
-) -> Plan:
-    """Plan how an assembly of the plane is taken apart; see `wiggleroom.plan`.
-
-    Raises
-    ------
-    InputError
-        If a target is unknown or fixed, there is only one body, or all are fixed; if gravity has no direction.
-    TouchingError
-        If two parts touch at rest.
-    """
-    require_planar(assembly, "plan")
-    began = time.perf_counter()
-    context = Context(stop=stop if seconds is None else Deadline(seconds, stop), progress=progress)
-    standing = with_ground(assembly)
-    targets = tuple(dict.fromkeys(targets))
-    check_targets(standing, targets)
-    geometry = PlanarPlanGeometry(standing)
-    weight = None if gravity is None else Gravity(geometry.falling(), gravity)
-    holding_cost = None if weight is None else partial(weight.holding_cost, context=context)
-    done = disassemble(standing, targets=targets, holding_cost=holding_cost, context=context)
-    return planned(assembly, targets, done, geometry, weight, context, began)
-
-
-def planned(
-    assembly: Assembly,
-    targets: tuple[str, ...],
-    done: Disassembly,
-    geometry: PlanGeometry,
-    weight: Gravity | None,
+    targets: Sequence[str],
+    geometry_of: Callable[[Assembly], PlanGeometry],
+    gravity: tuple[float, ...] | None,
     context: Context,
-    began: float,
 ) -> Plan:
-    """The plan that follows from how far an assembly could be taken apart.
+    """Plan how an assembly is taken apart; see `wiggleroom.plan`.
 
     Parameters
     ----------
     assembly : Assembly
-        As it was given; in that of the geometry something stands.
-    targets : tuple of names
-    done : Disassembly
-    geometry : PlanGeometry
-    weight : Gravity, optional
-        Which parts to hold is told by it.
+    targets : sequence of names
+    geometry_of : callable
+        What plans ask of an assembly in which something stands.
+    gravity : (x, y) or (x, y, z), optional
     context : Context
-    began : float
-        When it was asked, by `time.perf_counter`.
     """
-    standing, steps = geometry.assembly, tuple[Step, ...]()
+    began = time.perf_counter()
+    targets = tuple(dict.fromkeys(targets))
+    standing = with_ground(assembly)
+    check_targets(standing, targets)
+    geometry = geometry_of(standing)
+    weight = None if gravity is None else Gravity(geometry.falling(), gravity)
+    done = geometry.taken_apart(targets, weight, context)
+    steps = tuple[Step, ...]()
     if done.departures:
         steps = tuple(map(geometry.measured, geometry.fitted(steps_of(standing, done.departures), context)))
     if weight is not None:

@@ -7,7 +7,8 @@ from typing import Protocol, Self
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED, Context
-from wiggleroom.planning.gravity import FallingBodies
+from wiggleroom.disassembly.disassembly_sequence import Disassembly
+from wiggleroom.planning.gravity import FallingBodies, Gravity
 from wiggleroom.planning.steps import Step
 
 
@@ -22,6 +23,9 @@ class PlanGeometry(Protocol):
 
     def made(self, gap: float | None = None, inward: Mapping[str, float] | None = None) -> Self | None:
         """The assembly with another gap, or with boundaries of parts moved inward [mm]; None where parts touch or cannot be made."""
+
+    def taken_apart(self, targets: tuple[str, ...], weight: Gravity | None, context: Context) -> Disassembly:
+        """Its parts taken away one after the other until all targets have left, or as long as any leave; which first may hang on weight."""
 
     def fitted(self, steps: Sequence[Step], context: Context = UNLIMITED) -> tuple[Step, ...]:
         """Steps that do the same with more room, where paths can be fitted; not all of them need be free."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -16,11 +17,13 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.clearance import least_distances
 from wiggleroom.disassembly.clearance_program import ClearanceProblem, MovingBodies
+from wiggleroom.disassembly.disassemble import disassemble
+from wiggleroom.disassembly.disassembly_sequence import Disassembly
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.errors import InputError
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.planning.gravity import Distances
+from wiggleroom.planning.gravity import Distances, Gravity
 from wiggleroom.planning.path_improvement import finer, improved_steps
 from wiggleroom.planning.steps import MAX_CLEARANCE, Step, StepRoom, with_room
 from wiggleroom.search.prepare import Survey, survey
@@ -63,6 +66,11 @@ class PlanarPlanGeometry:
             return type(self)(assemble(self.assembly.drawing, gap=gap, offset=offset))
         except InputError:
             return None
+
+    def taken_apart(self, targets: tuple[str, ...], weight: Gravity | None, context: Context) -> Disassembly:
+        """Its parts taken away, of those that could leave straight those first after which the fewest must be held."""
+        cost = None if weight is None else partial(weight.holding_cost, context=context)
+        return disassemble(self.assembly, targets=targets, holding_cost=cost, context=context)
 
     def fitted(self, steps: Sequence[Step], context: Context = UNLIMITED) -> tuple[Step, ...]:
         """Steps that do the same with more room."""

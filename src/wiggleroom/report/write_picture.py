@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
+from wiggleroom.report.films.film import film
 from wiggleroom.report.finding import Finding
 from wiggleroom.report.pictures.file_endings import (
     ANSWERS,
@@ -24,6 +25,7 @@ from wiggleroom.report.pictures.file_endings import (
     ending,
 )
 from wiggleroom.report.pictures.stills import write_still
+from wiggleroom.report.results.separability import Checked, as_answer, check_facts, check_title
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import PathState, Verdict
 
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 
     Drawn = Answer | Checked | Plan
     Result = Drawn | Interlock | LargestGap | FreeSpace
+
 
 Progress = Callable[[int, int], None]
 
@@ -141,10 +144,10 @@ def _drawn(found: Result) -> Drawn | None:
 
 def _film(shown: Drawn, path: Path, command: str, progress: Progress | None) -> None:
     from wiggleroom.report.films.film import film_of_answer
-    from wiggleroom.report.films.separability_film import film_of_check
     from wiggleroom.report.page.plan_pictures import film_of_plan
     from wiggleroom.report.results.separability import Checked
     from wiggleroom.report.solids.spatial_film import film_of_spatial
+    from wiggleroom.report.write_picture import film_of_check
 
     match shown:
         case _ if shown.assembly.dimension == 3:
@@ -233,3 +236,21 @@ def _write_finding(finding: Finding, path: Path, command: str) -> None:
         from wiggleroom.report.pictures.finding_picture import picture_of_finding
 
         write_still(picture_of_finding(finding, command=command), path)
+
+
+def film_of_check(
+    checked: Checked, path: Path, *, command: str = "", progress: Callable[[int, int], None] | None = None
+) -> None:
+    """Write a film of all that leave, one after the other."""
+    answer = as_answer(checked.found)
+    film(
+        answer.assembly,
+        answer.waypoints,
+        path,
+        goals=answer.goals,
+        pulled="leaves",
+        title=check_title(checked.found),
+        facts=tuple(check_facts(checked.found, checked.border)),
+        command=command,
+        progress=progress,
+    )

@@ -87,26 +87,12 @@ class Prepared(Displayable):
 
 
 def prepare_as_drawn(assembly: Assembly, *, surveyed: Survey | None = None, stop: Stop | None = None) -> Prepared:
-    """Find the pairs that can meet and work out their cells round rest, congruent pairs once.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    surveyed : Survey, optional
-        Of the same assembly, where it was made already.
-    stop : optional
-        Anything with `is_set()`, asked now and then.
+    """Find the pairs that can meet and work out their cells round rest, congruent pairs once; see `wiggleroom.prepare`.
 
     Raises
     ------
-    StoppedError
-        If it was asked to stop.
-    TouchingError
-        If two parts touch or overlap after gap and offsets.
     FreeSpaceError
         If two parts do not touch, but no free space was found round where they lie.
-    InputError
-        If nothing can move.
     """
     surveyed = surveyed or survey(assembly, stop)
     them, geometry, near = surveyed.bodies, surveyed.geometry, surveyed.near

@@ -8,45 +8,20 @@ enclosed between a gap that answers it and one that was seen not to.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import overlap_depth
 from wiggleroom.context import Context
-from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
-from wiggleroom.drawing.model import Goal
+from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.errors import InputError
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
-from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder
-from wiggleroom.sensitivity.planar_study import study_of
+from wiggleroom.sensitivity.motion_border import SETTINGS
 from wiggleroom.sensitivity.searched_gaps import RELATIVE_TOLERANCE
 from wiggleroom.verdict import Certainty, Verdict
 
 GEOMETRIC_TOLERANCE = 1e-6
 """Both sides of the smallest gap that fits end no further apart than this share of it: it is a question of geometry, which costs little."""
-
-
-def allowable_gap(
-    assembly: Assembly,
-    goals: Goal | Sequence[Goal] | None,
-    *,
-    at_most: float | None,
-    fits: float | None,
-    context: Context,
-) -> AllowableGap:
-    """Gap at which a motion stays below a limit, drawings fit or, where neither is asked, interlock; see `wiggleroom.allowable_gap`.
-
-    Raises
-    ------
-    InputError
-        If nothing is fixed or pulled.
-    """
-    if at_most is not None:
-        return MotionBorder(study_of(assembly, goals), at_most, context).enclose()
-    if fits is not None:
-        return _fitting(assembly, fits)
-    return held_gap(assembly, largest_gap(assembly, context=context), context)
 
 
 def check_question(at_most: float | None, holds: bool, fits: float | None) -> None:
@@ -91,7 +66,7 @@ def held_gap(assembly: Any, border: LargestGap, context: Context) -> AllowableGa
     )  # fmt: skip
 
 
-def _fitting(assembly: Assembly, larger: float) -> AllowableGap:
+def fitting(assembly: Assembly, larger: float) -> AllowableGap:
     """Smallest gap at which outlines that lie `larger` further out do not overlap as drawn, not shifted."""
     trials: dict[float, Trial] = {}
     outward = dict.fromkeys(assembly.names, larger)

@@ -10,20 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import question_findings
-from wiggleroom.assembly.statements import given_goals
 from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
-from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError
 from wiggleroom.sensitivity.counted_bound import counted_bound
 from wiggleroom.sensitivity.found_motion import Found, MadeAssembly
 from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.gap_trials import Trial
-from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.sensitivity.searched_gaps import SearchedGaps
 from wiggleroom.solve.dual_linear_program import need_highs
 from wiggleroom.verdict import Verdict
@@ -85,37 +81,41 @@ class Sweep(Drawable):
 
 
 def sweep(
-    assembly: Assembly,
-    gaps: Sequence[float] | None = None,
-    goals: Goal | Sequence[Goal] | None = None,
+    study: GapStudy[Found],
+    gaps: Sequence[float] | None,
     *,
     prove: float | None = None,
     seconds: float | None = None,
-    stop: Stop | None = None,
-    progress: Callable[[int, int], None] | None = None,
     each: Callable[[SweepStep, NDArray[np.float64] | None], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> Sweep:
-    """Largest motion of an assembly of the plane for several gaps; see `wiggleroom.sweep`.
-
-    Raises
-    ------
-    InputError
-        If a gap makes no sense, nothing is fixed or pulled, or what is asked has no bound.
-    MissingExtraError
-        If `prove` needs the extra of that name.
-    """
+    """Largest motion of what is asked about for several gaps; see `wiggleroom.sweep`."""
     if prove is not None:
         check_request(prove, seconds)
         need_highs()
-    asked = given_goals(goals, assembly.goals)
-    wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
-
-    def told(done: int, total: int) -> None:
-        if progress is not None:
-            progress(done, total if prove is None else 2 * total)
-
-    found = sweep_over(PlanarStudy(assembly, asked), gaps, wrong, each=each, context=Context(stop=stop, counted=told))
-    return found if prove is None else _with_band(found, prove, seconds, Context(stop=stop, counted=progress))
+    wrong = list(question_findings(replace(study.assembly.drawing, goals=study.goals)))
+    sizes = _gaps(study.assembly, gaps, wrong)
+    if wrong:
+        raise InputError(wrong)
+    total = len(sizes) if prove is None else 2 * len(sizes)
+    tried, steps = SearchedGaps(study, context=context.silent), []
+    for gap in sizes:
+        if tried.stopped:
+            break
+        trial = tried.at(gap)
+        if trial.verdict == Verdict.STOPPED and tried.stopped:
+            break  # a gap that was not finished says nothing about the curve
+        steps.append(_step(trial))
+        if each is not None:
+            each(steps[-1], None if steps[-1].objective is None else trial.answer.motion)
+        if context.counted is not None:
+            context.counted(len(steps), total)
+    done = [tried.trials[step.gap] for step in steps]
+    free = next((t.gap for t in done if tried.fails(t)), None)
+    held = max((t.gap for t in done if tried.keeps(t) and t.checked), default=None)
+    lost = None if free is None or held is None else tried.narrow(held, free)
+    found = Sweep(study.assembly, study.goals, tuple(steps), lost)
+    return found if prove is None else _with_band(found, prove, seconds, context)
 
 
 def _with_band(found: Sweep, within: float, seconds: float | None, context: Context) -> Sweep:
@@ -137,44 +137,6 @@ def _with_band(found: Sweep, within: float, seconds: float | None, context: Cont
         if context.counted is not None:
             context.counted(2 * count - k, 2 * count)
     return replace(found, steps=tuple(steps))
-
-
-def sweep_over(
-    study: GapStudy[Found],
-    gaps: Sequence[float] | None,
-    wrong: list[str],
-    *,
-    each: Callable[[SweepStep, NDArray[np.float64] | None], None] | None = None,
-    context: Context = UNLIMITED,
-) -> Sweep:
-    """The sweep of any assembly; `wrong` holds what is wrong with the question.
-
-    Raises
-    ------
-    InputError
-        If anything is wrong.
-    """
-    sizes = _gaps(study.assembly, gaps, wrong)
-    if wrong:
-        raise InputError(wrong)
-    tried, steps = SearchedGaps(study, context=context.silent), []
-    for gap in sizes:
-        if tried.stopped:
-            break
-        trial = tried.at(gap)
-        if trial.verdict == Verdict.STOPPED and tried.stopped:
-            break  # a gap that was not finished says nothing about the curve
-        steps.append(_step(trial))
-        if each is not None:
-            each(steps[-1], None if steps[-1].objective is None else trial.answer.motion)
-        if context.counted is not None:
-            context.counted(len(steps), len(sizes))
-    done = [tried.trials[step.gap] for step in steps]
-    free = next((t.gap for t in done if tried.fails(t)), None)
-    held = max((t.gap for t in done if tried.keeps(t) and t.checked), default=None)
-    if free is None or held is None:
-        return Sweep(study.assembly, study.goals, tuple(steps), None)
-    return Sweep(study.assembly, study.goals, tuple(steps), tried.narrow(held, free))
 
 
 def _step(trial: Trial) -> SweepStep:

@@ -40,25 +40,7 @@ def solve(
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> Solution:
-    """Largest objective from a point strictly inside all rows.
-
-    Parameters
-    ----------
-    program : Program
-    start : (3F,) float64, optional
-        Strictly inside all rows; by default rest.
-    mu : float
-        Complementarity to begin with, as a share of the objective's largest derivative.
-    tolerance : float
-        Relative tolerance of the objective.
-    horizon : float [mm]
-        A body that moves further than this is taken to escape.
-    stop, progress : optional
-        Asked and told (iteration, objective) every iteration.
-
-    Returns
-    -------
-    Solution
+    """Largest objective from a point strictly inside all rows; see `wiggleroom.solve.interior_point.solve`.
 
     Raises
     ------

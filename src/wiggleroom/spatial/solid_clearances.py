@@ -37,23 +37,7 @@ def solid_clearances(
     least_z: float | None = None,
     stop: Stop | None = None,
 ) -> Clearances:
-    """Clearances of the near pairs of parts in space, as made.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    within : float, optional [mm]
-        Pairs nearer than this; by default `near_distance`, or the larger of the following.
-    least_xy, least_z : float, optional [mm]
-        Least distances along the layers of a print, at one height, and across them, above each other.
-    stop : optional
-        Anything with `is_set()`.
-
-    Raises
-    ------
-    StoppedError
-        If it was asked to stop.
-    """
+    """Clearances of the near pairs of parts in space, as made; see `wiggleroom.clearances`."""
     reach = max(near_distance(assembly) if within is None else within, least_xy or 0.0, least_z or 0.0)
     surfaces = [placed_surface(part, made.surface) for part, made in zip(assembly.parts, assembly.solids, strict=True)]
     low = np.array([s.vertices.min(axis=0) for s in surfaces]) - reach / 2

@@ -23,8 +23,7 @@ from wiggleroom.live.loose_modes import MAX_SHOWN_TRAVEL, Side, cut_off, modes, 
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.spatial.planes.separating_plane_program import build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolver
-from wiggleroom.spatial.planes.spatial_approach import SpatialApproach
-from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
+from wiggleroom.spatial.planes.spatial_objectives import Displacement, SpatialApproach, SumOfTerms
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
 from wiggleroom.spatial.rotations import logarithm
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
@@ -154,33 +153,11 @@ class SpatialLive:
         seconds: float = 0.4,
         stop: Stop | None = None,
     ) -> LiveResult:
-        """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
+        """Bring a point of a part as near to a place as the assembly lets it; see `wiggleroom.Live.drag`.
 
         First the part alone goes straight. Where that is not free, the program of the separating planes is solved with every iterate
-        inside all rows, its path is checked for all pairs of parts, and from as far as it is free it goes on.
-
-        Parameters
-        ----------
-        part : str
-        grip : (x, y, z) [mm]
-            The point, where it lies at rest.
-        target : (x, y, z) [mm]
-        start : str or (n, 6) float64 [mm, rad]
-            "here", where the last drag ended, "rest", or "answer", the end of what was found for these goals; or a motion of all parts.
-        goals : optional
-        within : int, optional
-            Number of bodies that may move, those nearest to the part; all others stand. By default all.
-        pinned : names, optional
-            Parts that stand where they are, although they are not fixed.
-        seconds : float
-            After that time the best motion so far is returned, not settled; asked the same again it takes twice as long.
-        stop : optional
-            Anything with `is_set()`.
-
-        Raises
-        ------
-        InputError
-            If there is no such part, it cannot move, or parts overlap at the motion where it is to begin.
+        inside all rows, its path is checked for all pairs of parts, and from as far as it is free it goes on. Asked the same again, it
+        takes twice as long; of the bodies `within`, those nearest to the part may move.
         """
         began = time.perf_counter()
         ready = self.ready
@@ -220,24 +197,7 @@ class SpatialLive:
     def wiggle(
         self, part: str | None = None, *, count: int = 4, seconds: float = 8.0, stop: Stop | None = None
     ) -> tuple[Mode, ...]:
-        """Return the loosest freedoms at rest, each followed to its end both ways.
-
-        Parameters
-        ----------
-        part : str, optional
-            Freedoms that move this part most; by default of the whole assembly.
-        count : int
-            Most freedoms that are returned.
-        seconds : float
-            After that time those that were found are returned.
-        stop : optional
-            Anything with `is_set()`; it ends the search like the time.
-
-        Raises
-        ------
-        InputError
-            If there is no such part, or it cannot move.
-        """
+        """Return the loosest freedoms at rest, each followed to its end both ways; see `wiggleroom.Live.wiggle`."""
         body = None if part is None else self._movable(part, "wiggle")
         return modes(SpatialLoose(self.ready), body, count, Deadline(seconds, stop))
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED, Context
+from wiggleroom.disassembly.disassembly_sequence import Disassembly
 from wiggleroom.errors import InputError
-from wiggleroom.planning.gravity import Distances
+from wiggleroom.planning.gravity import Distances, Gravity
 from wiggleroom.planning.steps import MAX_CLEARANCE, STILL, Step, StepRoom, with_room
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.planes.separating_plane_program import best_axis
@@ -22,7 +23,7 @@ from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_bodies import Grouping, grouped
-from wiggleroom.spatial.spatial_disassembly import reduced
+from wiggleroom.spatial.spatial_disassembly import SpatialStages, reduced
 from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 Floats = NDArray[np.float64]
@@ -65,6 +66,22 @@ class SpatialPlanGeometry:
             return type(self)(assemble_spatial(self.assembly.drawing, gap=gap, inward=inward))
         except InputError:
             return None
+
+    def taken_apart(self, targets: tuple[str, ...], weight: Gravity | None, context: Context) -> Disassembly:  # noqa: ARG002
+        """Its parts taken away; those that left together are then taken from each other, where all are to leave."""
+        look = SpatialStages(self.assembly, context)
+        n = len(self.assembly.names)
+        done = Disassembly(self.assembly.names, look.stages, np.zeros((n, 6)))
+        done.last = done.take_apart(np.arange(n), targets=targets)
+        stuck = look.stuck
+        for departure in done.departures:  # taking those apart that left together adds more
+            if targets or context.stopped:
+                break
+            if len(departure.parts) > 1:
+                done.take_apart(departure.parts)
+                stuck += look.stuck
+        done.together = tuple(stuck)
+        return done
 
     def fitted(self, steps: Sequence[Step], context: Context = UNLIMITED) -> tuple[Step, ...]:  # noqa: ARG002
         """The steps as they are: paths in space are not moved to where there is more room."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
@@ -12,29 +11,22 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.findings import asked_goals, question_findings
-from wiggleroom.assembly.statements import given_goals
-from wiggleroom.context import UNLIMITED, Context
-from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
+from wiggleroom.context import Context
 from wiggleroom.drawing.model import Drawing, Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.parallel.parallel_run import Work
 from wiggleroom.search.answer import Answer
-from wiggleroom.sensitivity.allowable_gap import held_gap
 from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.found_motion import verdict_of, verdict_of_carried
 from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotients, GapDerivatives, PlaceDerivatives
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
-from wiggleroom.sensitivity.motion_border import MotionBorder
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
-from wiggleroom.sensitivity.sweep import Sweep, SweepStep, sweep_over
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
 from wiggleroom.spatial.solid_offset import offset_of_faces
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.joint_faces import JointFaces, TouchedSurface, joint_faces
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion
-from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.verdict import Certainty
@@ -165,76 +157,7 @@ class SpatialStudy:
         return np.maximum((np.array(list(room.values())) - aim) / 2, 0.0)
 
 
-def spatial_study_of(assembly: Assembly, goals: Goal | Sequence[Goal] | None) -> SpatialStudy:
-    """What a study asks of an assembly in space.
-
-    Raises
-    ------
-    InputError
-        If nothing is fixed or pulled, or a goal names an unknown part.
-    """
-    return SpatialStudy(assembly, asked_goals(assembly.drawing, goals))
-
-
-def sweep_spatial(
-    assembly: Assembly,
-    gaps: Sequence[float] | None = None,
-    goals: Goal | Sequence[Goal] | None = None,
-    *,
-    stop: Stop | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    each: Callable[[SweepStep, Any], None] | None = None,
-) -> Sweep:
-    """Largest motion for several gaps; see `wiggleroom.sweep`."""
-    asked = given_goals(goals, assembly.goals)
-    wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
-    context = Context(stop=stop, counted=progress)
-    return sweep_over(SpatialStudy(assembly, asked, least=True), gaps, wrong, each=each, context=context)
-
-
-def spatial_largest_gap(assembly: Assembly, *, context: Context = UNLIMITED) -> LargestGap:
-    """The gap at which an assembly comes apart; see `wiggleroom.largest_gap`."""
-    return largest_gap_over(
-        assembly,
-        lambda gap: assemble_spatial(assembly.drawing, gap=gap, stop=context.stop),
-        lambda made: check_spatial(made, every=False, context=context),
-        context,
-    )
-
-
-def spatial_allowable_gap(
-    assembly: Assembly,
-    goals: Goal | Sequence[Goal] | None,
-    *,
-    at_most: float | None,
-    fits: float | None,
-    context: Context,
-) -> AllowableGap:
-    """Gap at which a motion stays below a limit, solids fit or, where neither is asked, interlock; see `wiggleroom.allowable_gap`.
-
-    Raises
-    ------
-    InputError
-        If nothing is fixed or pulled.
-    """
-    if fits is not None:
-        return _fitting(assembly, fits, context.stop)
-    if at_most is None:
-        found = held_gap(assembly, spatial_largest_gap(assembly, context=context.silent), context)
-    else:
-        found = MotionBorder(spatial_study_of(assembly, goals), at_most, context).enclose()
-    if not assembly.drawing.gaps or found.certainty is not Certainty.PROVEN:
-        return found
-    why = "; ".join(
-        [
-            *filter(None, [found.why]),
-            "not proven: solids with a gap of a single joint may grow by a sliver as the gap grows",
-        ]
-    )
-    return replace(found, certainty=Certainty.SEARCHED, proven_gap=None, why=why)
-
-
-def _fitting(assembly: Assembly, larger: float, stop: Stop | None) -> AllowableGap:
+def fitting(assembly: Assembly, larger: float, stop: Stop | None) -> AllowableGap:
     """Smallest gap at which parts whose faces lie `larger` further out do not overlap as drawn, not shifted."""
     found = offset_of_faces(assembly, larger, stop)
     gap = None if found.offset is None else 2 * (larger - found.offset)

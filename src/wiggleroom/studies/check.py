@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wiggleroom.context import Context
-    from wiggleroom.report.finding import Finding
     from wiggleroom.report.results.separability import Checked
 
 
@@ -51,13 +50,6 @@ class CheckQuestion(Question):
         if not self.largest_gap:
             return Checked(found)
         return Checked(found, largest_gap(about, stop=context.stop, progress=context.progress))
-
-    @staticmethod
-    def finding(found: Checked, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.check import finding
-
-        return finding(found, command)
 
     @staticmethod
     def end(found: Checked) -> NDArray[Any]:

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.clearances import Clearances
     from wiggleroom.context import Context
     from wiggleroom.errors import Stop
-    from wiggleroom.report.finding import Finding
 
 
 def clearances(
@@ -120,10 +119,3 @@ class ClearancesQuestion(Question):
     def ask(self, about: Any, context: Context) -> Clearances:
         """Measure the gaps."""
         return clearances(about, self.within, self.xy, self.z, context.stop)
-
-    @staticmethod
-    def finding(found: Clearances, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.clearances import finding
-
-        return finding(found, command)

@@ -11,11 +11,11 @@ from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.studies.question import Option, Question
+from wiggleroom.verdict import Certainty
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.drawing.model import Goal
-    from wiggleroom.report.finding import Finding
     from wiggleroom.search.progress import Progress
     from wiggleroom.sensitivity.gap_trials import AllowableGap
 
@@ -70,18 +70,48 @@ def allowable_gap(
     from wiggleroom.sensitivity.allowable_gap import check_question
 
     check_question(at_most, holds, fits)
-    if assembly.dimension == 3:
-        from wiggleroom.spatial.spatial_study import spatial_allowable_gap as work_out
-    else:
-        from wiggleroom.sensitivity.allowable_gap import allowable_gap as work_out
     context = Context(stop=Deadline(seconds, stop), progress=progress)
-    found = work_out(assembly, goals, at_most=at_most, fits=fits, context=context)
-    if fits is not None or found.gap is None or found.stopped:
+    if fits is not None:
+        return _fitting(assembly, fits, context)
+    found = _largest(assembly, goals, at_most, context)
+    if found.gap is None or found.stopped:
         return found
     try:
-        return replace(found, fits_from=work_out(assembly, goals, at_most=None, fits=0.0, context=context).gap)
+        return replace(found, fits_from=_fitting(assembly, 0.0, context).gap)
     except StoppedError:
         return found
+
+
+def _fitting(assembly: Assembly, larger: float, context: Context) -> AllowableGap:
+    """Smallest gap at which parts whose boundaries lie `larger` further out do not overlap as drawn, not shifted."""
+    if assembly.dimension == 3:
+        from wiggleroom.spatial.spatial_study import fitting as solids_fitting
+
+        return solids_fitting(assembly, larger, context.stop)
+    from wiggleroom.sensitivity.allowable_gap import fitting
+
+    return fitting(assembly, larger)
+
+
+def _largest(
+    assembly: Assembly, goals: Goal | Sequence[Goal] | None, at_most: float | None, context: Context
+) -> AllowableGap:
+    """Largest gap at which a motion stays below a limit or, where none is given, the parts interlock."""
+    from wiggleroom.questions import largest_gap
+    from wiggleroom.sensitivity.allowable_gap import held_gap
+    from wiggleroom.sensitivity.motion_border import MotionBorder
+    from wiggleroom.studies.gap_study_of import gap_study_of
+
+    if at_most is None:
+        border = largest_gap(assembly, stop=context.stop, progress=context.progress)
+        found = held_gap(assembly, border, context)
+    else:
+        found = MotionBorder(gap_study_of(assembly, goals), at_most, context).enclose()
+    if assembly.dimension == 2 or not assembly.drawing.gaps or found.certainty is not Certainty.PROVEN:
+        return found
+    doubt = "not proven: solids with a gap of a single joint may grow by a sliver as the gap grows"
+    why = f"{found.why}; {doubt}" if found.why else doubt
+    return replace(found, certainty=Certainty.SEARCHED, proven_gap=None, why=why)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,10 +177,3 @@ class GapQuestion(Question):
             progress=context.progress,
         )  # fmt: skip
         return replace(found, kerf=self.kerf)
-
-    @staticmethod
-    def finding(found: AllowableGap, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.gap import finding
-
-        return finding(found, command)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.drawing.model import Goal
     from wiggleroom.sensitivity.gap_study import GapStudy
 
@@ -25,8 +26,23 @@ def gap_study_of(about: Any, goals: Goal | Sequence[Goal] | None) -> GapStudy[An
         from wiggleroom.sensitivity.planar_study import study_of
 
         return study_of(about, goals)
-    from wiggleroom.spatial.spatial_study import SpatialStudy, spatial_study_of
+    from wiggleroom.assembly.findings import asked_goals
+    from wiggleroom.spatial.spatial_study import SpatialStudy
 
     if isinstance(about, Answer):
         return SpatialStudy(about.assembly, about.goals, about)
-    return spatial_study_of(about, goals)
+    return SpatialStudy(about, asked_goals(about.drawing, goals))
+
+
+def unchecked_study_of(assembly: Assembly, goals: Goal | Sequence[Goal] | None) -> GapStudy[Any]:
+    """The study of an assembly whose question may be wrong, and of which least motions will do."""
+    from wiggleroom.assembly.statements import given_goals
+
+    asked = given_goals(goals, assembly.goals)
+    if assembly.dimension == 2:
+        from wiggleroom.sensitivity.planar_study import PlanarStudy
+
+        return PlanarStudy(assembly, asked)
+    from wiggleroom.spatial.spatial_study import SpatialStudy
+
+    return SpatialStudy(assembly, asked, least=True)

@@ -65,14 +65,14 @@ def plan(
     >>> found.order, found.level
     ((('b3',), ('b2',)), (1, 1))
     """
-    if assembly.dimension == 3:
-        from wiggleroom.spatial.spatial_plan import plan_spatial
-
-        limited = Context(stop=stop if seconds is None else Deadline(seconds, stop))
-        return plan_spatial(assembly, targets, gravity=gravity, context=limited)
+    from wiggleroom.assembly.assembly import require_planar
     from wiggleroom.planning.plan import plan as work_out
 
-    return work_out(assembly, targets, gravity=gravity, stop=stop, progress=progress, seconds=seconds)
+    if assembly.dimension == 2:
+        require_planar(assembly, "plan")
+    heard = progress if assembly.dimension == 2 else None  # a search in space tells numbers, not stages
+    context = Context(stop=stop if seconds is None else Deadline(seconds, stop), progress=heard)
+    return work_out(assembly, targets, _geometry_of, gravity, context)
 
 
 def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, stop: Stop | None = None) -> PlanSample:
@@ -138,7 +138,11 @@ def _geometry(plan: Plan) -> PlanGeometry:
     """What is asked of the assembly of a plan."""
     from wiggleroom.disassembly.ground import with_ground
 
-    standing = with_ground(plan.assembly)
+    return _geometry_of(with_ground(plan.assembly))
+
+
+def _geometry_of(standing: Assembly) -> PlanGeometry:
+    """What plans ask of an assembly in which something stands."""
     if standing.dimension == 3:
         from wiggleroom.spatial.spatial_plan_geometry import SpatialPlanGeometry
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -98,10 +99,11 @@ class Question:
         """What was found with the time [s] that reading took, and all together, where it tells them."""
         return found
 
-    @staticmethod
-    def finding(found: Any, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        raise NotImplementedError
+    @classmethod
+    def finding(cls, found: Any, command: str = "") -> Finding:
+        """What was found, ready to be shown: by default as the module of the question's name in `report/findings` tells it."""
+        told: Finding = import_module(f"wiggleroom.report.findings.{cls.name}").finding(found, command)
+        return told
 
     @staticmethod
     def end(found: Any) -> NDArray[Any]:

@@ -13,7 +13,6 @@ from wiggleroom.studies.question import Question
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.drawing.model import Goal
-    from wiggleroom.report.finding import Finding
     from wiggleroom.search.answer import Answer
     from wiggleroom.search.prepare import Prepared
     from wiggleroom.sensitivity.rank import Ranking
@@ -102,10 +101,3 @@ class RankQuestion(Question):
             about, by=self.by, exact=self.exact, workers=context.workers, cluster=context.cluster,
             stop=context.stop, progress=context.counted,
         )  # fmt: skip
-
-    @staticmethod
-    def finding(found: Ranking, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.rank import finding
-
-        return finding(found, command)

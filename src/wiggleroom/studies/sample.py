@@ -13,7 +13,6 @@ from wiggleroom.studies.question import Option, Question
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.drawing.model import Goal
-    from wiggleroom.report.finding import Finding
     from wiggleroom.search.answer import Answer
     from wiggleroom.sensitivity.gap_distribution import Spread
     from wiggleroom.sensitivity.sample import Sample
@@ -136,10 +135,3 @@ class SampleQuestion(Question):
             limit=self.limit, workers=context.workers, cluster=context.cluster, stop=context.stop,
             progress=context.counted,
         )  # fmt: skip
-
-    @staticmethod
-    def finding(found: Sample, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.sample import finding
-
-        return finding(found, command)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wiggleroom.context import Context
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.studies.question import Question
 
@@ -15,9 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wiggleroom.assembly.assembly import Assembly
-    from wiggleroom.context import Context
     from wiggleroom.drawing.model import Goal
-    from wiggleroom.report.finding import Finding
     from wiggleroom.sensitivity.sweep import Sweep, SweepStep
 
 
@@ -73,15 +72,15 @@ def sweep(
     >>> [round(step.objective, 4) for step in found.steps]
     [0.0261, 0.0539]
     """
+    from wiggleroom.sensitivity.sweep import sweep as work_out
+    from wiggleroom.studies.gap_study_of import unchecked_study_of
+
     if assembly.dimension == 3:
         from wiggleroom.questions import refuse_planar_options
-        from wiggleroom.spatial.spatial_study import sweep_spatial
 
         refuse_planar_options("sweep", prove=prove, seconds=seconds)
-        return sweep_spatial(assembly, gaps, goals, stop=stop, progress=progress, each=each)
-    from wiggleroom.sensitivity.sweep import sweep as work_out
-
-    return work_out(assembly, gaps, goals, prove=prove, seconds=seconds, stop=stop, progress=progress, each=each)
+    context = Context(stop=stop, counted=progress)
+    return work_out(unchecked_study_of(assembly, goals), gaps, prove=prove, seconds=seconds, each=each, context=context)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,13 +124,6 @@ class SweepQuestion(Question):
         gaps = None if self.gaps is None else gaps_of(self.gaps)
         found = sweep(about, gaps, prove=self.prove, stop=context.stop, progress=context.counted)
         return replace(found, stopped=context.stopped)
-
-    @staticmethod
-    def finding(found: Sweep, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.sweep import finding
-
-        return finding(found, command)
 
 
 def gaps_of(text: str) -> list[float]:

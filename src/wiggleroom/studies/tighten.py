@@ -13,7 +13,6 @@ from wiggleroom.studies.question import Option, Question
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.drawing.model import Goal
-    from wiggleroom.report.finding import Finding
     from wiggleroom.search.answer import Answer
     from wiggleroom.sensitivity.tighten import Tightening
 
@@ -133,10 +132,3 @@ class TightenQuestion(Question):
             workers=context.workers, cluster=context.cluster, stop=context.stop, progress=context.counted,
         )  # fmt: skip
         return replace(found, stopped=context.stopped)
-
-    @staticmethod
-    def finding(found: Tightening, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.tighten import finding
-
-        return finding(found, command)

@@ -14,7 +14,6 @@ from wiggleroom.studies.question import Option, Question
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.drawing.model import Goal, Tolerance
-    from wiggleroom.report.finding import Finding
     from wiggleroom.search.progress import Progress
     from wiggleroom.sensitivity.worst_case import WorstCase
 
@@ -95,10 +94,3 @@ class TolerancesQuestion(Question):
             table = read_tolerances(self.tolerances)
             about = replace(about, drawing=replace(about.drawing, tolerances=table))
         return worst_case(about, limit=self.limit, stop=context.stop, progress=context.progress)
-
-    @staticmethod
-    def finding(found: WorstCase, command: str = "") -> Finding:
-        """What was found, ready to be shown."""
-        from wiggleroom.report.findings.tolerances import finding
-
-        return finding(found, command)

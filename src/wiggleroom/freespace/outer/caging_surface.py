@@ -4,6 +4,9 @@ A caging surface is a stack of closed loops of translations, each at its own ang
 either side. Neighbouring loops are joined by tracks, straight lines from a corner of one to a corner of the other; between two tracks
 that follow each other one edge of A crosses one edge of B at every angle. So no path from rest leaves the surface, B is caged in it,
 and the corners of its loops bound what lies inside. The proof rests on the surface alone, not on how it was found.
+
+Chords are straight segments inside a part, a little behind its edges: where a chord of A crosses a chord of B, A and B overlap. They run on
+beyond the ends of their edge until they meet the boundary, so that at a corner there is always one that crosses.
 """
 
 from __future__ import annotations
@@ -17,10 +20,9 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.deadline import WorkBudget
-from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, stitched
 from wiggleroom.freespace.outer.outer_region import ReachedSlices, slice_work
-from wiggleroom.freespace.outer.outer_slices import PairMaterial, core, forbidden, uncovered
+from wiggleroom.freespace.outer.outer_slices import PairMaterial, core, corners_of, forbidden, uncovered
 from wiggleroom.geometry.relative_pose import rotated
 
 Floats = NDArray[np.float64]
@@ -49,6 +51,9 @@ MAX_DENSE_STEP = 2.0**-9
 """Where few corners are wanted, many are tried for steps up to this share of the turn only: longer steps are halved sooner."""
 MAX_LOOPS = 1200
 """Loops of one surface at most: it is given up then."""
+
+END_MARGIN = 0.02
+"""Distance of a chord's ends from the boundary, as a share of its depth behind its edge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,3 +255,23 @@ def _ends(crossings: Crossings, here: Loop, angle: float) -> list[Loop]:
     found = [] if inmost is None else [inmost[None]]
     found += [ends.mean(0) + share * (ends - ends.mean(0)) for share in (0.98, 0.9, 0.7, 0.4)]
     return [Loop(p, angle) for p in found]
+
+
+def chords(material: shapely.Geometry, inset: float, beyond: float) -> Floats:
+    """Chords (k, 2, 2) [mm], `inset` behind each edge and at most `beyond` longer at either end; none for edges of what is thinner."""
+    start, end, _, go = corners_of(material)
+    inward = np.column_stack([-go[:, 1], go[:, 0]])
+    middle = (start + end) / 2 + inset * inward
+    lines = np.stack([start + inset * inward - beyond * go, end + inset * inward + beyond * go], 1)
+    pieces, which = shapely.get_parts(shapely.intersection(shapely.linestrings(lines), material), return_index=True)
+    mine = shapely.dwithin(pieces, shapely.points(middle)[which], 1e-3 * inset)
+    mine &= shapely.get_type_id(pieces) == shapely.GeometryType.LINESTRING
+    pieces, which = pieces[mine], which[mine]
+    _, first = np.unique(which, return_index=True)
+    pieces = pieces[first]
+    ends = np.stack([shapely.get_coordinates(shapely.get_point(pieces, k)) for k in (0, -1)], 1)
+    edge = ends[:, 1] - ends[:, 0]
+    long = np.hypot(*edge.T)
+    ends, edge, long = ends[long > inset], edge[long > inset], long[long > inset]
+    back = END_MARGIN * inset * edge / long[:, None]
+    return np.stack([ends[:, 0] + back, ends[:, 1] - back], 1)

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.report.finding import Finding
 from wiggleroom.report.results.answer_words import few, number
-from wiggleroom.report.results.search_extent import extent_text
-from wiggleroom.report.results.separability import border_sentence, check_result, leaves, remains, why
+from wiggleroom.report.results.separability import border_sentence, check_result, extent_text, leaves, remains, why
 from wiggleroom.verdict import Separability
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, Smallest
 from wiggleroom.planning.steps import STILL, Step, axes_of
 from wiggleroom.report.results.answer_words import few, number, towards
 from wiggleroom.report.results.json_results import part_motion
-from wiggleroom.report.results.search_extent import extent_text, search_entry
+from wiggleroom.report.results.separability import extent_text, search_entry
 from wiggleroom.schema.plan_schema import (
     PlanAssemblyEntry,
     PlanGapEntry,

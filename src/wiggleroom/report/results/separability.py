@@ -15,11 +15,17 @@ from wiggleroom.assembly.inner_point import inner_point
 from wiggleroom.disassembly.interlock_result import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull, Vector
+from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.steps import STILL, axes_of, moves_of
 from wiggleroom.report.results.answer_words import MIN_MOTION, few, number, towards
 from wiggleroom.report.results.json_results import part_motion
-from wiggleroom.report.results.search_extent import extent_text, search_entry
-from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
+from wiggleroom.schema.disassembly_schema import (
+    CheckResult,
+    EscapeEntry,
+    LargestGapEntry,
+    SeparabilityEntry,
+    StateSearchEntry,
+)
 from wiggleroom.schema.spatial_result_schema import (
     SpatialCheckResult,
     SpatialEscapeEntry,
@@ -228,4 +234,29 @@ def as_answer(found: Interlock) -> Answer:
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
     return witnessed(
         found.assembly, goals, verdict, objective, waypoints, PathState.CHECKED, leaves=gone, turns=found.spins
+    )
+
+
+def extent_text(found: Interlock | Plan) -> str:
+    """Words for the states that were visited, those in which parts were turned, and the largest motions that were searched."""
+    said = []
+    if found.states > 1:
+        said.append(f"{found.states:,} states visited")
+        if found.turned:
+            all_ = found.turned == found.states and found.whole
+            said.append("parts turned in all of them" if all_ else f"parts turned in {found.turned:,} of them")
+    count = found.questions
+    without = f" ({found.unanswered:,} without an end that is certain)" if found.unanswered else ""
+    said.append(f"{count or 'no'} largest motion{'s' if count > 1 else ''} searched{without}")
+    return ", ".join(said)
+
+
+def search_entry(found: Interlock | Plan) -> StateSearchEntry:
+    """The same as JSON."""
+    return StateSearchEntry(
+        states=found.states,
+        turned=found.turned,
+        whole=found.whole,
+        questions=found.questions,
+        unanswered=found.unanswered,
     )

@@ -53,19 +53,7 @@ def solve_with_ipopt(
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> SeparatingPlaneSolution:
-    """Largest objective of a program from a point beside rest.
-
-    Parameters
-    ----------
-    program : SeparatingPlaneProgram
-    seed : int
-        Which point beside rest it starts from.
-    horizon : float [mm]
-        A body that moves further than this is taken to escape.
-    most_turn : float
-        An objective beyond this, where twists are maximised, is taken to turn without limit [rad].
-    stop, progress : optional
-        Asked and told (iteration, objective) every iteration.
+    """Largest objective of a program from a point beside rest; options as of `SeparatingPlaneSolver`.
 
     Raises
     ------

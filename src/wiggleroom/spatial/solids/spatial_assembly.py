@@ -32,30 +32,9 @@ def assemble_spatial(
     overlapping: bool = False,
     stop: Stop | None = None,
 ) -> Assembly:
-    """Parts as they are made, with their roles.
+    """Parts in space as they are made, with their roles; see `wiggleroom.assemble`.
 
-    Parameters
-    ----------
-    drawing : Drawing [mm]
-    gap : float, optional [mm]
-        In place of the drawing's.
-    fix : sequence of names
-        Parts that stand, besides those the drawing fixes.
-    goals : sequence of Pull, Turn or Weight
-        In place of the drawing's, where there are any.
-    inward : mapping of names to float, optional [mm]
-        How much further in than the gap says all faces of a part lie; negative: further out.
-    overlapping : bool
-        True for what looks at surfaces alone and lets parts overlap: meshes are not cut into convex pieces.
-    stop : optional
-        Anything with `is_set()`.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong, one line each.
-    StoppedError
-        If it was asked to stop.
+    All faces of a part in `inward` (name to mm) lie that much further in than the gap says; further out where it is negative.
     """
     used_gap = float(drawing.gap if gap is None else gap)
     used, wrong = with_roles(drawing, used_gap, fix, goals)
