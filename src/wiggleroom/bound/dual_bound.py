@@ -48,8 +48,11 @@ ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
 
-def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
-    """The answer with a bound, where that takes less work than the answer did and says something; worked out once, if not asked to stop."""
+def with_quick_bound(answer: Answer, stop: Stop | None = None, least_work: float = 0.0) -> Answer:
+    """The answer with a bound, where that says something and takes less work than the answer did, or than `least_work`.
+
+    It is worked out once, if not asked to stop.
+    """
     began = time.perf_counter()
     found: Incumbent | None = answer.warm_start
     told = answer.bound is not None and answer.bound.at_most is not None
@@ -59,7 +62,7 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
         return answer
     # where outlines were searched with fewer corners, the bound is about those that were drawn
     drawn = None if answer.bound is None else bodies(answer.assembly)
-    work = _work_of_search(answer.rounds, answer.iterations, found.program.rows, len(found.program.cells.a))
+    work = max(least_work, work_of_search(answer, found))
     if drawn is not None:
         work += _work_of_corners(drawn, found.program.cells.a, found.program.cells.b)
     most = quick_bound(found, found.program.objective, work, drawn, WorkBudget(stop=stop))
@@ -261,9 +264,10 @@ def _cross(p: Floats, q: Floats) -> Floats:
 # Work is counted, not timed, so that every machine gives the same answer; one unit is about a millisecond.
 
 
-def _work_of_search(rounds: int, iterations: int, rows: int, pairs: int) -> float:
+def work_of_search(answer: Answer, found: Incumbent) -> float:
     """Rather less than the search took: cells of pairs with many rows are grown slowly, in every round."""
-    return 14 + iterations * (0.8 + 1.5e-4 * rows) + 5e-5 * rounds * rows * rows / max(pairs, 1)
+    rows, pairs = found.program.rows, len(found.program.cells.a)
+    return 14 + answer.iterations * (0.8 + 1.5e-4 * rows) + 5e-5 * answer.rounds * rows * rows / max(pairs, 1)
 
 
 def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:

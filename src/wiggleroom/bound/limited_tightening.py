@@ -21,9 +21,12 @@ from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.program.objectives import PointMotion
+from wiggleroom.search.answer import PROVEN_WITHIN
 
+PROVEN = PROVEN_WITHIN - 1
+"""A bound that lies no further above the motion found than this share proves it."""
 NEAR = 0.03
-"""A quick bound that lies no further above the motion found than this share is near enough."""
+"""One no further above it than this share is near enough, where another round would not prove it."""
 MANY_NEAR = 0.1
 """The same where there are many bodies."""
 HOPS = 2
@@ -64,7 +67,7 @@ def tightened(
             linkage = known
     ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
     weights = goal_weights(goal, len(held))
-    cutoff = Cutoff(weights, (1 + NEAR / 2) * found)
+    cutoff = Cutoff(weights, (1 + PROVEN / 2) * found)
     bodies = np.flatnonzero(held & ~them.fixed)
     asked, near = dominating(linkage, bodies, HOPS), MANY_NEAR if many else NEAR
     first, again = _work_of_program(len(bodies), len(joints.a))
@@ -80,7 +83,10 @@ def tightened(
         most = max(value, cutoff.worth if np.isfinite(best) else -np.inf)
         gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
         best = min(best, most)
-        if best <= (1 + near) * found or gain < MIN_GAIN or work < first or budget.is_set():
+        away = best / found - 1
+        hopeful = not many and away * (1 - gain) <= PROVEN  # falls by the same share again
+        near_enough = away <= PROVEN or (away <= near and not hopeful)
+        if near_enough or gain < MIN_GAIN or work < first or budget.is_set():
             break
         new = (
             neighbourhood_cuts(program, multipliers, asked, cutoff, budget)
