@@ -16,6 +16,7 @@ PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 
 demo: .venv/ready-demo
 	@mkdir -p out
+	@echo "The first time this takes about half a minute: numerical kernels are compiled as they are used, and kept"
 	$(BIN)/wiggleroom flex examples/drawings/pyjigsaw_4x5.svg --gap 1 --fix p1 --pull p20:+x --picture out/demo.svg
 	@echo "The picture is in $(CURDIR)/out/demo.svg"
 
@@ -62,9 +63,8 @@ clean:
 	@test -n "$(PYTHON)" || { echo "wiggleroom needs Python 3.11, 3.12 or 3.13 on the path" >&2; exit 1; }
 	$(PYTHON) -m venv .venv
 
-.venv/ready-demo: pyproject.toml | .venv/bin/python
+.venv/ready-demo: pyproject.toml | .venv/bin/python # kernels are compiled as they are first used: the demo needs some of them
 	$(BIN)/python -m pip install --quiet --editable '.[dxf,fast,film,ipopt,page,prove,solid,verify]'
-	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-all: pyproject.toml | .venv/bin/python

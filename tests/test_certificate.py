@@ -50,8 +50,8 @@ def test_chains_verify_and_hold_the_true_optimum(joint, n):
     content = json.loads(json.dumps(answer.bound.certificate))
     found = verify(content)
     assert found.proven, found.why
-    assert found.at_most == pytest.approx(answer.at_most, rel=1e-12)
-    assert answer.at_most <= 1.01 * answer.objective
+    assert answer.at_most <= found.at_most * (1 + 1e-12)  # what was known before may be nearer
+    assert found.at_most <= 1.01 * answer.objective
     if n == 10:
         value, accuracy = chain.stored(joint, 0.03, n)
         assert found.at_most >= value - accuracy

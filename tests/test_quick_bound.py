@@ -152,8 +152,8 @@ def test_no_bound_below_a_checked_motion_often(seed):
 
 
 def test_stated_in_json_terminal_and_picture(tmp_path, capsys, command):
-    file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
-    assert command("make", "chain", "10", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
+    file, out, picture = (tmp_path / name for name in ("grid.json", "out.json", "out.svg"))
+    assert command("make", "grid", "4", "4", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
     assert command("flex", file, "--json", out, "--picture", picture) == 0
     said = capsys.readouterr().out
     record = json.loads(out.read_text())
@@ -164,6 +164,14 @@ def test_stated_in_json_terminal_and_picture(tmp_path, capsys, command):
     assert "quick bound" in said
     assert "proven" not in said
     assert "at most" in picture.read_text()
+
+
+def test_a_motion_that_its_bound_proves_is_not_searched_further():
+    answer = wr.flex(wr.patterns.chain(10, joint="tee", gap=0.02))
+    assert answer.verdict == "proven"
+    assert answer.bound.kind == "quick"
+    assert answer.objective <= answer.at_most <= 1.001 * answer.objective
+    assert answer.search.starts == 1
 
 
 @pytest.mark.parametrize(

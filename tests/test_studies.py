@@ -233,10 +233,10 @@ def test_sweep_refuses(gaps: list[float]) -> None:
 
 
 def test_gaps_that_cannot_be_made_or_touch_are_said() -> None:
-    found = wr.sweep(wr.patterns.chain(2, joint="tee", gap=0.02), [0.0, 0.02, 0.5])
+    found = wr.sweep(wr.patterns.chain(2, joint="dovetail", gap=0.02), [0.0, 0.02, 0.2])
     assert found.steps[0].verdict == "touching"
     assert found.steps[1].objective is not None
-    assert found.steps[2].objective is None
+    assert found.steps[2].verdict == "cannot be made"
 
 
 # -- sample ---------------------------------------------------------------------------------------------------------

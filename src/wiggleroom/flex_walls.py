@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wiggleroom.audit.path_audit import audit_path
-from wiggleroom.bound.dual_bound import with_quick_bound
+from wiggleroom.bound.dual_bound import with_quick_bound, work_of_search
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.program.objectives import Objective
-from wiggleroom.search.answer import Answer, Bound, with_bound
+from wiggleroom.search.answer import PROVEN_WITHIN, Answer, Bound, with_bound
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.canonical_frame import canonical_frame, carried_incumbent
 from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
@@ -26,7 +26,7 @@ from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion
 from wiggleroom.search.prepare import Prepared, prepare_as_drawn
-from wiggleroom.search.prepare_walls import contact_places, prepare_simplified
+from wiggleroom.search.prepare_walls import contact_places, held_back, prepare_simplified
 from wiggleroom.search.progress import Progress
 from wiggleroom.search.separated_bodies import without_separated
 from wiggleroom.search.turn_in_place import better_climb, cells_round, turned_in_place
@@ -34,8 +34,11 @@ from wiggleroom.solve import solver_named
 from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import Verdict
 
-MAX_REFINEMENTS, MIN_REFINEMENT = 4, 1e-4
-"""Simplified outlines are refined at contacts at most this many times, and while that gains this share."""
+FIRST_BOUND_WORK, NEAR_BOUND, MORE_WORK = 500.0, 0.03, 4.0
+"""Work of the bound that comes before a search, in about milliseconds; it is kept where it lies no further above the end than this share,
+or where the search took no more than this multiple of its work."""
+MAX_REFINEMENTS, MAX_HELD_BACK = 4, 5e-4
+"""Simplified outlines are refined at contacts at most this many times, and while they hold back more than this share of the motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +96,7 @@ def flex_walls(ready: Prepared, query: MotionQuery) -> Answer:
 
 
 def _refined(ready: Prepared, query: MotionQuery) -> Answer:
-    """Answer for outlines of many corners: fewer corners first, more where parts touch, as long as that gains.
+    """Answer for outlines of many corners: fewer corners first, more where parts touch, as long as that may gain.
 
     What is searched is the first of these problems; later ones begin where the one before ended.
     """
@@ -102,7 +105,9 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
     for _ in range(MAX_REFINEMENTS if query.start is None else 0):
         if answer.verdict is Verdict.PROVEN:
             return _with_work(answer, climbs, query)
-        if not answer.verdict.ends or not len(places):
+        if not answer.verdict.ends or not answer.objective:
+            break
+        if held_back(answer) <= MAX_HELD_BACK * abs(answer.objective):
             break
         finer = prepare_simplified(ready.assembly, places, query.stop, ready.clearance)
         if finer is None or query.stopped:
@@ -111,9 +116,7 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
         climbs.append(again)
         places = np.concatenate([places, contact_places(again)])
         before, answer = answer, _better(answer, replace(again, search=answer.search))
-        if answer.objective is None or before.objective is None or answer is before:
-            break
-        if answer.objective < before.objective * (1 + MIN_REFINEMENT):
+        if answer is before:
             break
     why = f"outlines of many corners were searched with fewer, up to {ready.simplified:.2g} mm further out"
     # The conditions hold for parts that are a little larger; of the parts as drawn that is no more than a good motion.
@@ -221,13 +224,15 @@ def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...])
     """
     search = query.search
     ends: tuple[float, ...] = (*before, climb.certain_value()[0])
-    at_most = None
+    at_most, quick = None, None
     exact = not climb.ready.simplified
-    alone = int((~climb.ready.bodies.fixed).sum()) == 1
-    if alone and exact and search is None:  # a bound of larger parts is none of these
-        answer = with_quick_bound(_answer(climb, query), climb.stop)
+    free = int((~climb.ready.bodies.fixed).sum())
+    alone = free == 1
+    if exact and search is None and free <= MAX_BODIES:  # a bound of larger parts is none of these
+        answer = with_quick_bound(_answer(climb, query), climb.stop, FIRST_BOUND_WORK)
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, ends[-1]))
+        quick = answer.bound
     if alone:
         from wiggleroom.search.complete_search import complete_search
 
@@ -243,15 +248,29 @@ def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...])
         answer = _bounded(_answer(climb, query), at_most)
         if answer.verdict is Verdict.PROVEN or found.settled:
             return replace(answer, search=effort(ends, climb.certain_value()[0]))
-    further, done = search_on(climb, search, ends)
+    enough = np.inf if quick is None or quick.at_most is None else quick.at_most / PROVEN_WITHIN
+    further, done = search_on(climb, search, ends, enough)
     turned, repeats = (climb, None) if further is climb else periodic_motion(further, query.goals)
     if turned is not further and repeats is None:  # what the search took for endless came to an end: go on from there
         left = None if search is None else search + len(ends) - done.starts
-        further, more = search_on(turned, left, (turned.certain_value()[0],))
+        further, more = search_on(turned, left, (turned.certain_value()[0],), enough)
         done = together(done, more)
         if further is not turned:
             turned, repeats = periodic_motion(further, query.goals)
-    return _bounded(replace(_answer(turned, query, repeats), search=done), at_most)
+    answer = _bounded(replace(_answer(turned, query, repeats), search=done), at_most)
+    return _with_first_bound(answer, quick)
+
+
+def _with_first_bound(answer: Answer, quick: Bound | None) -> Answer:
+    """The answer with the bound that came before the search, unless one with the work of the search may come nearer."""
+    found: Incumbent | None = answer.warm_start
+    if quick is None or quick.at_most is None or answer.bound is not None or not answer.objective or found is None:
+        return answer
+    near = quick.at_most <= (1 + NEAR_BOUND) * answer.objective
+    if not near and work_of_search(answer, found) > MORE_WORK * FIRST_BOUND_WORK:
+        return answer
+    timed = replace(answer, seconds=answer.seconds | {"bound": quick.seconds})
+    return with_bound(timed, replace(quick, within=quick.at_most / answer.objective - 1))
 
 
 def _bounded(answer: Answer, at_most: float | None) -> Answer:

@@ -165,9 +165,10 @@ def flex(
     start : Answer, optional
         Of drawings only: an earlier answer of the same prepared assembly, with walls; the search starts near its motion.
     search : int, optional
-        Number of starts beside the one from rest: with another objective first, then the true one; 0 for none. By default as many as a
-        fixed amount of work allows, until a better local optimum is unlikely; none for more than 50 free bodies (from 100
-        to 1,000 the first climb is made nine times instead), for models that approximate, and from an earlier answer. In space a few,
+        Number of starts beside the one from rest: with another objective first, then the true one; 0 for none. By default none
+        where the bound proves the first end, else as many as a fixed amount of work allows, until a better local optimum is
+        unlikely; none for more than 50 free bodies (from 100 to 1,000 the first climb is made nine times instead), for models that
+        approximate, and from an earlier answer. In space a few,
         for at most 6 free bodies.
     prove : float, optional
         Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.

@@ -41,7 +41,7 @@ from wiggleroom.geometry.congruence_classes import congruence_classes
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose, rotated
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.search.answer import MAX_BOUND_RATIO, Answer, Bound, with_bound
+from wiggleroom.search.answer import MAX_BOUND_RATIO, PROVEN_WITHIN, Answer, Bound, with_bound
 from wiggleroom.search.incumbent import Incumbent
 
 Floats = NDArray[np.float64]
@@ -54,8 +54,10 @@ MANY_JOINTS = 60
 ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
+PROVEN = PROVEN_WITHIN - 1
+"""A bound that lies no further above the motion found than this share proves it."""
 NEAR = 0.03
-"""A quick bound that lies no further above the motion found than this share is near enough."""
+"""One no further above it than this share is near enough, where another round would not prove it."""
 MANY_NEAR = 0.1
 """The same where there are many bodies."""
 HOPS = 2
@@ -64,8 +66,11 @@ MIN_GAIN = 0.1
 """It ends where the bound's distance from the motion found falls by less than this share."""
 
 
-def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
-    """The answer with a bound, where that takes less work than the answer did and says something; worked out once, if not asked to stop."""
+def with_quick_bound(answer: Answer, stop: Stop | None = None, least_work: float = 0.0) -> Answer:
+    """The answer with a bound, where that says something and takes less work than the answer did, or than `least_work`.
+
+    It is worked out once, if not asked to stop.
+    """
     began = time.perf_counter()
     found: Incumbent | None = answer.warm_start
     told = answer.bound is not None and answer.bound.at_most is not None
@@ -75,7 +80,7 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
         return answer
     # where outlines were searched with fewer corners, the bound is about those that were drawn
     drawn = None if answer.bound is None else bodies(answer.assembly)
-    work = _work_of_search(answer.rounds, answer.iterations, found.program.rows, len(found.program.cells.a))
+    work = max(least_work, work_of_search(answer, found))
     if drawn is not None:
         work += _work_of_corners(drawn, found.program.cells.a, found.program.cells.b)
     most = quick_bound(found, found.program.objective, work, drawn, WorkBudget(stop=stop))
@@ -277,9 +282,10 @@ def _cross(p: Floats, q: Floats) -> Floats:
 # Work is counted, not timed, so that every machine gives the same answer; one unit is about a millisecond.
 
 
-def _work_of_search(rounds: int, iterations: int, rows: int, pairs: int) -> float:
+def work_of_search(answer: Answer, found: Incumbent) -> float:
     """Rather less than the search took: cells of pairs with many rows are grown slowly, in every round."""
-    return 14 + iterations * (0.8 + 1.5e-4 * rows) + 5e-5 * rounds * rows * rows / max(pairs, 1)
+    rows, pairs = found.program.rows, len(found.program.cells.a)
+    return 14 + answer.iterations * (0.8 + 1.5e-4 * rows) + 5e-5 * answer.rounds * rows * rows / max(pairs, 1)
 
 
 def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:
@@ -320,7 +326,7 @@ def tightened(
             linkage = known
     ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
     weights = goal_weights(goal, len(held))
-    cutoff = Cutoff(weights, (1 + NEAR / 2) * found)
+    cutoff = Cutoff(weights, (1 + PROVEN / 2) * found)
     bodies = np.flatnonzero(held & ~them.fixed)
     asked, near = dominating(linkage, bodies, HOPS), MANY_NEAR if many else NEAR
     first, again = _work_of_program(len(bodies), len(joints.a))
@@ -336,7 +342,10 @@ def tightened(
         most = max(value, cutoff.worth if np.isfinite(best) else -np.inf)
         gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
         best = min(best, most)
-        if best <= (1 + near) * found or gain < MIN_GAIN or work < first or budget.is_set():
+        away = best / found - 1
+        hopeful = not many and away * (1 - gain) <= PROVEN  # falls by the same share again
+        near_enough = away <= PROVEN or (away <= near and not hopeful)
+        if near_enough or gain < MIN_GAIN or work < first or budget.is_set():
             break
         new = (
             neighbourhood_cuts(program, multipliers, asked, cutoff, budget)

@@ -84,7 +84,7 @@ def together(first: SearchEffort, second: SearchEffort) -> SearchEffort:
 
 
 def search_on(
-    first: LocalSearch, starts: int | None = None, ends: Sequence[float] = ()
+    first: LocalSearch, starts: int | None = None, ends: Sequence[float] = (), enough: float = np.inf
 ) -> tuple[LocalSearch, SearchEffort]:
     """Go on after a first search has come to its end.
 
@@ -96,6 +96,8 @@ def search_on(
         Further climbs; by default as many as a fixed amount of work allows, none in large assemblies.
     ends : sequence of float, optional
         Values at which climbs ended before, that of `first` among them.
+    enough : float
+        The search ends once it has found a motion of this value.
 
     Returns
     -------
@@ -105,7 +107,7 @@ def search_on(
 
     Source: a tree of states grown by random steps, after LaValle, "Rapidly-exploring random trees" (1998), with climbs as steps.
     """
-    whole = _GlobalSearch(first, ends)
+    whole = _GlobalSearch(first, ends, enough)
     if not whole.goes_on(starts):
         return whole.result()
     whole.grow(starts)
@@ -129,8 +131,8 @@ def local_optima(first: LocalSearch, starts: int) -> list[Incumbent]:
 class _GlobalSearch:
     """State of a search: the tree of states, the ends of all climbs, and the search that found the best of them."""
 
-    def __init__(self, first: LocalSearch, ends: Sequence[float]) -> None:
-        self.first, self.best, self.made = first, first, 0
+    def __init__(self, first: LocalSearch, ends: Sequence[float], enough: float = np.inf) -> None:
+        self.first, self.best, self.made, self.enough = first, first, 0, enough
         self.work = _work(first.rounds, first.iterations, len(first.ready.cells.kind))
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
         self.value, self.free = first.certain_value()
@@ -166,7 +168,8 @@ class _GlobalSearch:
         free = int((~self.first.ready.bodies.fixed).sum())
         budget = WORK_BUDGET_OF_FEW if free <= FEW_BODIES else WORK_BUDGET
         more = self.made < starts if starts is not None else free <= MAX_BODIES and self.work < budget
-        return more and not self.first.stopped and not self.free and not (starts is None and self._saturated)
+        done = starts is None and (self._saturated or self.value >= self.enough)
+        return more and not self.first.stopped and not self.free and not done
 
     @property
     def _saturated(self) -> bool:

@@ -82,6 +82,22 @@ def contact_places(answer: Answer) -> Floats:
     return np.array(rows).reshape(-1, 3)
 
 
+def held_back(answer: Answer) -> float:
+    """What a motion would gain, to first order, if its contacts were as deep as outlines were drawn: in the unit of its objective.
+
+    It is the sum of forces times the distances by which the outlines that were searched lie further out there.
+    """
+    places = contact_places(answer)
+    force = np.repeat([contact.force for contact in _held(answer.contacts)], 2)
+    away = np.zeros(len(places))
+    for k in np.unique(places[:, 0]).astype(int):
+        mine = places[:, 0] == k
+        rings = [ring for region in answer.assembly.parts[k].regions for ring in (region.outer, *region.holes)]
+        drawn = shapely.multilinestrings([shapely.linearrings(ring) for ring in rings])
+        away[mine] = shapely.distance(shapely.points(places[mine, 1:]), drawn)
+    return float(force @ away)
+
+
 def _held(contacts: Sequence[Contact]) -> list[Contact]:
     return [contact for contact in contacts if contact.force > 0]
 
