@@ -147,6 +147,12 @@ def without_lettering(found: Traced, lines: NDArray[np.object_], options: ReadOp
     return lines[[row for row in range(len(lines)) if row not in used]]
 
 
+def _has_large_face(lines: NDArray[np.object_], least: float) -> bool:
+    """Whether lines bound a face larger than `least` [mm] among themselves."""
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.union_all(lines))))
+    return bool((np.ptp(shapely.bounds(faces).reshape(-1, 2, 2), axis=1) > least).any())
+
+
 def without_engraved_styles(
     found: Traced, options: ReadOptions, lines: Sequence[OpenLine] | None = None
 ) -> list[OpenLine]:
@@ -157,7 +163,7 @@ def without_engraved_styles(
     outlines in parts that hold others, which would fall out. Pieces that fit the hole around them, and red lines, are cut.
     """
     kept = list(lines or ())
-    if options.only or options.skip or "all" in options.solid or "all" in options.hole or not found.outlines:
+    if options.only or options.skip or "all" in options.solid or "all" in options.hole or not (found.outlines or kept):
         return kept
     layered = lines is None
     styles = [_style(outline.stroke, layered) for outline in found.outlines]
@@ -171,11 +177,13 @@ def without_engraved_styles(
     parents = direct_parents(polygons)
     names, asked = asked_for((*options.solid, *options.hole), polygons)
     told = {row for row, o in enumerate(found.outlines) if row in asked or _told(o.stroke, names)}
-    large = np.ptp(shapely.bounds(polygons).reshape(-1, 2, 2), axis=1).max(axis=1) > least
+    large = np.ptp(shapely.bounds(polygons).reshape(-1, 2, 2), axis=1).max(axis=1, initial=0.0) > least
     several = sum(row not in parents for row in range(len(polygons))) > 1  # else it may be a sheet with parts
     bounding = {
         styles[row] for row in range(len(polygons)) if large[row] and not ((layered or several) and row in parents)
     }
+    if not (layered or bounding):
+        bounding = {style for style in of_lines if _has_large_face(drawn[[o == style for o in of_lines]], least)}
     pictures = _pictures(found.outlines, polygons, parents, styles, told, several) if layered else set()
     scores = _scores(kept, drawn, polygons, of_lines, bounding) if several else set()
     gone: set[_Style] = set()
