@@ -420,3 +420,16 @@ def test_a_hole_a_hair_inside_the_edge_of_its_path(tmp_path):
     drawing = read(tmp_path, f'<path d="{outer}M10,10H190V90H10Z" fill="red" fill-rule="evenodd"/>')
     assert counted(drawing) == (1, 0)
     assert area(drawing) == pytest.approx([200 * 100 - 180 * 80 - 10 * 20], abs=0.1)
+
+
+def test_gears_are_no_letters(tmp_path):
+    """A row of toothed rings, not all alike, in a panel."""
+
+    def gear(x: float, teeth: int) -> str:
+        turns = np.linspace(0, 2 * np.pi, 4 * teeth, endpoint=False)
+        radius = 5 + 2 * (np.arange(4 * teeth) % 4 < 2)
+        ring = np.column_stack([x + radius * np.cos(turns), 50 + radius * np.sin(turns)])
+        return path(ring) + disc(x, 50, 4)
+
+    gears = [gear(40 + 20 * k, 9 + k % 2) for k in range(4)]
+    assert not said(read(tmp_path, rect(0, 0, 200, 100), *gears), LETTERS)

@@ -24,6 +24,8 @@ _THIN, _THIN_OUTSIDE = 0.3, 2.0
 """The strokes of a letter are thinner than this share of its height, beside parts also than this [mm], ..."""
 _BENT = 0.85
 """... its outline fills no more than this share of its hull, ..."""
+_BAYS, _BAY = 8, 1e-3
+"""... it has no more than so many bays larger than this share of it, where a gear has one between any two teeth, ..."""
 _COUNTERS, _COUNTER = 3, 0.03
 """... and it holds no more than so many outlines, as B, 8 and % do, which take at least this share of it."""
 _INK = 1.5
@@ -327,6 +329,7 @@ def _glyphs(
     fill = area / np.maximum(shapely.area(shapely.convex_hull(polygons)), 1e-300)
     few = small & (holds <= _COUNTERS) & (ink > 0)
     few &= (holds == 0) | (held_area >= _COUNTER * area)
+    few[few] = _bays(polygons[few]) <= _BAYS
     bent = few & (stem <= _THIN * height) & (fill <= _BENT)
     ring = few & (stem <= _THIN * height) & (holds > 0)
     counter = np.zeros(n, dtype=bool)
@@ -366,6 +369,12 @@ def _glyphs(
         np.concatenate([around[may_be], within]),
         _near(shapes, tall),
     )
+
+
+def _bays(polygons: NDArray[np.object_]) -> NDArray[np.int64]:
+    """How many bays each outline has: pieces of its hull that it leaves empty."""
+    bays, owner = shapely.get_parts(shapely.difference(shapely.convex_hull(polygons), polygons), return_index=True)
+    return np.bincount(owner[shapely.area(bays) > _BAY * shapely.area(polygons)[owner]], minlength=len(polygons))
 
 
 def _near(shapes: NDArray[np.object_], height: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
