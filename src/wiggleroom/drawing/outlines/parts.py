@@ -23,7 +23,7 @@ from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_light
 from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork, Stroke
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.layers import PAGE, cut_by, cut_strokes, has_own_name, is_outside_layer
+from wiggleroom.drawing.strokes.layers import PAGE, cut_by, cut_strokes, has_own_name, is_outline_name
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import go_on
 
@@ -240,7 +240,7 @@ def _claims(
     unknown = hole_names - {"all"}
     inner = [(around[i], o.stroke.label) for i, o in enumerate(found.outlines) if i in around and o.stroke.label]
     kinds = {parent for (parent, _), n in Counter(inner).items() if n > 1}  # labels in these are no names: "M4", "M4"
-    kinds |= {i for i in {*around.values()} if is_outside_layer(found.outlines[i].stroke.label)}  # nor in an "Outline"
+    kinds |= {i for i in {*around.values()} if is_outline_name(found.outlines[i].stroke.label)}  # nor in an "Outline"
     hollow = _hollow(found.outlines, around, polygons)
     for i, outline in enumerate(found.outlines):
         stroke = outline.stroke

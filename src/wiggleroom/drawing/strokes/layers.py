@@ -126,6 +126,19 @@ OUTSIDE_WORDS = (
     "outline",
 )
 """How words for lines begin that are cut on their outside."""
+OUTLINE_NAMES = {
+    "outline",
+    "outlines",
+    "contour",
+    "umriss",
+    "aussenkontur",
+    "contorno",
+    "omtrek",
+    "obrys",
+    "контур",
+    "外形",
+}
+"""Names of the one outline of a part, by which what lies in it is cut out."""
 POCKET_WORDS = {"pocket", "pockets", "pocketing", "tasche", "taschen", "poche", "poches", "vcarve", "halftone"}
 """Words for what is milled, but not through, ..."""
 COUNTERSINK = re.compile(
@@ -272,6 +285,17 @@ def is_outside_layer(word: str) -> bool:
     (True, False)
     """
     return any(token.startswith(OUTSIDE_WORDS) for token in _tokens(word))
+
+
+def is_outline_name(word: str) -> bool:
+    """Whether a name is that of the outline of a part, and not of the part.
+
+    Examples
+    --------
+    >>> is_outline_name("Outline 2"), is_outline_name("Outer frame")
+    (True, False)
+    """
+    return len(_tokens(word)) == 1 and _tokens(word)[0] in OUTLINE_NAMES
 
 
 @lru_cache(4096)
