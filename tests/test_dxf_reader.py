@@ -811,3 +811,21 @@ def test_a_drawing_of_centre_lines_alone_is_read(tmp_path):
     document.modelspace().add_lwpolyline(square, close=True, dxfattribs={"linetype": "CENTER"})
     document.saveas(tmp_path / "part.dxf")
     assert len(read_drawing(tmp_path / "part.dxf").parts) == 1
+
+
+def test_polylines_without_classes(tmp_path):
+    """OpenJSCAD writes newer polylines without the classes that these name."""
+    corners = "".join(f"10\n{x}\n20\n{y}\n" for x, y in SQUARE)
+    body = "0\nSECTION\n2\nHEADER\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
+    body += f"  0\nLWPOLYLINE\n  8\nOpenJsCad\n  90\n4\n  70\n1\n{corners}  0\nENDSEC\n  0\nEOF\n"
+    (tmp_path / "x.dxf").write_text(body)
+    drawing = read_drawing(tmp_path / "x.dxf")
+    assert area(drawing) == pytest.approx(16)
+    assert names(drawing) == ["OpenJsCad"]
+
+
+@pytest.mark.parametrize("name", ["base_origin", "Design_Template"])
+def test_layers_beside_the_parts(sheet, name):
+    lines(sheet.space, SQUARE, layer="base")
+    lines(sheet.space, [(1, 1), (3, 1), (3, 3), (1, 3)], layer=name)
+    assert len(sheet.read().parts[0].regions[0].holes) == 0

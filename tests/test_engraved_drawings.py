@@ -377,3 +377,59 @@ def test_a_sheet_that_is_round_in_pixels_is_doubted(tmp_path):
     sheet = rect(0, 0, 300, 150, BLUE)
     panels = [rect(x, 10, 80, 60) + disc(x + 40, 40, 5) for x in (10, 110, 210)]
     assert not said(read(tmp_path, sheet, *panels), "pixels of")
+
+
+def test_dimensions_on_panels_of_open_lines(tmp_path):
+    """Four strips between lines drawn once, and what measures them in red."""
+    black = [path([(10, y), (200, y)], closed=False) for y in range(10, 91, 20)]
+    black += [path([(x, y), (x, y + 20)], closed=False) for x in (10, 200) for y in range(10, 90, 20)]
+    red = [path([(20, 10), (20, 90)], RED, closed=False), strokes("OVERA", 24, 25, RED)]
+    drawing = read(tmp_path, *black, *red)
+    assert counted(drawing) == (4, 0)
+    assert said(drawing, "taken as dimensions or notes")
+
+
+@pytest.mark.parametrize(("waist", "parts"), [(10, 2), (4, 5)])
+def test_holes_across_the_seam_of_two_panels(tmp_path, waist, parts):
+    """Rectangles across a seam are cut out; butterflies hold the panels together, and are parts."""
+    faces = [
+        [(92, y), (92, y + 10), (100, y + 5 + waist / 2), (108, y + 10), (108, y), (100, y + 5 - waist / 2)]
+        for y in (10, 30, 50)
+    ]
+    ends = [0, *(y + 5 + side * waist / 2 for y in (10, 30, 50) for side in (-1, 1)), 70]
+    seams = [path([(100, a), (100, b)], closed=False) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+    drawing = read(tmp_path, rect(0, 0, 200, 70), *seams, *map(path, faces))
+    assert len(drawing.parts) == parts
+    assert said(drawing, "taken as cut out") == (parts == 2)
+
+
+def test_labels_in_an_outline(tmp_path):
+    """What lies in an outline of that name is cut out of it, whatever it is for."""
+    inner = [disc(x, 50, 8, more=f'inkscape:label="LED {x}"') for x in (60, 100, 140)]
+    assert counted(read(tmp_path, rect(0, 0, 200, 100, more='inkscape:label="Outline"'), *inner)) == (1, 3)
+
+
+def test_white_shapes_on_a_part_without_fill(tmp_path):
+    white = 'fill="#ffffff" stroke="#000000"'
+    assert counted(read(tmp_path, rect(0, 0, 200, 100), disc(50, 50, 8, white), rect(100, 20, 40, 40, white))) == (1, 2)
+
+
+def test_a_hole_a_hair_inside_the_edge_of_its_path(tmp_path):
+    """The notch of a path that all but meets its hole opens it."""
+    outer = "M0,0H200V40H190.0005V60H200V100H0Z"
+    drawing = read(tmp_path, f'<path d="{outer}M10,10H190V90H10Z" fill="red" fill-rule="evenodd"/>')
+    assert counted(drawing) == (1, 0)
+    assert area(drawing) == pytest.approx([200 * 100 - 180 * 80 - 10 * 20], abs=0.1)
+
+
+def test_gears_are_no_letters(tmp_path):
+    """A row of toothed rings, not all alike, in a panel."""
+
+    def gear(x: float, teeth: int) -> str:
+        turns = np.linspace(0, 2 * np.pi, 4 * teeth, endpoint=False)
+        radius = 5 + 2 * (np.arange(4 * teeth) % 4 < 2)
+        ring = np.column_stack([x + radius * np.cos(turns), 50 + radius * np.sin(turns)])
+        return path(ring) + disc(x, 50, 4)
+
+    gears = [gear(40 + 20 * k, 9 + k % 2) for k in range(4)]
+    assert not said(read(tmp_path, rect(0, 0, 200, 100), *gears), LETTERS)

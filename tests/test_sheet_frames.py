@@ -176,3 +176,20 @@ def test_an_outline_that_misses_its_end_at_the_page_does_not_cut_it() -> None:
         page(rect(50, 50, 20, 20) + '<path d="M 0,10 H 40 V 40 H 0 V 10.6" fill="none" stroke="black"/>')
     )
     assert len(drawing.parts) == 1
+
+
+def test_the_box_of_one_part_is_left_out() -> None:
+    """A rectangle that its only outline touches on all sides would fall into its corners; one that has room stays."""
+    part = '<path d="M150,20L250,100L150,180L50,100Z" fill="none" stroke="black"/>'
+    boxed = read_svg(page(rect(50, 20, 200, 160) + part + circle(150, 100, 5)))
+    assert count(boxed) == (1, 1)
+    assert any("the box of what is in it" in note for note in boxed.notes)
+    assert count(read_svg(page(rect(40, 10, 220, 180) + part))) == (1, 1)
+
+
+def test_the_border_of_a_drawing_with_its_title_block() -> None:
+    border = rect(1, 1, 298, 198) + rect(10, 10, 280, 180) + rect(200, 160, 90, 30)
+    words = "".join(f'<text x="{x}" y="170">{text}</text>' for x, text in ((205, "SIZE"), (230, "SCALE"), (260, "REV")))
+    drawing = read_svg(page(layer("a", border + words) + layer("b", rect(50, 50, 100, 60) + circle(80, 80, 5))))
+    assert count(drawing) == (1, 1)
+    assert any("title block" in note for note in drawing.notes)

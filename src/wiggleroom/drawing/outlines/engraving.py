@@ -24,6 +24,8 @@ _THIN, _THIN_OUTSIDE = 0.3, 2.0
 """The strokes of a letter are thinner than this share of its height, beside parts also than this [mm], ..."""
 _BENT = 0.85
 """... its outline fills no more than this share of its hull, ..."""
+_BAYS, _BAY = 8, 1e-3
+"""... it has no more than so many bays larger than this share of it, where a gear has one between any two teeth, ..."""
 _COUNTERS, _COUNTER = 3, 0.03
 """... and it holds no more than so many outlines, as B, 8 and % do, which take at least this share of it."""
 _INK = 1.5
@@ -147,6 +149,12 @@ def without_lettering(found: Traced, lines: NDArray[np.object_], options: ReadOp
     return lines[[row for row in range(len(lines)) if row not in used]]
 
 
+def _has_large_face(lines: NDArray[np.object_], least: float) -> bool:
+    """Whether lines bound a face larger than `least` [mm] among themselves."""
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.union_all(lines))))
+    return bool((np.ptp(shapely.bounds(faces).reshape(-1, 2, 2), axis=1) > least).any())
+
+
 def without_engraved_styles(
     found: Traced, options: ReadOptions, lines: Sequence[OpenLine] | None = None
 ) -> list[OpenLine]:
@@ -157,7 +165,7 @@ def without_engraved_styles(
     outlines in parts that hold others, which would fall out. Pieces that fit the hole around them, and red lines, are cut.
     """
     kept = list(lines or ())
-    if options.only or options.skip or "all" in options.solid or "all" in options.hole or not found.outlines:
+    if options.only or options.skip or "all" in options.solid or "all" in options.hole or not (found.outlines or kept):
         return kept
     layered = lines is None
     styles = [_style(outline.stroke, layered) for outline in found.outlines]
@@ -171,11 +179,13 @@ def without_engraved_styles(
     parents = direct_parents(polygons)
     names, asked = asked_for((*options.solid, *options.hole), polygons)
     told = {row for row, o in enumerate(found.outlines) if row in asked or _told(o.stroke, names)}
-    large = np.ptp(shapely.bounds(polygons).reshape(-1, 2, 2), axis=1).max(axis=1) > least
+    large = np.ptp(shapely.bounds(polygons).reshape(-1, 2, 2), axis=1).max(axis=1, initial=0.0) > least
     several = sum(row not in parents for row in range(len(polygons))) > 1  # else it may be a sheet with parts
     bounding = {
         styles[row] for row in range(len(polygons)) if large[row] and not ((layered or several) and row in parents)
     }
+    if not (layered or bounding):
+        bounding = {style for style in of_lines if _has_large_face(drawn[[o == style for o in of_lines]], least)}
     pictures = _pictures(found.outlines, polygons, parents, styles, told, several) if layered else set()
     scores = _scores(kept, drawn, polygons, of_lines, bounding) if several else set()
     gone: set[_Style] = set()
@@ -319,6 +329,7 @@ def _glyphs(
     fill = area / np.maximum(shapely.area(shapely.convex_hull(polygons)), 1e-300)
     few = small & (holds <= _COUNTERS) & (ink > 0)
     few &= (holds == 0) | (held_area >= _COUNTER * area)
+    few[few] = _bays(polygons[few]) <= _BAYS
     bent = few & (stem <= _THIN * height) & (fill <= _BENT)
     ring = few & (stem <= _THIN * height) & (holds > 0)
     counter = np.zeros(n, dtype=bool)
@@ -358,6 +369,12 @@ def _glyphs(
         np.concatenate([around[may_be], within]),
         _near(shapes, tall),
     )
+
+
+def _bays(polygons: NDArray[np.object_]) -> NDArray[np.int64]:
+    """How many bays each outline has: pieces of its hull that it leaves empty."""
+    bays, owner = shapely.get_parts(shapely.difference(shapely.convex_hull(polygons), polygons), return_index=True)
+    return np.bincount(owner[shapely.area(bays) > _BAY * shapely.area(polygons)[owner]], minlength=len(polygons))
 
 
 def _near(shapes: NDArray[np.object_], height: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

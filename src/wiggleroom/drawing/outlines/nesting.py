@@ -139,7 +139,7 @@ def cut_nested(
     >>> cut[0][0].holes[0].tolist()
     [[1.0, 4.0], [4.0, 4.0], [4.0, 1.0], [1.0, 1.0]]
     """
-    result = {i: [region] for i, region in enumerate(regions) if i not in cuts}
+    result = {i: [_opened(region, touch)] for i, region in enumerate(regions) if i not in cuts}
     outlines = np.array([shapely.Polygon(region.outer) for region in regions])
     inner_rows: dict[int, list[int]] = {}
     for inner, outer in inside.items():
@@ -148,8 +148,24 @@ def cut_nested(
     for row in sorted({*inner_rows, *across}):
         rows = list(dict.fromkeys((*inner_rows.get(row, ()), *across.get(row, ()))))
         gone = outlines[[k for k in rows if k in cuts]]
-        result[row] = _cut(regions[row], outlines[rows], gone, touch)
+        result[row] = _cut(result[row][0], outlines[rows], gone, touch)
     return result
+
+
+def _opened(region: Region, touch: float) -> Region:
+    """The same with holes that a path has a hair inside its edge open to it, where that leaves one piece."""
+    edge = shapely.LinearRing(region.outer)
+    near = [hole for hole in region.holes if shapely.dwithin(edge, shapely.LinearRing(hole), touch)]
+    material = shapely.Polygon(region.outer, region.holes)
+    if not near or not material.is_valid:
+        return region
+    rest = _without_walls(material, shapely.union_all([shapely.Polygon(hole) for hole in near]), touch)
+    return _as_region(rest) if rest is not material and rest.geom_type == "Polygon" else region
+
+
+def _as_region(polygon: shapely.Polygon) -> Region:
+    outer, *holes = (shapely.get_coordinates(ring) for ring in shapely.get_rings(polygon))
+    return Region(clean_ring(outer), tuple(clean_ring(hole, clockwise=True) for hole in holes))
 
 
 def direct_parents(outlines: NDArray[np.object_]) -> dict[int, int]:
@@ -157,7 +173,7 @@ def direct_parents(outlines: NDArray[np.object_]) -> dict[int, int]:
     sound, area = shapely.is_valid(outlines), shapely.area(outlines)
     inner, outer = shapely.STRtree(outlines).query(outlines)
     box = shapely.bounds(outlines)
-    slack = 1e-9 * np.ptp(box.reshape(-1, 2), axis=0).max()
+    slack = 1e-9 * np.ptp(box.reshape(-1, 2), axis=0).max() if len(box) else 0.0
     held = (box[inner, :2] >= box[outer, :2] - slack).all(axis=1)
     held &= (box[inner, 2:] <= box[outer, 2:] + slack).all(axis=1)
     held &= (area[inner] < area[outer]) & sound[inner] & sound[outer]

@@ -30,6 +30,8 @@ _SET_IN, _FINGERS = 0.5, 3
 """A face that shares at least this share of its edge with one other is set into it; so many between parts are gaps of finger joints."""
 _GAP, _CLOSED_IN = 0.1, 0.6
 """A face between parts is a gap where it is smaller than this share of two beside it, with which it shares this share of its edge."""
+_CONVEX = 0.9
+"""A gap that fills this share of its hull holds no parts together: a hole across the seam of two, and no key."""
 
 
 def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
@@ -99,7 +101,9 @@ def net_of_lines(
     around = [outline.polygon for k, outline in enumerate(found.outlines) if k not in reached]
     nested = shapely.STRtree(around).query(shapely.point_on_surface(faces), predicate="within")[0]
     closed = [f for k in by_owner for f in by_owner[k]]
-    waste = set() if "all" in names else _waste(faces, closed, nested.tolist()) - asked
+    waste, seams = (set(), set()) if "all" in names else _waste(faces, closed, nested.tolist())
+    waste -= asked
+    holes = {k for k, own in by_owner.items() if len(own) == 1 and own[0] in seams & waste}
     for k in sorted(replaced):
         outline = found.outlines[k]
         left = [f for f in by_owner[k] if f not in waste]
@@ -122,9 +126,9 @@ def net_of_lines(
             ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
     found.divided = len(replaced) - replaced_whole
-    found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
+    found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced | holes]
     found.outlines += [*made, *alone]
-    waste -= {f for k in by_owner if k not in replaced for f in by_owner[k]}
+    waste -= {f for k in by_owner if k not in replaced | holes for f in by_owner[k]}
     if waste:
         at = faces[min(waste)].representative_point()
         found.note(
@@ -181,12 +185,13 @@ def _owners(
     return owner, [f for f in range(len(faces)) if f not in smallest]
 
 
-def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collection[int]) -> set[int]:
-    """Faces of a net that are no parts: splinters, slots set into the edge of a part, gaps between parts.
+def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collection[int]) -> tuple[set[int], set[int]]:
+    """Faces of a net that are no parts: splinters, slots set into the edge of a part, gaps between parts; and those across seams.
 
     A slot takes, with all others there, at most `SMALL` of one other face, shares half of its edge with it round a corner (more than
     half where it meets further faces), and meets those in a straight line, so that it reaches into none. A gap is small beside two
-    others, with which it shares most of its edge, where one of them is a closed outline or slots between parts show finger joints.
+    others, with which it shares most of its edge, where one of them is a closed outline, or slots between parts and holes across
+    their seams show that parts of one box are drawn edge to edge.
 
     Parameters
     ----------
@@ -198,7 +203,7 @@ def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collecti
     --------
     >>> panel = shapely.box(0, 0, 9, 9) - shapely.box(4, 8, 5, 9)
     >>> _waste(np.array([panel, shapely.box(4, 8, 5, 9)]), [0, 1], [])
-    {1}
+    ({1}, set())
     """
     area, edges = shapely.area(faces), shapely.boundary(faces)
     rim = shapely.length(edges)
@@ -221,10 +226,16 @@ def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collecti
     large = area[first] <= _GAP * area[second]
     gaps = np.bincount(first[large], part[large], minlength=len(faces)) >= _CLOSED_IN
     gaps &= np.bincount(first[large], minlength=len(faces)) > 1
-    if (met[slots] > 1).sum() < _FINGERS:
+    small = area[first] <= SMALL * area[second]
+    seams = (met == 2) & (np.bincount(first, part * small, minlength=len(faces)) > 1 - 1e-6)
+    seams &= area >= _CONVEX * shapely.area(shapely.convex_hull(faces))
+    if (met[slots] > 1).sum() + seams.sum() < _FINGERS:
+        seams[:] = False
         gaps &= np.bincount(first[large], np.isin(second[large], list(closed)), minlength=len(faces)) > 0
         gaps[list(closed)] = False
-    return {*splinters.tolist(), *slots.tolist(), *np.flatnonzero(gaps).tolist()}
+    gaps |= seams
+    waste = {*splinters.tolist(), *slots.tolist(), *np.flatnonzero(gaps).tolist()}
+    return waste, set(np.flatnonzero(seams).tolist())
 
 
 def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None) -> list[Outline]:

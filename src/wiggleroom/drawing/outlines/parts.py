@@ -23,7 +23,7 @@ from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_light
 from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork, Stroke
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.layers import PAGE, cut_by, cut_strokes, has_own_name
+from wiggleroom.drawing.strokes.layers import PAGE, cut_by, cut_strokes, has_own_name, is_outline_name
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import go_on
 
@@ -240,12 +240,13 @@ def _claims(
     unknown = hole_names - {"all"}
     inner = [(around[i], o.stroke.label) for i, o in enumerate(found.outlines) if i in around and o.stroke.label]
     kinds = {parent for (parent, _), n in Counter(inner).items() if n > 1}  # labels in these are no names: "M4", "M4"
+    kinds |= {i for i in {*around.values()} if is_outline_name(found.outlines[i].stroke.label)}  # nor in an "Outline"
     hollow = _hollow(found.outlines, around, polygons)
     for i, outline in enumerate(found.outlines):
         stroke = outline.stroke
         parent = found.outlines[around[i]].stroke if i in around else None
         own = parent is not stroke
-        white = is_light(stroke.fill) and parent is not None and parent.fill and not is_light(parent.fill)
+        white = is_light(stroke.fill) and parent is not None and not is_light(parent.fill)
         # One label on an outline and on what is in it says nothing, nor does a text in both.
         named = inside[i] and parent is not None and given[around[i]] not in ("", given[i])
         filled = stroke.fill and not white and i not in hollow and (stroke.styled or has_own_name(stroke))

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Region
+from wiggleroom.drawing.outlines.joining import BEAM
 from wiggleroom.drawing.outlines.naming import asked_for, place_of, rows_at
 from wiggleroom.drawing.outlines.nesting import direct_parents
 from wiggleroom.drawing.outlines.traced_outlines import OpenLine, Outline, Remark, Traced
@@ -226,6 +227,8 @@ class _Sheet:
             return rows, f'called "{sheet}"'
         seen = self._evidence(inner or rows)
         cut = all(is_cut(self.found.outlines[k].stroke) for row in inner or rows for k in self.inside[row])
+        if not cut and self._is_box_of_one(rows):
+            return rows, "the box of what is in it"
         if cut or not seen.apart:
             return set(), ""
         perhaps = next((word for said in own for word in said if may_be_sheet(word)), "")
@@ -305,6 +308,14 @@ class _Sheet:
             return set()
         sizes = np.ptp(self.bounds[sorted(rows)].reshape(-1, 2, 2), axis=1)
         return rows if (np.ptp(sizes, axis=0) <= _SAME_SIZE * sizes.max(axis=0)).all() else set()
+
+    def _is_box_of_one(self, rows: set[int]) -> bool:
+        """Whether one outline alone lies in a frame and touches all its sides: as a part, the frame would fall into its corners."""
+        row = min(rows)
+        if len(rows) > 1 or len(self.inside[row]) > 1 or self._is_rectangle(self.inside[row][0]):
+            return False
+        apart = np.abs(self.bounds[row] - self.bounds[self.inside[row][0]])
+        return bool((apart <= BEAM).all())
 
     def _with_inner(self, rows: set[int]) -> set[int]:
         """The innermost of further frames inside a single one, where they are called so; else none."""

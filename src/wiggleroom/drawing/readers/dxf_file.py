@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import logging
+import re
 import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -25,6 +27,8 @@ _CUTTABLE = (1.0, 2500.0)
 """No laser or router cuts what is smaller or larger than this [mm]: the unit of a file that says so is that of a template."""
 _IMPERIAL = (1, 2, 8, 9, 10)
 """Inches, feet, microinches, mils and yards as $INSUNITS."""
+_POLYLINE = re.compile(r"^[ ]*0\r?\n[ ]*LWPOLYLINE[ ]*\r?\n((?:[ ]*[1-9]\d*[ ]*\r?\n.*\n)+)", re.MULTILINE)
+"""A polyline of one entity, its values caught."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +74,10 @@ def load_dxf(path: Path) -> DxfFile:
         pass
     from ezdxf import recover
 
+    plain = b"AcDb" not in raw and not raw.startswith(_BINARY)
+    text = _with_vertices(raw) if plain else raw
     try:
-        document, audit = recover.readfile(path)
+        document, audit = recover.read(io.BytesIO(text))
     except Exception as error:
         said = " ".join(str(error).split())[:120] or type(error).__name__
         message = f"{path.name}: is damaged or not a DXF drawing ({said}); export it again"
@@ -81,6 +87,24 @@ def load_dxf(path: Path) -> DxfFile:
         raise InputError(message)
     note = f"{path.name}: has faults that were mended on reading; see that no part is missing"
     return _loaded(path.name, document, raw, (note,))
+
+
+def _with_vertices(raw: bytes) -> bytes:
+    """A text whose polylines are written as in R12: programs such as OpenJSCAD write newer ones without the classes these need."""
+    return _POLYLINE.sub(_as_vertices, raw.decode("latin-1")).encode("latin-1")
+
+
+def _as_vertices(found: re.Match[str]) -> str:
+    """A polyline of one entity as one with vertices."""
+    lines = [line.strip() for line in found[1].splitlines()]
+    tags = list(zip(lines[::2], lines[1::2], strict=False))
+    common = [tag for tag in tags if tag[0] in ("6", "8", "62")]
+    made = [("0", "POLYLINE"), *common, ("66", "1"), *(tag for tag in tags if tag[0] == "70")]
+    for tag in tags:
+        if tag[0] == "10":
+            made += [("0", "VERTEX"), *common]
+        made += [tag] if tag[0] in ("10", "20", "42") else []
+    return "".join(f"{code}\n{value}\n" for code, value in [*made, ("0", "SEQEND"), *common])
 
 
 def _loaded(name: str, document: Any, raw: bytes, notes: tuple[str, ...]) -> DxfFile:

@@ -36,11 +36,11 @@ AUXILIARY_WORDS = (
     "maat", "kota", "寸法", "标注", "치수",
     "hidden", "verdeckt", "cache", "oculto", "nascost", "invisible", "background", "hintergrund", "fond", "fondo",
     "sfondo", "reference", "referenz", "watermark", "title block", "titleblock", "schriftfeld", "nocut", "ignore",
-    "defpoints",
+    "defpoints", "origin", "nullpunkt",
 )  # fmt: skip
 """How words for layers of guides, folds, texts, dimensions and the like begin."""
 _WHOLE = {"mark", "fold", "bend", "pli", "note", "dim", "dims", "cote", "cotes", "cota", "cotas", "quote", "masse",
-          "info", "font", "cache", "fond", "guide", "text", "texte", "texto", "letter", "label"}  # fmt: skip
+          "info", "font", "cache", "origin", "fond", "guide", "text", "texte", "texto", "letter", "label"}  # fmt: skip
 """Those that must be the whole word, or its plural or its number: "marks", "text12"."""
 _BEGINNINGS = tuple(word for word in AUXILIARY_WORDS if word not in _WHOLE)
 _WORDS = {f"{word}{ending}" for word in AUXILIARY_WORDS if word in _WHOLE for ending in ("", "s", "n")}
@@ -74,7 +74,7 @@ PART_NAMES = {
 }  # fmt: skip
 """Words that say that a name such as "slot cover" is that of a part all the same."""
 REFERENCE_LINE_TYPES = (
-    "center", "centre", "hidden", "phantom", "dashdot", "divide", "axis", "axes", "mitte", "achse", "verdeckt", "strichpunkt",
+    "center", "centre", "hidden", "phantom", "dashdot", "divide", "border", "axis", "axes", "mitte", "achse", "verdeckt", "strichpunkt",
 )  # fmt: skip
 """How names of line types for centre lines and hidden edges begin in CAD programs."""
 LABELS = "labels"
@@ -84,7 +84,7 @@ CUT_WORDS = ("inner", "outer", "cut", "through")
 NOT_CUT = re.compile(
     r"\b(?:do ?(?:not|nt)|don t|dont|no|not|never|non|nie|nicht|kein\w*|ne pas|nao|niet|не) ?(?:laser ?)?"
     r"(?:cut|schneid\w*|schnitt|decoup\w*|coup\w*|cort\w*|taglia\w*|snij\w*|tnij|ciac|ciecia|резать)\b"
-    r"|\bdonotcut\b|\bnocut\b|不切|不要切|切らない|カットしない|자르지"
+    r"|\bdonotcut\b|\bnocut\b|\bdesign template\b|不切|不要切|切らない|カットしない|자르지"
 )
 """What says that something is not cut, in words in small letters without accents."""
 SHEET_WORDS = {
@@ -126,6 +126,19 @@ OUTSIDE_WORDS = (
     "outline",
 )
 """How words for lines begin that are cut on their outside."""
+OUTLINE_NAMES = {
+    "outline",
+    "outlines",
+    "contour",
+    "umriss",
+    "aussenkontur",
+    "contorno",
+    "omtrek",
+    "obrys",
+    "контур",
+    "外形",
+}
+"""Names of the one outline of a part, by which what lies in it is cut out."""
 POCKET_WORDS = {"pocket", "pockets", "pocketing", "tasche", "taschen", "poche", "poches", "vcarve", "halftone"}
 """Words for what is milled, but not through, ..."""
 COUNTERSINK = re.compile(
@@ -163,6 +176,8 @@ def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[
         notes.append(f"{artwork.file}: everything stands in layers that are usually not cut; all of it is read")
     if not options.only:
         _reference_lines(artwork, reasons)
+        if "all" not in options.solid:
+            _drawing_border(artwork, reasons)
         _reference_bar(artwork, reasons)
         _filled(artwork, reasons, options)
     kept = tuple(s for s, reason in zip(artwork.strokes, reasons, strict=True) if not reason)
@@ -270,6 +285,17 @@ def is_outside_layer(word: str) -> bool:
     (True, False)
     """
     return any(token.startswith(OUTSIDE_WORDS) for token in _tokens(word))
+
+
+def is_outline_name(word: str) -> bool:
+    """Whether a name is that of the outline of a part, and not of the part.
+
+    Examples
+    --------
+    >>> is_outline_name("Outline 2"), is_outline_name("Outer frame")
+    (True, False)
+    """
+    return len(_tokens(word)) == 1 and _tokens(word)[0] in OUTLINE_NAMES
 
 
 @lru_cache(4096)
@@ -394,6 +420,35 @@ def _reference_lines(artwork: Artwork, reasons: list[str]) -> None:
         name = artwork.strokes[i].line_type
         if name and _tokens(name) and _tokens(name)[0].startswith(REFERENCE_LINE_TYPES):
             reasons[i] = f'drawn with line type "{name}", not cut; --only "{name}" reads it'
+
+
+_SPAN, _SIDES, _TITLES = 0.8, 4, 3
+"""The border of a drawing has at least so many lines both ways over this share of its size, and so many texts beside what is drawn."""
+
+
+def _drawing_border(artwork: Artwork, reasons: list[str]) -> None:
+    """Leave out the double frame of a drawing sheet with its title block: one layer or block of straight lines round all others."""
+    rows = [i for i, reason in enumerate(reasons) if not reason]
+    pools: dict[object, list[int]] = {}
+    for i in rows:
+        pools.setdefault(artwork.strokes[i].pool, []).append(i)
+    if len(artwork.texts) < _TITLES or len(pools) < 2:
+        return
+    boxes = {i: _box(artwork.strokes[i]) for i in rows}
+    whole = shapely.total_bounds(list(boxes.values()))
+    for own in pools.values():
+        frame = shapely.box(*shapely.total_bounds([boxes[i] for i in own]))
+        inner = shapely.box(*shapely.total_bounds([boxes[i] for i in rows if i not in set(own)]))
+        if not (frame.bounds == tuple(whole) and shapely.contains_properly(frame, inner)):
+            continue
+        steps = np.concatenate([np.diff(np.array(trace(path, 4))) for i in own for path in artwork.strokes[i].paths])
+        width, height = whole[2:] - whole[:2]
+        sides = (np.abs(steps.real) >= _SPAN * width).sum(), (np.abs(steps.imag) >= _SPAN * height).sum()
+        titles = shapely.points([(text.at.real, text.at.imag) for text in artwork.texts])
+        beside = shapely.intersects(frame, titles) & ~shapely.intersects(inner, titles)
+        if min(sides) >= _SIDES and beside.sum() >= _TITLES:
+            for i in own:
+                reasons[i] = "of the border of a drawing sheet with its title block; --solid all reads it"
 
 
 def _reference_bar(artwork: Artwork, reasons: list[str]) -> None:

@@ -78,6 +78,8 @@ def _spans(degree: int, knots: Real, points: Real) -> list[Real]:
     """Homogeneous Bézier points (degree + 1, 3) of every span, by Boehm's knot insertion up to full multiplicity."""
     n = len(points)
     low, high = knots[degree], knots[n]
+    if n == degree + 1 and knots[0] == low and knots[-1] == high:
+        return [points]  # one Bézier already, as most programs write
     for value in np.unique(knots[degree : n + 1]):
         missing = degree - int((knots == value).sum())
         for _ in range(missing):
