@@ -44,6 +44,16 @@ def overlap(assembly: Assembly, motion: np.ndarray) -> float:
     return max(a.intersection(b).area for k, a in enumerate(placed) for b in placed[:k])
 
 
+@pytest.mark.parametrize("step", [2.0, 5.0, 15.0])
+def test_what_holds_a_part_stays_however_often_that_is_pulled(latch: Assembly, step: float) -> None:
+    """The latch must be lifted by 5 mm; nothing lifts it while the slider is led on."""
+    live = wr.Live(latch)
+    for k in range(1, 9):
+        led = live.drag("slider", (20, 15), (20 + step * k, 15), seconds=9)
+        assert led.motion[SLIDER, 0] < 0.6
+        assert led.motion[LIFTED, 1] < 5
+
+
 def test_a_drag_begins_where_the_part_before_was_left(latch: Assembly) -> None:
     live = wr.Live(latch)
     live.drag("latch", (45, 50), (45, 62), start="rest", seconds=3)

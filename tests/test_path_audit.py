@@ -48,6 +48,18 @@ def test_equal_parts_share_their_outlines(tmp_path):
             assert audit_path(row, waypoints_of(3, 1, (side * far, 0, 0))).free is free
 
 
+def test_one_part_that_moves_otherwise_is_judged_against_all_others() -> None:
+    """A grid of loose parts: whichever moves, however far, the word is that of a whole audit."""
+    made = wr.patterns.grid(4, 4, joint="tee", gap=0.05)
+    count, rng, told = len(made.names), np.random.default_rng(5), []
+    for who, far in itertools.product(range(1, count), (0.005, 0.02, 0.2)):
+        path = waypoints_of(count, who, (*rng.uniform(-far, far, 2), 0.0))
+        whole, one = audit_path(made, path), audit_path(made, path, changed=np.arange(count) == who)
+        np.testing.assert_array_equal([whole.a, whole.b, whole.piece], [one.a, one.b, one.piece])
+        told.append(one.free)
+    assert {True, False} == set(told)
+
+
 def least_distance(ground: Ground, waypoints: np.ndarray) -> float:
     """Smallest distance of any two parts at many motions."""
     share = np.linspace(0, 1, 41)[:, None, None]

@@ -105,7 +105,9 @@ class Page:
     @contextlib.asynccontextmanager
     async def _life(self, _: Starlette) -> AsyncIterator[None]:
         await self.pool.prepare()
+        greeting = asyncio.create_task(asyncio.to_thread(hello))  # loads what it lists while the browser starts
         yield
+        await greeting
         await self.pool.close()
 
     def _known(self, asked: HTTPConnection) -> bool:

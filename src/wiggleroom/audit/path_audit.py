@@ -59,7 +59,13 @@ class PathAudit:
         return int(self.piece.min(initial=len(self.doubtful) if self.whole else 0)) + 1
 
 
-def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | None = None) -> PathAudit:
+def audit_path(
+    parts: AuditOutlines | Assembly,
+    motions: Floats,
+    stop: Stop | None = None,
+    *,
+    changed: NDArray[np.bool_] | None = None,
+) -> PathAudit:
     """Judge a path from its waypoints and the outlines of the parts alone.
 
     Between two waypoints every part moves straight: x, y and angle of its reference point change evenly.
@@ -71,6 +77,8 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | No
         Waypoints: motions of all parts about their reference points, from a state at which parts do not lie inside each other.
     stop : optional
         Once it is set, the whole path is in doubt.
+    changed : (n,) bool, optional
+        Parts that move otherwise than on a path that was judged before: pairs of other parts are not looked at again.
 
     Returns
     -------
@@ -100,7 +108,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | No
     poses = np.empty((n, len(motions), 3))
     np.add(parts.rest[:, None], motions.transpose(1, 0, 2), out=poses)
     poses[:, :, :2] -= parts.rest[:, :2].mean(axis=0)
-    keys = _near(parts, poses)
+    keys = _near(parts, poses, np.arange(n) if changed is None else np.flatnonzero(changed))
     a, b = keys // n, keys % n
     doubtful = np.zeros(len(motions) - 1, dtype=np.bool_)
     first = np.full(len(keys), len(motions), dtype=np.int64)
@@ -144,8 +152,8 @@ def _sweep(
     return all(met is not None for met in looked)
 
 
-def _near(parts: AuditOutlines, poses: Floats) -> Ints:
-    """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the path."""
+def _near(parts: AuditOutlines, poses: Floats, who: Ints) -> Ints:
+    """Keys a * n + b, a < b, of the pairs with one of some parts that may collide and whose boxes meet somewhere along the path."""
     n = len(poses)
     width = _widths(_swept(parts, poses, 0, 0))
     waiting = [(0, poses.shape[1] - 1)]
@@ -157,7 +165,8 @@ def _near(parts: AuditOutlines, poses: Floats) -> Ints:
             waiting += [((k0 + k1) // 2, k1), (k0, (k0 + k1) // 2)]
             continue
         shapes = shapely.box(*boxes.T)
-        a, b = shapely.STRtree(shapes).query(shapes)
+        own, other = shapely.STRtree(shapes).query(shapes[who])
+        a, b = np.minimum(who[own], other), np.maximum(who[own], other)
         keep = (a < b) & ~(parts.fixed[a] & parts.fixed[b]) & (parts.body[a] != parts.body[b])
         found.append(a[keep] * n + b[keep])
     keys = np.sort(np.concatenate(found))  # quicker than the hashing of np.unique

@@ -75,6 +75,8 @@ class _Dragged:
 
 MAX_LEFT, MAX_SEEN = 24, 4
 """Number of poses that are kept with the cells round them: where parts were left, and where drags ended lately."""
+NO_GAIN = 1e-2
+"""A part that is held, and comes nearer by less than this share of the clearance, stays with all others where it was."""
 MAX_BACK_BODIES = 300
 """Of larger assemblies others are not brought back after a drag."""
 
@@ -309,6 +311,9 @@ class Live:
         if near is None and held:  # what would have to give way is pinned
             near = state, None, False
         after, search, settled = near or dragged(ready, term, state, float(np.sum(np.subtract(aim, grip) ** 2)), until)
+        left, before = (float(np.hypot(*(grip + term.points.moved(m)[0] - aim))) for m in (after.motion, state.motion))
+        if settled and few is None and left > NO_GAIN * ready.clearance and before - left < NO_GAIN * ready.clearance:
+            after = state  # what holds the part stays, too: step by step the search would lead it out of the way
         # pressed against what could give way, few parts are a bad place for more to begin at
         few = None if near is None or within is None or settled else _AmongFew(body, within, after)
         self._dragged = _Dragged(ready, state if few else after, few, since)

@@ -59,7 +59,7 @@ def with_bystanders_at_rest(answer: Answer, stop: Stop | None = None) -> Answer:
         mine = np.isin(body, bodies)
         tried = now.copy()
         tried[k:, mine] = now[k, mine]
-        return tried if audit_path(judged, tried, stop).free else None
+        return tried if audit_path(judged, tried, stop, changed=mine).free else None
 
     if not audit_path(judged, points, stop).free:
         return answer
