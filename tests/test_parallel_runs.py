@@ -16,8 +16,9 @@ import pytest
 
 import wiggleroom as wr
 from wiggleroom.context import Context
+from wiggleroom.errors import go_on
 from wiggleroom.parallel import parallel_run as module
-from wiggleroom.parallel.parallel_run import run_each
+from wiggleroom.parallel.parallel_run import StopHere, run_each
 
 
 def square(shared: float, task: float) -> float:
@@ -94,6 +95,22 @@ def test_it_can_be_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     results = run_each(slow, None, list(range(40)), context)
     assert 3 <= sum(r is not None for r in results) < 12
     assert all(r in (None, k) for k, r in enumerate(results))
+
+
+def goes_on(stop: StopHere, task: int) -> int:
+    go_on(stop)
+    return task
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_work_stops_within_a_task_in_this_process_alone(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What stops a task stays here: the first task is done in this process, with two workers the others are done elsewhere."""
+    monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
+    stop = threading.Event()
+    assert run_each(goes_on, StopHere(stop), [1, 2, 3], Context(workers=workers)) == [1, 2, 3]
+    stop.set()
+    done = run_each(goes_on, StopHere(stop), [1, 2, 3], Context(workers=1))
+    assert done == [None, None, None]
 
 
 def test_progress_counts_up(processes: Context) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from wiggleroom.drawing.model import JointGap, Pull
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_study import spatial_study_of
 
 JOINT = "examples/43_mortise_and_tenon/joint.json"
 LOCKED = PEG | {"lock": ["rx", "ry", "rz"]}
@@ -69,6 +71,19 @@ def test_ranking_of_many_parts_tells_who_holds_and_who_does_not() -> None:
         {"key": 0, "stick1": 0.5, "stick2": 0.5, "stick3": 0, "stick4": 0, "stick5": 0}, abs=1e-6
     )
     assert [tuple(burr.names[k] for k in pair) for pair in found.joints.tolist()] == [("stick1", "stick2")]
+
+
+def test_parts_that_are_made_anew_stop_where_they_are_asked_to() -> None:
+    stop = threading.Event()
+    study = spatial_study_of(joint(), wr.Pull("rail", (0, 0, 1), (120, 0, 0)))
+    narrower = -0.01 * np.ones(2)
+    larger = study.with_inward(narrower, stop).assembly.solids[0].pieces[0].corners
+    assert np.ptp(larger, axis=0) == pytest.approx(np.ptp(study.assembly.solids[0].pieces[0].corners, axis=0) + 0.02)
+    stop.set()
+    with pytest.raises(wr.StoppedError):
+        study.with_inward(narrower, stop)
+    with pytest.raises(wr.StoppedError):
+        study.made_of(study.assembly.drawing, stop)
 
 
 def test_corners_follow_the_faces_of_plates_boxes_and_meshes() -> None:

@@ -14,11 +14,12 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 from wiggleroom.context import Context
-from wiggleroom.errors import WiggleroomError, require_extra
+from wiggleroom.errors import Stop, StoppedError, WiggleroomError, is_asked, require_extra
 from wiggleroom.parallel.batches import usable_cores
 
 Work = Callable[[Any, Any], Any]
@@ -30,8 +31,29 @@ MAX_RETRIES = 3
 """A task is given up after its worker died this many times."""
 
 
+@dataclass(frozen=True)
+class StopHere:
+    """What stops work within a task, as a part of what tasks share: in this process; others are ended.
+
+    Parameters
+    ----------
+    stop : optional
+        Anything with `is_set()`.
+    """
+
+    stop: Stop | None = None
+
+    def is_set(self) -> bool:
+        """True to stop."""
+        return is_asked(self.stop)
+
+    def __reduce__(self) -> tuple[type[StopHere], tuple[()]]:
+        """What other processes are sent: nothing that stops."""
+        return StopHere, ()
+
+
 def run_each(work: Work, shared: Any, tasks: Sequence[Any], context: Context) -> list[Any]:
-    """Result of every task, in order; None for those that were not done before it was asked to stop.
+    """Result of every task, in order; None for those that were not done before it was asked to stop, or raised StoppedError here.
 
     Raises
     ------
@@ -52,7 +74,8 @@ def run_each(work: Work, shared: Any, tasks: Sequence[Any], context: Context) ->
                 _in_processes(run, rest, min(workers, len(rest)))
                 break
             k = rest.pop(0)
-            run.keep(k, work(shared, tasks[k]))
+            with suppress(StoppedError):
+                run.keep(k, work(shared, tasks[k]))
     return [run.results.get(k) for k in range(len(tasks))]
 
 

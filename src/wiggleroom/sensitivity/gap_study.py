@@ -102,11 +102,11 @@ class GapStudy(Protocol[Found]):
         StoppedError where it was asked to stop before they were made.
         """
 
-    def made_of(self, drawing: Drawing) -> Self:
-        """The same question of another drawing of the same parts; InputError as for `at_gap`."""
+    def made_of(self, drawing: Drawing, stop: Stop | None = None) -> Self:
+        """The same question of another drawing of the same parts; errors as for `at_gap`."""
 
-    def with_inward(self, inward: Floats) -> Self:
-        """The same question with the boundary of each part moved inward by `inward` (n,) [mm]; InputError as for `at_gap`."""
+    def with_inward(self, inward: Floats, stop: Stop | None = None) -> Self:
+        """The same question with the boundary of each part moved inward by `inward` (n,) [mm]; errors as for `at_gap`."""
 
     def answer(self, context: Context) -> Found:
         """Largest motion as a direct question finds it, without a bound."""
@@ -135,7 +135,7 @@ class GapStudy(Protocol[Found]):
     def derivatives(self, answer: Found) -> GapDerivatives:
         """Derivatives by the gap of every part and joint."""
 
-    def quotients(self, answer: Found) -> DifferenceQuotients:
+    def quotients(self, answer: Found, context: Context) -> DifferenceQuotients:
         """How derivatives are found by solving again."""
 
     def moved(self, answer: Found, inward: Floats, context: Context) -> Found:

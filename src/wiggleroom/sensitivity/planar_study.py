@@ -121,12 +121,14 @@ class PlanarStudy:
         go_on(stop)
         return replace(self, question=assemble(self.assembly.drawing, gap=gap), found=None)
 
-    def made_of(self, drawing: Drawing) -> Self:
+    def made_of(self, drawing: Drawing, stop: Stop | None = None) -> Self:
         """The same question of another drawing of the same parts."""
+        go_on(stop)
         return replace(self, question=assemble(drawing), found=None)
 
-    def with_inward(self, inward: Floats) -> Self:
+    def with_inward(self, inward: Floats, stop: Stop | None = None) -> Self:
         """The same question with the outline of each part moved inward by `inward` (n,) [mm]."""
+        go_on(stop)
         return replace(self, question=varied(self.assembly, inward), found=None)
 
     def answer(self, context: Context) -> Answer:
@@ -201,7 +203,7 @@ class PlanarStudy:
         found = ended(answer)
         return _derivatives(answer.assembly, found.program, found.solution)
 
-    def quotients(self, answer: Answer) -> DifferenceQuotients:
+    def quotients(self, answer: Answer, context: Context) -> DifferenceQuotients:  # noqa: ARG002
         """How derivatives are found by solving the last program again."""
         found = ended(answer)
         start = base(self.ready, found)

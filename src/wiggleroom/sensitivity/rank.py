@@ -154,7 +154,7 @@ def rank(study: GapStudy[Any], *, by: str = "duals", exact: bool = False, contex
         slides = bool(derivatives.elsewhere) and 0 < (~ranking.unique).sum() <= MAX_SOLVED_AGAIN
         if not slides:
             return ranking
-    found = study.quotients(answer)
+    found = study.quotients(answer, context)
     ranking = ranking_of(answer, found.derivatives, context=context)
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
     return _by_differences(ranking, found, parts, by, context)

@@ -8,15 +8,16 @@ of all tighter ones. The state with every part as tight as in any draw, and that
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any, Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.context import UNLIMITED, Context
-from wiggleroom.errors import InputError, Stop, StoppedError
-from wiggleroom.parallel.parallel_run import Work, run_each
+from wiggleroom.errors import InputError, StoppedError
+from wiggleroom.parallel.parallel_run import StopHere, Work, run_each
 from wiggleroom.sensitivity.found_motion import Found, is_checked, verdict_of
 from wiggleroom.sensitivity.gap_distribution import wilson
 from wiggleroom.sensitivity.gap_study import GapStudy
@@ -92,12 +93,15 @@ class SearchedDraws(Generic[Found]):
 
     def search(self, context: Context) -> None:
         """Search the tightest and the loosest state, and where the climbs fall short of either, draws between them."""
-        if not self.fit.any():
-            return
         self._context = context
+        with suppress(StoppedError):
+            if self.fit.any():
+                self._search(context)
+
+    def _search(self, context: Context) -> None:
         ends = [self.inward[self.fit].min(axis=0), self.inward[self.fit].max(axis=0)]
         climbs = self._each(*self.study.draws(self.answer, context), ends, context)
-        found = self._each(SearchedDraw(context.stop), self._bare, ends, context)
+        found = self._each(searched_draw, self._bare, ends, context)
         self.tightest, self.loosest = (self._take(end, one) for end, one in zip(ends, found, strict=True))
         if self.tightest is None or self.loosest is None or None in climbs:
             return
@@ -117,9 +121,10 @@ class SearchedDraws(Generic[Found]):
             self._search_draws(some, context)
 
     @property
-    def _bare(self) -> GapStudy[Found]:
-        """The study as it was asked, for other processes."""
-        return self.study.with_inward(np.zeros(self.inward.shape[1]))
+    def _bare(self) -> tuple[GapStudy[Found], StopHere]:
+        """The study as it was asked, for other processes, and what stops it in this one."""
+        stop = self._context.stop
+        return self.study.with_inward(np.zeros(self.inward.shape[1]), stop), StopHere(stop)
 
     @property
     def _known(self) -> bool:
@@ -150,7 +155,7 @@ class SearchedDraws(Generic[Found]):
         return left[chosen]
 
     def _search_draws(self, some: NDArray[np.int64], context: Context) -> None:
-        found = self._each(SearchedDraw(context.stop), self._bare, list(self.inward[some]), context)
+        found = self._each(searched_draw, self._bare, list(self.inward[some]), context)
         for k, one in zip(some.tolist(), found, strict=True):
             value = self._take(self.inward[k], one)
             if value is not None:
@@ -186,12 +191,12 @@ class SearchedDraws(Generic[Found]):
         asked = np.flatnonzero(self.fit & (self.value <= limit) & (self.value < math.inf))
         if not len(asked) or (value <= limit and value < math.inf):
             return
-        wide = self.study.with_inward(inward).with_room(found, limit, self._context)
+        wide = self.study.with_inward(inward, self._context.stop).with_room(found, limit, self._context)
         for k in asked.tolist():
             if self._context.stopped:
                 break
             if k not in self._studies:
-                self._studies[k] = self.study.with_inward(self.inward[k])
+                self._studies[k] = self.study.with_inward(self.inward[k], self._context.stop)
             kept = self._studies[k].followed(wide, limit)
             if kept is not None:
                 self.value[k] = math.inf if kept.objective is None else max(self.value[k], kept.objective)
@@ -202,25 +207,10 @@ def _falls_short(climb: float, search: float) -> bool:
     return not climb >= (1 - SAME_VALUE) * search
 
 
-@dataclass(frozen=True)
-class SearchedDraw:
-    """A direct question with other boundaries, as work for many processes.
-
-    Parameters
-    ----------
-    stop : optional
-        Asked within the search, in this process; others are ended.
-    """
-
-    stop: Stop | None = None
-
-    def __call__(self, study: GapStudy[Any], inward: Floats) -> Any:
-        """The answer, without what a search could go on from; a verdict where there is none."""
-        try:
-            return replace(study.with_inward(inward).answer(Context(stop=self.stop)), warm_start=None)
-        except (InputError, StoppedError) as why:
-            return verdict_of(why)
-
-    def __reduce__(self) -> tuple[type[SearchedDraw], tuple[()]]:
-        """What other processes are sent: without `stop`."""
-        return SearchedDraw, ()
+def searched_draw(shared: tuple[GapStudy[Any], StopHere], inward: Floats) -> Any:
+    """The answer of a direct question with other boundaries, without what a search could go on from; a verdict where there is none."""
+    study, stop = shared
+    try:
+        return replace(study.with_inward(inward, stop).answer(Context(stop=stop)), warm_start=None)
+    except (InputError, StoppedError) as why:
+        return verdict_of(why)

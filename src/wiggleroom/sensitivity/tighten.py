@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.parallel.parallel_run import run_each
 from wiggleroom.sensitivity.found_motion import Found, endless, is_checked
 from wiggleroom.sensitivity.gap_study import GapStudy, check_end
@@ -179,10 +179,10 @@ def _others(able: Ints, count: int, draws: int, seed: int) -> tuple[list[tuple[i
 def _searched(
     study: GapStudy[Found], chosen: Sequence[int], room: Floats, known: Found | None, context: Context
 ) -> Found | None:
-    """What a direct question finds with some parts tightened; `known` where that is more, or the parts do not fit."""
+    """What a direct question finds with some parts tightened; `known` where that is more, the parts do not fit, or it was stopped."""
     try:
-        found = study.with_inward(_inward(chosen, room)).answer(context)
-    except InputError:
+        found = study.with_inward(_inward(chosen, room), context.stop).answer(context)
+    except (InputError, StoppedError):
         return known
     return found if known is None or not exceeds(known, found) else known
 
@@ -222,13 +222,20 @@ def _choose(
             # what half of the missing motion needs by first order: the rest is ranked anew
             needed = int(np.searchsorted(np.cumsum(worth[order]), (answer.objective - limit) / 2)) + 1
             batch = min(batch, needed)
-        chosen += order[:batch].tolist()
+        more = [*chosen, *order[:batch].tolist()]
+        try:
+            answer = study.moved(before, _inward(more, room), context)
+        except StoppedError:
+            break
+        chosen = more
         able[order[:batch]] = False
-        answer = study.moved(before, _inward(chosen, room), context)
     if limit is not None and answer.objective is not None and answer.objective <= limit:
         for k in chosen[: -SETTINGS.max_removal_tests : -1]:  # a batch may have held more than it took
             fewer = [c for c in chosen if c != k]
-            less = study.moved(before, _inward(fewer, room), context) if fewer else before
+            try:
+                less = study.moved(before, _inward(fewer, room), context) if fewer else before
+            except StoppedError:
+                break
             if less.objective is not None and less.objective <= limit:
                 chosen, answer = fewer, less
     return chosen, answer

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,8 +21,8 @@ from wiggleroom.assembly.statements import unknown
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Plate, Tolerance
-from wiggleroom.errors import InputError, StoppedError
-from wiggleroom.parallel.parallel_run import run_each
+from wiggleroom.errors import InputError, Stop, StoppedError, go_on
+from wiggleroom.parallel.parallel_run import StopHere, run_each
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_study import GapStudy
 from wiggleroom.sensitivity.rank import Ranking, rank
@@ -144,12 +145,12 @@ def worst_case(
     """
     given = tuple(study.assembly.drawing.tolerances if tolerances is None else tolerances)
     _check_question(given, limit)
-    ranking = rank(_made(study, [(t, 0.0) for t in given]), context=Context(stop=context.stop))
+    ranking = rank(_made(study, [(t, 0.0) for t in given], context.stop), context=Context(stop=context.stop))
     nominal = ranking.answer
-    loosest = _corner(_made(study, [(t, _loose(t)) for t in given]), nominal, limit, context)
+    loosest = _corner(_made(study, [(t, _loose(t)) for t in given], context.stop), nominal, limit, context)
     tightest, misfit = None, ""
     try:
-        tightest = _made(study, [(t, -_opposite(t)) for t in given]).flexed(None, context)
+        tightest = _made(study, [(t, -_opposite(t)) for t in given], context.stop).flexed(None, context)
     except InputError as problem:
         misfit = problem.findings[0]
     except StoppedError:
@@ -195,9 +196,9 @@ def _opposite(tolerance: Tolerance) -> float:
     return tolerance.minus if len(tolerance.parts) == 2 else -tolerance.plus
 
 
-def _made(study: GapStudy[Any], deviations: Sequence[tuple[Tolerance, float]]) -> GapStudy[Any]:
+def _made(study: GapStudy[Any], deviations: Sequence[tuple[Tolerance, float]], stop: Stop | None) -> GapStudy[Any]:
     """The same question of an assembly that is off from where it should be."""
-    return study.made_of(deviated(study.assembly.drawing, deviations))
+    return study.made_of(deviated(study.assembly.drawing, deviations), stop)
 
 
 def _corner(made: GapStudy[Any], nominal: Answer, limit: float | None, context: Context) -> Answer:
@@ -215,7 +216,7 @@ def _corner(made: GapStudy[Any], nominal: Answer, limit: float | None, context: 
 
 
 def _slopes(
-    study: GapStudy[Any], given: Sequence[Tolerance], ranking: Ranking, context: Context
+    study: GapStudy[Any], given: tuple[Tolerance, ...], ranking: Ranking, context: Context
 ) -> tuple[list[float], bool]:
     """Motion gained per mm of looser tolerance: of parts and joints from the forces, where single faces move from solving again."""
     names = ranking.answer.assembly.names
@@ -227,8 +228,11 @@ def _slopes(
     plates = {part.name for part in study.assembly.drawing.parts if isinstance(part.solid, Plate)}
     single = {t for t in given if t.outline is not None or (len(t.parts) == 1 and t.parts[0] in plates)}
     alone = [t for t in given if t in single and _loose(t)]
-    fresh = study.made_of(study.assembly.drawing)  # what was prepared for the other stays here
-    results = run_each(one_alone, (fresh, tuple(given), ranking.answer.objective or 0.0), alone, context)
+    results: list[float | None] = [None] * len(alone)
+    with suppress(StoppedError):
+        fresh = study.made_of(study.assembly.drawing, context.stop)  # what was prepared for the other stays here
+        shared = fresh, given, ranking.answer.objective or 0.0, StopHere(context.stop)
+        results = run_each(one_alone, shared, alone, context)
     outlines = dict(zip(alone, results, strict=True))
     slopes = []
     for t in given:
@@ -241,10 +245,18 @@ def _slopes(
     return slopes, None not in results
 
 
-def one_alone(shared: tuple[GapStudy[Any], tuple[Tolerance, ...], float], loose: Tolerance) -> float:
-    """Motion gained per mm when one tolerance alone is at its loose end."""
-    study, given, value = shared
-    answer = _made(study, [(t, _loose(t) if t == loose else 0.0) for t in given]).flexed(0, UNLIMITED)
+def one_alone(shared: tuple[GapStudy[Any], tuple[Tolerance, ...], float, StopHere], loose: Tolerance) -> float:
+    """Motion gained per mm when one tolerance alone is at its loose end.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop: what was found by then is no slope.
+    """
+    study, given, value, stop = shared
+    made = _made(study, [(t, _loose(t) if t == loose else 0.0) for t in given], stop)
+    answer = made.flexed(0, Context(stop=stop))
+    go_on(stop)
     return math.inf if answer.objective is None else max(answer.objective - value, 0.0) / abs(_loose(loose))
 
 

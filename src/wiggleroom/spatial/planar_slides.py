@@ -271,9 +271,9 @@ class TranslationSpace:
 def _carried(corners: Floats, tilts: Floats, normals: Floats) -> Floats:
     """How far turns carry the corners of a piece (k, 3) [mm] that are foremost against each normal (f, 3) along it, at most (f,) [mm].
 
-    In all directions the turned piece reaches at least as far as its foremost corner, and that is one of those of the faces beside it. About
-    the axes it turns by up to `tilts` (2, 3) [rad], back and ahead; beyond the first order it is carried by no more than half of the square
-    of the whole angle times the lever.
+    In all directions the turned piece reaches at least as far as its foremost corner, and that is one of those of the faces beside it.
+    About the axes it turns by up to `tilts` (2, 3) [rad], back and ahead; beyond the first order it is carried by no more than half of
+    the square of the whole angle times the lever.
     """
     lever = np.linalg.norm(corners, axis=1)
     moment = np.cross(corners[None], normals[:, None])

@@ -44,6 +44,8 @@ MAX_DIRECTIONS = 13
 """Straight paths are tried along at most this many axes, both ways: those of most faces."""
 MAX_PLACES, MAX_PULLED = 200, 3
 """Places, each reached by a checked path, from which straight paths are tried, and from which largest motions are searched."""
+MAX_UNSURE_WORK = 6e6
+"""Work of largest motions, in iterations times rows, where these can find a way out but no more say that there is none."""
 UNDECIDED = 1e-2
 """A largest motion whose error is above this was not decided, and nothing is said about what lies beyond it."""
 PROVE_AFTER = (0, 1, 20)
@@ -214,6 +216,7 @@ class DisassemblyStage:
         self._roadmap = TurnRoadmap(self.ready, self._axes[:MAX_AXES], self.context)
         self._held = PairwiseConfinement(self.ready, self.context)
         self._efforts = [] if self.ready.assembly.overshoot else list(EFFORTS)
+        self._work = 0
 
     def verdict(self) -> tuple[Separability, Certainty]:
         """What became of the parts where no path out was found; what holds a cover need not hold what it covers."""
@@ -228,9 +231,21 @@ class DisassemblyStage:
         """True where a search says nothing of what stays."""
         return self.context.stopped or self.loose or (self.cut and not self.exhaustive)
 
+    @property
+    def _is_loose(self) -> bool:
+        """True where a body was found to turn in place, or not everything that slides and turns lead to was looked at."""
+        roadmap = self._roadmap
+        return roadmap.turns or roadmap.spent or roadmap.skipped or self._unseen
+
+    @property
+    def _is_worked_off(self) -> bool:
+        """True where largest motions have had their work and, whatever more of them find, what stays is unsure."""
+        unsure = self.ready.assembly.overshoot > 0 or self._is_loose or self._unsure
+        return unsure and self._work > MAX_UNSURE_WORK
+
     def escape_path(self) -> _Departure | None:
         """Parts that leave, and the path of all (k, n, 6); None where none was found."""
-        tree, roadmap = self._tree, self._roadmap
+        tree = self._tree
         out = self._straight(self._rest[None], self._axes)
         if out is not None or self.context.stopped:
             return out
@@ -243,7 +258,7 @@ class DisassemblyStage:
             out = tree.search(*levels, context=self.context)
         if out is None and not self.proven:
             self.cut |= tree.full or len(tree.states) > MAX_PULLED
-            self.loose = roadmap.turns or roadmap.spent or roadmap.skipped or self._unseen
+            self.loose = self._is_loose
             if not self._unsure:
                 self.loose = any(self._may_tilt_out(v.state) for v in tree.states[:MAX_PULLED])
             if not self._unsure:  # turns as one take long to look for, and could only make it less sure
@@ -418,7 +433,10 @@ class DisassemblyStage:
                     yield end, _Leg(np.stack([motion, end]))
 
     def _pulled(self, here: int) -> _Steps:
-        """Pull every body in every direction, from the first places; from the first of all also on the paths of random pulls."""
+        """Pull every body in every direction, from the first places; from the first of all also on the paths of random pulls.
+
+        Where only a way out would still say anything, that ends by counted work.
+        """
         while self._efforts and not self.proven:
             self._prove()
             self.context.go_on()
@@ -429,6 +447,9 @@ class DisassemblyStage:
         for b in np.flatnonzero(ready.grouping.bodies.moves).tolist():
             for direction in (sign * axis for axis in self._axes[:3] for sign in (1.0, -1.0)):
                 self.context.go_on()
+                if self._is_worked_off:
+                    self.cut = True
+                    return
                 goal = SumOfTerms((Displacement(b, np.zeros(3), direction, begin.T[b]),))
                 self.questions += 1
                 climb = SpatialSearch(ready, goal, self.context.silent, begin)
@@ -445,6 +466,7 @@ class DisassemblyStage:
                 if gone:
                     yield Exit((gone, np.concatenate([path, done.path[1:]])))
                 self.cut |= self._is_new(done.path[-1], _Leg(done.path))  # what lies beyond is not gone on from
+                self._work += climb.work
 
 
 def _face_axes(ready: SpatialPrepared) -> Floats:

@@ -70,8 +70,9 @@ def prepare_spatial(assembly: Assembly) -> SpatialPrepared:
     if not all(made.pieces for made in assembly.solids):
         message = f"{assembly.drawing.source or 'the assembly'}: was read with overlapping=True, for clearances alone; read it without"
         raise InputError(message)
-    first = near_pieces(bodies, bodies.rest, max(2 * assembly.gap, 1e-3 * size))
-    apart = np.array([best_axis(bodies, bodies.rest, who, np.empty(3))[0] for who in first.tolist()])
+    rest = bodies.rest
+    first = near_pieces(bodies, rest, max(2 * assembly.gap, 1e-3 * size))
+    apart = np.array([best_axis(bodies, rest, who, np.empty(3))[0] for who in first.tolist()])
     if len(apart) and apart.min() < CONTACT_TOLERANCE * size:
         k = int(apart.argmin())
         raise _touching(assembly, group, first[k], float(apart[k]))
@@ -79,7 +80,7 @@ def prepare_spatial(assembly: Assembly) -> SpatialPrepared:
         _refuse_enclosed(assembly)
     near = apart[apart > 0]
     clearance = assembly.gap or (float(np.median(near)) if len(near) else 1e-2 * size)
-    pieces = near_pieces(bodies, bodies.rest, REACH * clearance)
+    pieces = near_pieces(bodies, rest, REACH * clearance)
     return SpatialPrepared(assembly, group, clearance, size, pieces, SweptCheck(assembly))
 
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import Context
 from wiggleroom.drawing.model import Drawing, Goal
-from wiggleroom.errors import InputError, Stop
-from wiggleroom.parallel.parallel_run import Work
+from wiggleroom.errors import InputError, Stop, go_on
+from wiggleroom.parallel.parallel_run import StopHere, Work
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.found_motion import verdict_of, verdict_of_carried
@@ -79,13 +79,13 @@ class SpatialStudy:
         """The same question with another gap [mm] of the whole assembly."""
         return replace(self, assembly=assemble_spatial(self.assembly.drawing, gap=gap, stop=stop), found=None)
 
-    def made_of(self, drawing: Drawing) -> Self:
+    def made_of(self, drawing: Drawing, stop: Stop | None = None) -> Self:
         """The same question of another drawing of the same parts."""
-        return replace(self, assembly=assemble_spatial(drawing), found=None)
+        return replace(self, assembly=assemble_spatial(drawing, stop=stop), found=None)
 
-    def with_inward(self, inward: Floats) -> Self:
+    def with_inward(self, inward: Floats, stop: Stop | None = None) -> Self:
         """The same question with all faces of each part moved inward by `inward` (n,) [mm]."""
-        return replace(self, assembly=_moved_inward(self.assembly, inward), found=None)
+        return replace(self, assembly=_moved_inward(self.assembly, inward, stop), found=None)
 
     def answer(self, context: Context) -> Answer:
         """Largest motion from rest; the one that was found before, where there is one."""
@@ -129,24 +129,25 @@ class SpatialStudy:
         assert answer.warm_start is not None  # see `can_be_ranked`
         return _derivatives(answer.assembly, answer.warm_start)
 
-    def quotients(self, answer: Answer) -> DifferenceQuotients:
+    def quotients(self, answer: Answer, context: Context) -> DifferenceQuotients:
         """How derivatives are found by solving again from where the answer's climb began."""
-        shared = (self.assembly, answer.goals, answer.lead, answer.objective, self.clearance)
+        stop = StopHere(context.stop)
+        shared = (self.assembly, answer.goals, answer.lead, answer.objective, self.clearance, stop)
         return DifferenceQuotients(spatial_slope, shared, self.derivatives(answer))
 
     def moved(self, answer: Answer, inward: Floats, context: Context) -> Answer:
         """Largest motion when all faces of each part move inward by `inward` (n,) [mm], from rest and where the answer's climb began."""
         return flex_spatial(
-            _moved_inward(self.assembly, inward),
+            _moved_inward(self.assembly, inward, context.stop),
             answer.goals,
             search=0,
             lead=answer.lead,
             context=context.silent,
         )
 
-    def draws(self, answer: Answer, context: Context) -> tuple[Work, Any]:  # noqa: ARG002
+    def draws(self, answer: Answer, context: Context) -> tuple[Work, Any]:
         """What many such motions need: each is worked out from nothing."""
-        return one_spatial_draw, (self.assembly, answer.goals, answer.lead)
+        return one_spatial_draw, (self.assembly, answer.goals, answer.lead, StopHere(context.stop))
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the faces of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
@@ -186,29 +187,39 @@ def fitting(assembly: Assembly, larger: float, stop: Stop | None) -> AllowableGa
     )  # fmt: skip
 
 
-def _moved_inward(assembly: Assembly, inward: Floats) -> Assembly:
+def _moved_inward(assembly: Assembly, inward: Floats, stop: Stop | None) -> Assembly:
     further = {name: float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
-    return assemble_spatial(assembly.drawing, inward=further)
+    return assemble_spatial(assembly.drawing, inward=further, stop=stop)
 
 
 def spatial_slope(
-    shared: tuple[Assembly, tuple[Goal, ...], Floats | None, float, float], task: tuple[int, float]
+    shared: tuple[Assembly, tuple[Goal, ...], Floats | None, float, float, StopHere], task: tuple[int, float]
 ) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
-    assembly, goals, lead, value, clearance = shared
+    assembly, goals, lead, value, clearance, stop = shared
     part, sign = task
     extra = sign * DIFFERENCE_STEP * clearance
     inward = np.zeros(len(assembly.parts))
     inward[part] = extra / 2
-    found = one_spatial_draw((assembly, goals, lead), inward)
+    found = one_spatial_draw((assembly, goals, lead, stop), inward)
     return (found.value - value) / extra if np.isfinite(found.value) and found.verdict.ends else np.nan
 
 
-def one_spatial_draw(shared: tuple[Assembly, tuple[Goal, ...], Floats | None], inward: Floats) -> PerturbedObjective:
-    """Largest objective with other faces, everything worked out anew, from rest and where an answer's climb began."""
-    assembly, goals, lead = shared
+def one_spatial_draw(
+    shared: tuple[Assembly, tuple[Goal, ...], Floats | None, StopHere], inward: Floats
+) -> PerturbedObjective:
+    """Largest objective with other faces, everything worked out anew, from rest and where an answer's climb began.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop: what was found by then is no draw.
+    """
+    assembly, goals, lead, stop = shared
     try:
-        answer = flex_spatial(_moved_inward(assembly, inward), goals, search=0, lead=lead)
+        made = _moved_inward(assembly, inward, stop)
+        answer = flex_spatial(made, goals, search=0, lead=lead, context=Context(stop=stop))
+        go_on(stop)
     except InputError as why:
         return PerturbedObjective(np.nan, verdict_of(why))
     return PerturbedObjective(np.inf if answer.objective is None else answer.objective, answer.verdict)

@@ -78,16 +78,27 @@ class SweptCheck:
         R0, R1 = exponential(start[:, 3:]), exponential(end[:, 3:])
         turn = logarithm(np.einsum("nji,njk->nik", R0, R1))
         found: set[tuple[int, int]] = set()
-        for i, j in self._near(T0, T1, R0, R1, turn, only):
-            a, b = pair = int(self._part[i]), int(self._part[j])
-            if pair in found:
+        for (a, b), pieces in self._near(T0, T1, R0, R1, turn, only):
+            if is_asked(stop):
+                return self._all_pairs(only)
+            if (a, b) in found:
                 continue
             at = T0[a], T1[a], R0[a], turn[a], T0[b], T1[b], R0[b], turn[b]
-            if is_asked(stop) or not self._stay_apart(i, j, at):
-                found.add(pair)
+            if any(is_asked(stop) or not self._stay_apart(i, j, at) for i, j in pieces.tolist()):
+                found.add((a, b))
                 if first:
                     break
         return sorted(found)
+
+    def _all_pairs(self, only: Iterable[int] | None) -> list[tuple[int, int]]:
+        """All pairs of parts that must stay apart; where asked, with exactly one of some."""
+        one, other = np.triu_indices(len(self._reference), 1)
+        keep = ~(self._fixed[one] & self._fixed[other])
+        if only is not None:
+            some = np.isin(np.arange(len(self._reference)), list(only))
+            keep &= some[one] != some[other]
+        pairs = zip(one[keep].tolist(), other[keep].tolist(), strict=True)
+        return [pair for pair in pairs if pair not in self._allowed]
 
     def _stay_apart(self, i: int, j: int, at: tuple[Floats, ...]) -> bool:
         P, Q = self._pieces[i], self._pieces[j]
@@ -105,19 +116,21 @@ class SweptCheck:
         ahead[mine, :3] += most * direction
         T, R = self._reference + motion[:, :3], exponential(motion[:, 3:])
         posed: dict[int, ConvexPiece] = {}
-        for i, j in self._near(T, self._reference + ahead[:, :3], R, R, np.zeros_like(T), np.flatnonzero(mine)):
-            if is_asked(stop):
-                return 0.0
-            P, Q = (posed.setdefault(k, self._pieces[k].placed(R[p], T[p])) for k in (i, j) for p in (self._part[k],))
-            sign = 1.0 if mine[self._part[j]] else -1.0
-            far = free_distance(P.corners, P.normals, P.edges, Q.corners, Q.normals, Q.edges, sign * direction)
-            most = min(most, far)
+        near = self._near(T, self._reference + ahead[:, :3], R, R, np.zeros_like(T), np.flatnonzero(mine))
+        for (a, b), pieces in near:
+            toward = direction if mine[b] else -direction
+            for i, j in pieces.tolist():
+                if is_asked(stop):
+                    return 0.0
+                P, Q = (posed.setdefault(k, self._pieces[k].placed(R[p], T[p])) for k, p in ((i, a), (j, b)))
+                far = free_distance(P.corners, P.normals, P.edges, Q.corners, Q.normals, Q.edges, toward)
+                most = min(most, far)
         return most
 
     def _near(
         self, T0: Floats, T1: Floats, R0: Floats, R1: Floats, turn: Floats, only: Iterable[int] | None
-    ) -> Iterator[tuple[int, int]]:
-        """Pairs of pieces of parts that must stay apart whose swept boxes meet, sorted by parts, some pieces at a time."""
+    ) -> Iterator[tuple[tuple[int, int], Ints]]:
+        """Two parts that must stay apart, and pairs of their pieces (k, 2) whose swept boxes meet; the same two may come again."""
         part = self._part
         angle = np.linalg.norm(turn, axis=1)[part]
         bulge = self._radius * (1 - np.cos(np.minimum(angle, np.pi) / 2))  # how far an arc leaves its chord
@@ -127,13 +140,15 @@ class SweptCheck:
         high = np.maximum.reduceat(np.maximum(one, other), self._first) + bulge[:, None]
         parts = np.minimum.reduceat(low, self._pieces_of), np.maximum.reduceat(high, self._pieces_of)
         near = np.zeros(len(self._reference), dtype=bool)
-        for pair in self._meeting(*parts, np.arange(len(near)), only):
+        for pair, _ in self._meeting(*parts, np.arange(len(near)), only):
             near[list(pair)] = True
         rows = np.flatnonzero(near[part])
-        yield from ((int(rows[i]), int(rows[j])) for i, j in self._meeting(low[rows], high[rows], part[rows], only))
+        yield from ((pair, rows[found]) for pair, found in self._meeting(low[rows], high[rows], part[rows], only))
 
-    def _meeting(self, low: Floats, high: Floats, part: Ints, only: Iterable[int] | None) -> Iterator[tuple[int, int]]:
-        """Pairs of boxes (n, 3) of parts that must stay apart that meet, sorted by parts, some boxes at a time."""
+    def _meeting(
+        self, low: Floats, high: Floats, part: Ints, only: Iterable[int] | None
+    ) -> Iterator[tuple[tuple[int, int], Ints]]:
+        """Two parts that must stay apart, and pairs of their boxes (n, 3) that meet, sorted by parts, some boxes at a time."""
         import shapely
 
         some = np.isin(np.arange(len(self._reference)), [] if only is None else list(only))
@@ -146,9 +161,12 @@ class SweptCheck:
             keep = (a < b) & (low[i, 2] <= high[j, 2]) & (low[j, 2] <= high[i, 2]) & ~(self._fixed[a] & self._fixed[b])
             if only is not None:
                 keep &= some[a] != some[b]
-            for row in np.flatnonzero(keep)[np.lexsort((j[keep], i[keep], b[keep], a[keep]))].tolist():
-                if (int(a[row]), int(b[row])) not in self._allowed:
-                    yield int(i[row]), int(j[row])
+            order = np.flatnonzero(keep)[np.lexsort((j[keep], i[keep], b[keep], a[keep]))]
+            changes = np.flatnonzero(np.diff(a[order]) | np.diff(b[order])) + 1
+            for rows in np.split(order, changes) if len(order) else ():
+                pair = int(a[rows[0]]), int(b[rows[0]])
+                if pair not in self._allowed:
+                    yield pair, np.column_stack([i[rows], j[rows]])
 
 
 @njit(**OPTIONS)

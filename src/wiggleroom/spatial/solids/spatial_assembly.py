@@ -12,7 +12,7 @@ import numpy as np
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.statements import statement_findings, with_roles
 from wiggleroom.drawing.model import Drawing, Goal, MadeSolid, Part
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError, Stop, go_on
 from wiggleroom.spatial.solids.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.solids.made_solids import made_solid
 from wiggleroom.spatial.solids.mesh_pieces import CutsLeft, in_pieces, notches
@@ -44,6 +44,7 @@ def assemble_spatial(
     parts = used.parts
     plain: dict[_Key, MadeSolid] = {}
     for part in parts:
+        go_on(stop)
         key = _solid_key(part, inward)
         if key not in plain:
             found, findings = made_solid(part, used_gap, key[2], stop)
@@ -58,6 +59,7 @@ def assemble_spatial(
     for part in parts:
         solid = plain[_solid_key(part, inward)]
         if part.name in patched:
+            go_on(stop)
             own, findings = with_joint_gaps(part, solid, patched[part.name], used_gap, _solid_key(part, inward)[2])
             wrong += [_said(drawing, part, line) for line in findings]
             solid = own or solid
