@@ -219,17 +219,16 @@ class DisassemblyStage:
         self._work = 0
 
     def verdict(self) -> tuple[Separability, Certainty]:
-        """What became of the parts where no path out was found; what holds a cover need not hold what it covers."""
-        if self.ready.assembly.overshoot > 0:
-            return Separability.UNKNOWN, Certainty.SEARCHED
+        """What became of the parts where no path out was found."""
         if self.proven:
             return Separability.INTERLOCKED, Certainty.PROVEN
         return (Separability.UNKNOWN if self._unsure else Separability.INTERLOCKED), Certainty.SEARCHED
 
     @property
     def _unsure(self) -> bool:
-        """True where a search says nothing of what stays."""
-        return self.context.stopped or self.loose or (self.cut and not self.exhaustive)
+        """True where a search says nothing of what stays; what holds a cover need not hold what it covers."""
+        covers = self.ready.assembly.overshoot > 0
+        return covers or self.context.stopped or self.loose or (self.cut and not self.exhaustive)
 
     @property
     def _is_loose(self) -> bool:
@@ -240,8 +239,7 @@ class DisassemblyStage:
     @property
     def _is_worked_off(self) -> bool:
         """True where largest motions have had their work and, whatever more of them find, what stays is unsure."""
-        unsure = self.ready.assembly.overshoot > 0 or self._is_loose or self._unsure
-        return unsure and self._work > MAX_UNSURE_WORK
+        return (self._is_loose or self._unsure) and self._work > MAX_UNSURE_WORK
 
     def escape_path(self) -> _Departure | None:
         """Parts that leave, and the path of all (k, n, 6); None where none was found."""
