@@ -244,3 +244,33 @@ def test_a_bar_that_turns_out_of_a_wall_does_not_meet_it_at_all_poses() -> None:
     assert not together(wall.corners, bar.corners @ rotation_of(q).T)
     pieces = packed_pieces([wall]), packed_pieces([bar]), np.zeros(2, dtype=np.int64)
     assert worn_by_pair(*pieces, np.zeros(3), np.eye(3), np.zeros(3), turn, -np.inf, np.empty(3)) <= 0
+
+
+def _behind_a_window(wide: float, high: float, size: np.ndarray, turned: np.ndarray) -> Assembly:
+    """A turned cuboid in a case with a rectangular window."""
+    w, h = wide / 2, high / 2
+    case = [(-13, -13, -13, 13, 13, -12), (-13, -13, -12, -12, 13, 12), (12, -13, -12, 13, 13, 12),
+            (-12, -13, -12, 12, -12, 12), (-12, 12, -12, 12, 13, 12), (-13, -13, 12, -w, 13, 13), (w, -13, 12, 13, 13, 13),
+            (-w, -13, 12, w, -h, 13), (-w, h, 12, w, 13, 13)]  # fmt: skip
+    block = {"name": "block", "boxes": [[*(-size / 2).tolist(), *(size / 2).tolist()]], "rotate": turned.tolist()}
+    return spatial({"name": "case", "boxes": case, "fixed": True}, block)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_cuboid_is_held_by_a_window_that_is_smaller_than_its_least_section(seed: int) -> None:
+    """Of all sections through the middle that across the longest edges has the least area and border (Vaaler 1979 for areas)."""
+    rng = np.random.default_rng(seed)
+    wide, high = rng.uniform(2, 6, 2)
+    size = np.array([wide * rng.uniform(0.9, 1.1), high * rng.uniform(0.9, 1.1), rng.uniform(6.7, 8)])
+    a, b, _ = np.sort(size)
+    assembly = _behind_a_window(wide, high, size, rng.uniform(-90, 90, 3))
+    held = PairwiseConfinement(prepare_spatial(assembly), UNLIMITED).prove_by_shape()
+    if a < min(wide, high) and b < max(wide, high):
+        assert not held
+    elif a * b > wide * high or a + b > wide + high:
+        assert held
+
+
+def test_a_cube_half_a_percent_too_large_for_its_window_is_held() -> None:
+    assert wr.check(_behind_a_window(4, 4, np.full(3, 4.02), np.zeros(3))).certainty == "proven"
+    assert wr.check(_behind_a_window(4, 4, np.full(3, 3.98), np.zeros(3)), every=False).verdict == "comes apart"

@@ -25,6 +25,7 @@ from wiggleroom.drawing.model import ConvexPiece, Surface
 from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
 from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.linking_number import RingBody, held_by_opening, linked
+from wiggleroom.spatial.narrow_windows import behind_narrow_windows
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
 from wiggleroom.spatial.solids.convex import prism
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
@@ -42,6 +43,8 @@ MIN_WIDTH = 1e-7
 """No cell may be narrower than this share of the reach: neighbours are looked for a thousandth of that beyond its faces."""
 PERPENDICULAR = 1e-6
 """Unit vectors are perpendicular up to this product."""
+MAX_WINDOWS = 100
+"""Windows are looked at for at most so many pairs of bodies."""
 VISITS = 200
 """So many cells are looked at before the request to stop is."""
 
@@ -92,6 +95,7 @@ class PairwiseConfinement:
     context: Context
     _group: list[int] = field(init=False)
     _rings: dict[int, RingBody] = field(init=False, default_factory=dict)
+    _windows: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
         moves = self.ready.grouping.bodies.moves
@@ -158,13 +162,13 @@ class PairwiseConfinement:
         return np.flatnonzero(np.isin(self.ready.grouping.body_of, unit)).tolist()
 
     def _caged(self, one: list[int], two: list[int]) -> bool:
-        """True where something of the second lies in a closed cavity of the first, or holds a ball that cannot leave it."""
+        """True where something of the second lies in a closed cavity of the first, or holds a ball, or a piece, that cannot leave it."""
         if self._stopped() or len(two) > 1:
             return False
         assembly, ignored = self.ready.assembly, self.ready.grouping.bodies.ignored
         cage, owner = self._framed(one, np.eye(3), np.zeros(3))
         inner, whose = self._framed(two, np.eye(3), np.zeros(3))
-        ball: tuple[float, Floats, int] = (0.0, np.zeros(3), 0)
+        ball: tuple[float, Floats, int, ConvexPiece] | None = None
         low, high = self._box(one)
         for piece, part in zip(inner, whose, strict=True):
             if not ((piece.corners.mean(axis=0) > low) & (piece.corners.mean(axis=0) < high)).all():
@@ -175,10 +179,18 @@ class PairwiseConfinement:
                 if in_closed_cavity(world, piece.corners[:1]):
                     return True
             middle, radius = inscribed_ball(piece)
-            ball = max(ball, (radius, middle, part), key=lambda found: found[0])
-        radius, middle, part = ball
+            if ball is None or radius > ball[0]:
+                ball = radius, middle, part, piece
+        if ball is None:
+            return False
+        radius, middle, part, piece = ball
         facing = [p for p, k in zip(cage, owner, strict=True) if (min(k, part), max(k, part)) not in ignored]
-        return radius > 0 and bool(facing) and ball_stays(facing, middle, radius, self.context)
+        if radius <= 0 or not facing:
+            return False
+        if ball_stays(facing, middle, radius, self.context):
+            return True
+        self._windows += 1
+        return self._windows <= MAX_WINDOWS and behind_narrow_windows(facing, piece, self.context)
 
     def _near(self, one: Sequence[int], other: Sequence[int]) -> bool:
         """True where boxes round bodies at rest meet."""
