@@ -80,7 +80,7 @@ def behind_narrow_windows(obstacles: Sequence[ConvexPiece], piece: ConvexPiece, 
         return False
     windows = []
     for wall in chosen:
-        face = _face(wall, chosen)
+        face = _face(wall, chosen).buffer(MARGIN * wall.level)
         met = [window for window in wall.windows if window.intersects(face)]
         if any(window.intersects(wall.outside.exterior) for window in met):
             return False
