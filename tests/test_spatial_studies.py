@@ -20,7 +20,7 @@ from wiggleroom.drawing.model import JointGap, Pull
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_study import spatial_study_of
+from wiggleroom.studies.gap_study_of import gap_study_of
 
 JOINT = "examples/43_mortise_and_tenon/joint.json"
 LOCKED = PEG | {"lock": ["rx", "ry", "rz"]}
@@ -75,7 +75,7 @@ def test_ranking_of_many_parts_tells_who_holds_and_who_does_not() -> None:
 
 def test_parts_that_are_made_anew_stop_where_they_are_asked_to() -> None:
     stop = threading.Event()
-    study = spatial_study_of(joint(), wr.Pull("rail", (0, 0, 1), (120, 0, 0)))
+    study = gap_study_of(joint(), wr.Pull("rail", (0, 0, 1), (120, 0, 0)))
     narrower = -0.01 * np.ones(2)
     larger = study.with_inward(narrower, stop).assembly.solids[0].pieces[0].corners
     assert np.ptp(larger, axis=0) == pytest.approx(np.ptp(study.assembly.solids[0].pieces[0].corners, axis=0) + 0.02)

@@ -11,7 +11,7 @@ the complement of Minkowski differences, Lozano-Pérez 1983.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -25,6 +25,7 @@ from wiggleroom.spatial.overlaps.difference_section import (
     MinkowskiDifference,
     eroded,
     minkowski_difference,
+    slab_core,
     slab_shadow,
 )
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared
@@ -41,6 +42,8 @@ MAX_SLABS = 60
 """Of more heights those are left out that are nearest to their neighbours; slabs of faces that slope are cut up to so many."""
 STRAIGHT = 1e-9
 """A waypoint nearer to the line between its neighbours, as a share of the extent of the path, is left out."""
+MAX_CORES = 240
+"""The same where it is only asked whether a body may leave."""
 SLIVER = 1e-8
 """Polygons of a smaller area, as a share of the square of the length of their border, are rounding."""
 MAX_PAIRS = 4000
@@ -170,13 +173,12 @@ class TranslationSpace:
         return sorted(views, key=lambda view: view[0])
 
     def is_open(self) -> bool:
-        """True where translations lead out, however close to what the body may not meet."""
+        """True where translations may lead out: between two heights only what the body may not meet at any of them blocks."""
         if not self._differences:
             return True
         sloping, _, turned = self._views()[0]
-        shadows = self._shadows(turned, sloping > 0)
-        margin = MARGINS[-1] * self._ready.clearance
-        return self._stopped() or _through(_slabs(shadows, margin, self._ready.size)) is not None
+        shadows = self._shadows(turned, sloping > 0, MAX_CORES, slab_core)
+        return self._stopped() or _through(_slabs(shadows, 0.0, self._ready.size)) is not None
 
     def way_out(self) -> tuple[Floats, Floats] | None:
         """Checked motions (k, n, 6) of the body, from where it is to where it is free along one of the axes, ahead or back; and that axis.
@@ -251,9 +253,22 @@ class TranslationSpace:
             yield np.array(point) @ frame
 
     def _shadows(
-        self, turned: Sequence[MinkowskiDifference], sloping: bool
+        self,
+        turned: Sequence[MinkowskiDifference],
+        sloping: bool,
+        most: int = MAX_SLABS,
+        blocked: Callable[..., shapely.Geometry] = slab_shadow,
     ) -> list[tuple[float, float, shapely.Geometry]]:
-        return _shadows(turned, SAME_HEIGHT * self._ready.size, self._ready.clearance, sloping, self._context)
+        """Translations that are blocked between all heights, from below everything to above everything: ends, and polygons."""
+        near, clearance = SAME_HEIGHT * self._ready.size, self._ready.clearance
+        levels = _levels(np.concatenate([d.corners[:, 2] for d in turned]), near, sloping, clearance, most)
+        ends = [levels[0] - 2 * clearance, *levels, levels[-1] + 2 * clearance]
+        found = []
+        for low, high in itertools.pairwise(ends):
+            if self._stopped():
+                return []
+            found.append((low, high, blocked(turned, low + near / 2, high - near / 2)))
+        return found
 
     def _checked(self, translations: Floats) -> Floats | None:
         """Motions (k, n, 6) of the body by translations (k, 3) [mm]; None where the check of the path does not agree."""
@@ -290,20 +305,6 @@ def _frame_along(axis: Floats) -> Floats:
     return np.array([across, np.cross(axis, across), axis])
 
 
-def _shadows(
-    differences: Sequence[MinkowskiDifference], near: float, clearance: float, sloping: bool, context: Context
-) -> list[tuple[float, float, shapely.Geometry]]:
-    """Translations that are blocked between all heights, from below everything to above everything: lower and upper ends, and polygons."""
-    levels = _levels(np.concatenate([d.corners[:, 2] for d in differences]), near, sloping, clearance)
-    ends = [levels[0] - 2 * clearance, *levels, levels[-1] + 2 * clearance]
-    found = []
-    for low, high in itertools.pairwise(ends):
-        if context.stopped:
-            return []
-        found.append((low, high, slab_shadow(differences, low + near / 2, high - near / 2)))
-    return found
-
-
 def _slabs(shadows: Sequence[tuple[float, float, shapely.Geometry]], margin: float, size: float) -> list[_Slab]:
     """Free translations at some distance from those that are blocked."""
     bounds = np.array([[0.0, 0, 0, 0], *(blocked.bounds for _, _, blocked in shadows if not blocked.is_empty)])
@@ -315,17 +316,17 @@ def _slabs(shadows: Sequence[tuple[float, float, shapely.Geometry]], margin: flo
         ]
 
 
-def _levels(heights: Floats, near: float, sloping: bool, clearance: float) -> list[float]:
+def _levels(heights: Floats, near: float, sloping: bool, clearance: float, most: int) -> list[float]:
     """Heights (k,) each once, in order, with some between where faces slope; those left out that are nearest to others where too many."""
     levels = np.sort(heights)
     levels = levels[np.diff(levels, prepend=-np.inf) > near]
     if sloping:  # where the body is must be free, and so must be what is about there
         levels = np.sort(np.append(levels[np.abs(levels) > clearance / 10], [-clearance / 10, clearance / 10]))
-    while len(levels) > MAX_SLABS:
+    while len(levels) > most:
         thin = np.diff(levels)
         thin[np.searchsorted(levels, 0.0) - 1] = np.inf
         levels = np.delete(levels, 1 + int(thin[:-1].argmin()))
-    while sloping and len(levels) < MAX_SLABS:
+    while sloping and len(levels) < most:
         k = int(np.diff(levels).argmax())
         levels = np.insert(levels, k + 1, (levels[k] + levels[k + 1]) / 2)
     return levels.tolist()

@@ -34,7 +34,7 @@ from wiggleroom.spatial.spatial_search import SpatialSearch
 from wiggleroom.spatial.spatial_starts import best_of_starts, random_leads
 from wiggleroom.spatial.straight_departure import StraightDeparture
 from wiggleroom.spatial.turn_roadmap import TurnRoadmap
-from wiggleroom.spatial.turning_in_place import LEAST_TURN, common_edges, turn_in_place, turns_in_place
+from wiggleroom.spatial.turning_in_place import common_edges, turn_in_place, turns_in_place
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
@@ -60,8 +60,6 @@ MAX_TOGETHER = 30
 """At most so many pairs of neighbours are turned as one to see whether they turn."""
 MAX_ARRANGEMENTS = 40
 """At most so many arrangements that whole steps lead to are gone on from by slides and turns."""
-ROOM_ON_THE_WAY = 2.0
-"""Once a body has slid it may turn by this multiple of what it turns where it is."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 
@@ -286,7 +284,8 @@ class DisassemblyStage:
         """
         ready = self.ready
         begin = ready.grouping.pose_of(motion)
-        for b in np.flatnonzero(ready.grouping.bodies.moves & ready.grouping.bodies.free[:, 3:].any(axis=1)).tolist():
+        free = ready.grouping.bodies.free
+        for b in np.flatnonzero(free[:, :3].all(axis=1) & free[:, 3:].any(axis=1)).tolist():
             tilts = np.zeros((2, 3))
             for (way, sign), (k, axis) in itertools.product(enumerate((-1.0, 1.0)), enumerate(np.eye(3))):
                 self.questions += 1
@@ -294,10 +293,10 @@ class DisassemblyStage:
                 turned = SpatialSearch(ready, goal, self.context.silent, begin, once=True).run()
                 turn = ready.grouping.pose_of(turned.path[-1]).R[b] @ begin.R[b].T
                 tilts[way, k] = max(0.0, sign * float(logarithm(turn[None])[0, k]))
-                if tilts[way, k] > LEAST_TURN or self.context.stopped:
+                if self.context.stopped:
                     return True
-            axes, tilts = self._axes[:MAX_AXES], ROOM_ON_THE_WAY * tilts
-            if TranslationSpace(ready, motion, b, axes=axes, context=self.context, tilts=tilts).is_open():
+            space = TranslationSpace(ready, motion, b, axes=self._axes[:MAX_AXES], context=self.context, tilts=tilts)
+            if space.is_open():
                 return True
         return False
 

@@ -129,15 +129,46 @@ def slab_shadow(differences: Sequence[MinkowskiDifference], low: float, high: fl
         if solid.is_prism:
             polygons.append(solid.footprint)
             continue
-        flat = [solid.corners[(z >= low) & (z <= high), :2]]
-        for level in (low, high):
-            start, end = solid.corners[solid.edges[:, 0]], solid.corners[solid.edges[:, 1]]
-            crossed = (start[:, 2] - level) * (end[:, 2] - level) < 0
-            start, end = start[crossed], end[crossed]
-            share = (level - start[:, 2]) / (end[:, 2] - start[:, 2])
-            flat.append((start + share[:, None] * (end - start))[:, :2])
-        polygons.append(shapely.MultiPoint(np.vstack(flat)).convex_hull)
-    polygons = [p for p in polygons if p.geom_type == "Polygon"]
+        between = solid.corners[(z >= low) & (z <= high), :2]
+        polygons.append(shapely.MultiPoint(np.vstack([between, *(_at(solid, z) for z in (low, high))])).convex_hull)
+    return _union(polygons)
+
+
+def slab_core(differences: Sequence[MinkowskiDifference], low: float, high: float) -> shapely.Geometry:
+    """Union of what lies in one solid at all heights between two [mm]: of places, those where it overlaps throughout.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]])
+    >>> wedge = minkowski_difference(corners, np.zeros((1, 3)))
+    >>> round(slab_core([wedge], 0.5, 1.0).area, 9)
+    0.5
+    """
+    polygons = []
+    for solid in differences:
+        z = solid.corners[:, 2]
+        if z.min() > low or z.max() < high:
+            continue
+        if solid.is_prism:
+            polygons.append(solid.footprint)
+            continue
+        ends = (shapely.MultiPoint(_at(solid, level)).convex_hull for level in (low, high))
+        polygons.append(shapely.intersection(*ends))
+    return _union(polygons)
+
+
+def _at(solid: MinkowskiDifference, level: float) -> Floats:
+    """Where edges of a solid cross a height (k, 2) [mm]."""
+    start, end = solid.corners[solid.edges[:, 0]], solid.corners[solid.edges[:, 1]]
+    crossed = (start[:, 2] - level) * (end[:, 2] - level) < 0
+    start, end = start[crossed], end[crossed]
+    share = (level - start[:, 2]) / (end[:, 2] - start[:, 2])
+    return np.asarray((start + share[:, None] * (end - start))[:, :2])
+
+
+def _union(shapes: Sequence[shapely.Geometry]) -> shapely.Geometry:
+    """Union of polygons; what is none is left out."""
+    polygons = [p for p in shapes if p.geom_type == "Polygon"]
     try:
         return shapely.union_all(polygons)
     except shapely.errors.GEOSException:  # slivers of many facets: on a grid their union is certain
