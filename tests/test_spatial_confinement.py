@@ -17,6 +17,7 @@ import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
 from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement, inscribed_cylinders, packed_pieces
+from wiggleroom.spatial.narrow_windows import behind_narrow_windows
 from wiggleroom.spatial.overlaps.pose_cells import (
     CLOSED,
     beyond_face,
@@ -26,7 +27,7 @@ from wiggleroom.spatial.overlaps.pose_cells import (
     worn_by_pair,
 )
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
-from wiggleroom.spatial.rotations import logarithm
+from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.solids.convex import cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
@@ -274,3 +275,18 @@ def test_a_cuboid_is_held_by_a_window_that_is_smaller_than_its_least_section(see
 def test_a_cube_half_a_percent_too_large_for_its_window_is_held() -> None:
     assert wr.check(_behind_a_window(4, 4, np.full(3, 4.02), np.zeros(3))).certainty == "proven"
     assert wr.check(_behind_a_window(4, 4, np.full(3, 3.98), np.zeros(3)), every=False).verdict == "comes apart"
+
+
+@pytest.mark.parametrize("slope", [0, 1e-5, 1e-3, 0.02, 0.05])
+def test_a_bar_that_turns_and_leaves_through_a_leaning_lid_is_not_held(slope: float) -> None:
+    """A bar of 12 x 3 x 3 turns in a case of 20 x 20 x 20 and leaves by a window of 4 x 4; one of 12 x 4.5 x 4.5 does not."""
+    case = [(-11, -11, -11, 11, 11, -10), (-11, -11, -10, -10, 11, 12), (10, -11, -10, 11, 11, 12),
+            (-10, -11, -10, 10, -10, 12), (-10, 10, -10, 10, 11, 12)]  # fmt: skip
+    lid = [(-12, -12, 10, -2, 12, 11), (2, -12, 10, 12, 12, 11), (-2, -12, 10, 2, -2, 11), (-2, 2, 10, 2, 12, 11)]
+    lean = exponential(slope * np.array([0.0, 1, 0]))
+    boxes = [(np.reshape(b, (2, 3)).astype(float), np.eye(3)) for b in case]
+    boxes += [(np.reshape(b, (2, 3)).astype(float), lean) for b in lid]
+    cage = [cuboid(*corners).placed(turn, np.zeros(3)) for corners, turn in boxes]
+    bars = [cuboid(-np.array([6, half, half]), np.array([6, half, half])) for half in (1.5, 2.25)]
+    assert not behind_narrow_windows(cage, bars[0])
+    assert slope or behind_narrow_windows(cage, bars[1])

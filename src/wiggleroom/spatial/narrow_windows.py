@@ -78,13 +78,16 @@ def behind_narrow_windows(obstacles: Sequence[ConvexPiece], piece: ConvexPiece, 
             break
     else:
         return False
-    windows = []
+    windows, faces = [], 0
     for wall in chosen:
         face = _face(wall, chosen).buffer(MARGIN * wall.level)
+        faces += not face.is_empty
         met = [window for window in wall.windows if window.intersects(face)]
         if any(window.intersects(wall.outside.exterior) for window in met):
             return False
         windows += met
+    if faces < 4:
+        return False
     sizes = [((1 + MARGIN) * w.area, (1 + MARGIN) * w.convex_hull.length) for w in windows]
     return _no_section_fits(piece.corners - middle, np.array(sizes).reshape(-1, 2), context)
 
@@ -128,19 +131,26 @@ def _is_closed(walls: Sequence[_Wall]) -> bool:
 
 
 def _face(wall: _Wall, walls: Sequence[_Wall]) -> shapely.Geometry:
-    """The face of the region between planes that lies in one of them, in its axes."""
-    face: shapely.Geometry = wall.outside
-    far = 4 * float(np.ptp(shapely.bounds(wall.outside)))
+    """The face of the region between planes that lies in one of them, in its axes; empty where others keep the region from it."""
+    face = shapely.get_coordinates(wall.outside.exterior)[:-1]
     for other in walls:
-        x, y, slope = wall.frame @ other.normal
-        steep = float(np.hypot(x, y))
-        room = other.level - slope * wall.level
-        if other is wall or steep < MARGIN:
-            continue
-        along, across = np.array([x, y]) / steep, np.array([-y, x]) / steep
-        ends = [far * across, -far * across, -far * across - far * along, far * across - far * along]
-        face = shapely.intersection(face, shapely.Polygon([room / steep * along + end for end in ends]))
-    return face
+        if other is not wall:
+            x, y, slope = wall.frame @ other.normal
+            face = _clipped(face, np.array([x, y]), other.level - slope * wall.level)
+    return shapely.MultiPoint(face).convex_hull if len(face) else shapely.Polygon()
+
+
+def _clipped(corners: Floats, normal: Floats, room: float) -> Floats:
+    """Corners (k, 2) in order of what of a convex polygon lies where normal @ x <= room."""
+    inside = room - corners @ normal
+    found = []
+    for k in range(len(corners)):
+        if inside[k - 1] * inside[k] < 0:
+            share = inside[k - 1] / (inside[k - 1] - inside[k])
+            found.append(corners[k - 1] + share * (corners[k] - corners[k - 1]))
+        if inside[k] >= 0:
+            found.append(corners[k])
+    return np.array(found).reshape(-1, 2)
 
 
 def _no_section_fits(corners: Floats, windows: Floats, context: Context) -> bool:
