@@ -93,9 +93,9 @@ def _usage(problem: CycloptsError, app: App) -> str:
         takes = " ".join(name for name in names if name[0] not in "-*")
         odd = next((word.partition("=")[0] for word in unused if word.startswith("-")), "")
         unknown = odd and odd not in names
-        wrong = f"there is no option {odd}" if unknown else f"unexpected: {' '.join(unused)}"
-        if odd and not unknown:
-            wrong = f"{odd} is given no value"
+        wrong = f"{odd} is given no value" if odd else f"unexpected: {' '.join(unused)}"
+        if unknown:
+            wrong = f"there is no option {odd}"
         said = f"{wrong}; {problem.command_chain[-1]} takes {takes} and options. {meant(odd, names) if unknown else ''}"
     return f"{said.strip().rstrip('.')} (wiggleroom --help says more)"
 

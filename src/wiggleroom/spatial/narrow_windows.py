@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import ConvexPiece
 from wiggleroom.spatial.overlaps.difference_section import minkowski_difference, slab_shadow
+from wiggleroom.spatial.proof.inner_pieces import clipped
 from wiggleroom.spatial.solids.convex import distinct_axes
 
 Floats = NDArray[np.float64]
@@ -53,6 +55,18 @@ class _Wall:
     windows: list[shapely.Polygon]
     outside: shapely.Polygon
 
+    def is_endless(self, window: shapely.Polygon) -> bool:
+        """True where a window reaches the border of what was looked at."""
+        return bool(window.intersects(self.outside.exterior))
+
+    @cached_property
+    def widest(self) -> float:
+        """Area of the largest window [mm²]; infinite where what is opposite to the piece goes on without end."""
+        endless = [self.is_endless(window) for window in self.windows]
+        if any(w.contains(shapely.Point(0, 0)) for w, end in zip(self.windows, endless, strict=True) if end):
+            return np.inf
+        return max((w.area for w, end in zip(self.windows, endless, strict=True) if not end), default=0.0)
+
 
 def behind_narrow_windows(obstacles: Sequence[ConvexPiece], piece: ConvexPiece, context: Context = UNLIMITED) -> bool:
     """True where a convex piece cannot leave a region between planes across the obstacles, which stand still.
@@ -70,7 +84,7 @@ def behind_narrow_windows(obstacles: Sequence[ConvexPiece], piece: ConvexPiece, 
     if len(obstacles) < 4:  # planes keep each from the piece, and three of them close nothing in
         return False
     middle = piece.corners.mean(axis=0)
-    walls = sorted((wall for wall in _walls(obstacles, middle) if _widest(wall) < np.inf), key=_widest)
+    walls = sorted((wall for wall in _walls(obstacles, middle) if wall.widest < np.inf), key=lambda wall: wall.widest)
     chosen: list[_Wall] = []
     for wall in walls:
         chosen.append(wall)
@@ -83,7 +97,7 @@ def behind_narrow_windows(obstacles: Sequence[ConvexPiece], piece: ConvexPiece, 
         face = _face(wall, chosen).buffer(MARGIN * wall.level)
         faces += not face.is_empty
         met = [window for window in wall.windows if window.intersects(face)]
-        if any(window.intersects(wall.outside.exterior) for window in met):
+        if any(wall.is_endless(window) for window in met):
             return False
         windows += met
     if faces < 4:
@@ -109,15 +123,7 @@ def _walls(obstacles: Sequence[ConvexPiece], middle: Floats) -> Iterator[_Wall]:
                 free = shapely.get_parts(shapely.difference(outside, slab_shadow(turned, level, level)))
                 found.append(_Wall(normal, level, frame, [w for w in free.tolist() if w.area > 0], outside))
             if found:
-                yield min(found, key=_widest)
-
-
-def _widest(wall: _Wall) -> float:
-    """Area of the largest window [mm²]; infinite where what is opposite to the piece goes on without end."""
-    endless = [w for w in wall.windows if w.intersects(wall.outside.exterior)]
-    if any(w.contains(shapely.Point(0, 0)) for w in endless):
-        return np.inf
-    return max((w.area for w in wall.windows if w not in endless), default=0.0)
+                yield min(found, key=lambda wall: wall.widest)
 
 
 def _is_closed(walls: Sequence[_Wall]) -> bool:
@@ -136,21 +142,8 @@ def _face(wall: _Wall, walls: Sequence[_Wall]) -> shapely.Geometry:
     for other in walls:
         if other is not wall:
             x, y, slope = wall.frame @ other.normal
-            face = _clipped(face, np.array([x, y]), other.level - slope * wall.level)
+            face = clipped(face, np.array([x, y]), other.level - slope * wall.level)
     return shapely.MultiPoint(face).convex_hull if len(face) else shapely.Polygon()
-
-
-def _clipped(corners: Floats, normal: Floats, room: float) -> Floats:
-    """Corners (k, 2) in order of what of a convex polygon lies where normal @ x <= room."""
-    inside = room - corners @ normal
-    found = []
-    for k in range(len(corners)):
-        if inside[k - 1] * inside[k] < 0:
-            share = inside[k - 1] / (inside[k - 1] - inside[k])
-            found.append(corners[k - 1] + share * (corners[k] - corners[k - 1]))
-        if inside[k] >= 0:
-            found.append(corners[k])
-    return np.array(found).reshape(-1, 2)
 
 
 def _no_section_fits(corners: Floats, windows: Floats, context: Context) -> bool:

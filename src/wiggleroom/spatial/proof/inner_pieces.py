@@ -144,14 +144,14 @@ def _reaches(triangle: Floats, normals: Floats, offsets: Floats) -> bool:
     """Whether a triangle has a part inside half-spaces."""
     polygon = triangle
     for n, h in zip(normals, offsets, strict=True):
-        polygon = _clipped(polygon, n, h)
+        polygon = clipped(polygon, n, h)
         if not len(polygon):
             return False
     return True
 
 
-def _clipped(polygon: Floats, normal: Floats, offset: float) -> Floats:
-    """What of a convex polygon (k, 3) lies on the inner side of a plane."""
+def clipped(polygon: Floats, normal: Floats, offset: float) -> Floats:
+    """What of a convex polygon (k, n) lies where normal @ x <= offset, in space or in the plane."""
     side = polygon @ normal - offset
     if (side <= 0).all():
         return polygon
