@@ -15,8 +15,8 @@ import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Boxes, Drawing, Part
+from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.spatial_disassembly import check_spatial
 
 STEPS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
 STICKS = {

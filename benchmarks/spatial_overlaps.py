@@ -28,8 +28,8 @@ from scipy.spatial.transform import Rotation
 import wiggleroom as wr
 from wiggleroom.drawing.model import AXES, UNTURNED, Boxes, Drawing, Part, Plate, Pull, Region, Surface, Turn
 from wiggleroom.errors import InputError
+from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
 SHALLOW = 1e-6

@@ -8,12 +8,12 @@ import pytest
 from scipy import ndimage
 
 from wiggleroom.drawing.model import Surface
-from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
-from wiggleroom.spatial.inscribed_ball import inscribed_ball
+from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
+from wiggleroom.spatial.proof.caging import ball_stays, in_closed_cavity
+from wiggleroom.spatial.proof.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.solids.convex import convex_piece, cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.verdict import Certainty, Separability
 
 

@@ -8,11 +8,11 @@ import pytest
 
 import wiggleroom as wr
 from wiggleroom.drawing.model import Pull
-from wiggleroom.spatial.linking_number import CurveGraph, closed_curves, linking_numbers, piece_graph
+from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
+from wiggleroom.spatial.proof.linking_number import CurveGraph, closed_curves, linking_numbers, piece_graph
 from wiggleroom.spatial.solids.convex import convex_piece, cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.verdict import Certainty, Separability
 

@@ -13,9 +13,9 @@ import trimesh
 import wiggleroom as wr
 from wiggleroom.drawing.model import MadeSolid, Surface
 from wiggleroom.spatial.overlaps.surface_distance import surface_distances
-from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids import mesh_pieces
 from wiggleroom.spatial.solids.mesh_pieces import in_pieces, mesh_made
+from wiggleroom.spatial.solids.solid_angle import winding_numbers
 from wiggleroom.verdict import Separability, Verdict
 
 

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import placed_surface
 from wiggleroom.cli.compile import OPEN_RING
-from wiggleroom.spatial.linking_number import RingBody, held_by_opening
 from wiggleroom.spatial.overlaps.surface_distance import surface_distances
+from wiggleroom.spatial.proof.linking_number import RingBody, held_by_opening
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
 from wiggleroom.verdict import Certainty, Separability

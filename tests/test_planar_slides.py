@@ -16,9 +16,9 @@ import wiggleroom as wr
 from tests.test_spatial import spatial
 from tests.test_spatial_turning import disc, plate
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.spatial.escapes.planar_slides import TranslationSpace
 from wiggleroom.spatial.overlaps.difference_section import minkowski_difference, slab_shadow
-from wiggleroom.spatial.planar_slides import TranslationSpace
-from wiggleroom.spatial.spatial_prepare import prepare_spatial
+from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
 
 Slabs = dict[str, tuple[shapely.Polygon, float, float]]
 

@@ -19,13 +19,13 @@ import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal, Pull, Turn, Weight
 from wiggleroom.search.answer import Answer
+from wiggleroom.spatial.bodies.rigid import SpatialPose, near_pieces
+from wiggleroom.spatial.bodies.rotations import exponential, fixed_axes, logarithm
+from wiggleroom.spatial.bodies.spatial_bodies import grouped
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, build_planes
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, Nearness, SquaredTravel, SumOfTerms, Twist
-from wiggleroom.spatial.rigid import SpatialPose, near_pieces
-from wiggleroom.spatial.rotations import exponential, fixed_axes, logarithm
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
 

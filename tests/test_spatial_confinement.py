@@ -16,8 +16,8 @@ from shapely import Polygon, box
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
-from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement, inscribed_cylinders, packed_pieces
-from wiggleroom.spatial.narrow_windows import behind_narrow_windows
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm
+from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
 from wiggleroom.spatial.overlaps.pose_cells import (
     CLOSED,
     beyond_face,
@@ -27,12 +27,12 @@ from wiggleroom.spatial.overlaps.pose_cells import (
     worn_by_pair,
 )
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
-from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.proof.confinement import EFFORTS, PairwiseConfinement, inscribed_cylinders, packed_pieces
+from wiggleroom.spatial.proof.narrow_windows import behind_narrow_windows
+from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
 from wiggleroom.spatial.solids.convex import cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.spatial_disassembly import check_spatial
-from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 
 def spatial(*parts: dict, gap: float = 0.0) -> Assembly:
@@ -60,7 +60,7 @@ def test_what_is_held_does_not_hang_on_size_and_place(scale, shift, opening, hel
 def test_cells_are_blocked_by_more_than_the_reach_hides(scale, monkeypatch) -> None:
     """Small where they meet, large besides: what must overlap is a share of the bodies' reach, not of the place where they meet."""
     seen = []
-    monkeypatch.setattr("wiggleroom.spatial.confinement.cover", lambda *given: seen.append(given[4:8]) or CLOSED)
+    monkeypatch.setattr("wiggleroom.spatial.proof.confinement.cover", lambda *given: seen.append(given[4:8]) or CLOSED)
     rod = [[0, 0, 0, 400, 1, 1]]
     hook = [[399, -1, -1, 402, 2, -0.1], [399, -1, 1.1, 402, 2, 2], [401, -1, -0.1, 402, 2, 1.1]]
     made = [

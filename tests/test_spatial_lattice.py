@@ -16,12 +16,12 @@ import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
 from wiggleroom.disassembly.ground import with_ground
-from wiggleroom.spatial.lattice import lattice
-from wiggleroom.spatial.lattice_search import lattice_motions, lattice_search
+from wiggleroom.spatial.escapes.lattice import lattice
+from wiggleroom.spatial.escapes.lattice_search import lattice_motions, lattice_search
+from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
+from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
-from wiggleroom.spatial.spatial_disassembly import check_spatial
-from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 
 def spatial(*parts: dict, gap: float = 0.1, **entries: object) -> Assembly:

@@ -15,9 +15,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
+from wiggleroom.spatial.bodies.rigid import SpatialPose
+from wiggleroom.spatial.bodies.rotations import exponential
 from wiggleroom.spatial.planes.spatial_objectives import SpatialApproach
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_live import SpatialLive
 

@@ -18,8 +18,8 @@ from wiggleroom.report.results.answer_words import answer_sure
 from wiggleroom.spatial import spatial_search
 from wiggleroom.spatial.planes.separating_plane_program import build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
+from wiggleroom.spatial.search.spatial_prepare import prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_prepare import prepare_spatial, spatial_objective
 from wiggleroom.verdict import SolverStatus
 
 WALLS = [

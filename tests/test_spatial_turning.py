@@ -17,9 +17,9 @@ from shapely import affinity
 
 import wiggleroom as wr
 from tests.test_spatial import ring, sound, spatial
-from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.spatial_prepare import prepare_spatial
-from wiggleroom.spatial.turning_in_place import round_centres
+from wiggleroom.spatial.bodies.rotations import exponential
+from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
+from wiggleroom.spatial.search.turning_in_place import round_centres
 
 PLAY = 0.05
 

@@ -329,7 +329,7 @@ def check(
     """
     context = Context(stop=_within(seconds, stop), progress=progress)
     if isinstance(assembly, Assembly) and assembly.dimension == 3:
-        from wiggleroom.spatial.spatial_disassembly import check_spatial
+        from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
 
         refuse_planar_options("check", boxes=boxes, questions=questions)
         return check_spatial(assembly, every=every, context=context.silent)
@@ -378,8 +378,8 @@ def largest_gap(
     context = Context(stop=_within(seconds, stop), progress=progress)
     if assembly.dimension == 3:
         from wiggleroom.disassembly.largest_gap import largest_gap_over
+        from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
         from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-        from wiggleroom.spatial.spatial_disassembly import check_spatial
 
         context = context.silent
         return largest_gap_over(

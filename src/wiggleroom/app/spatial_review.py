@@ -9,7 +9,7 @@ from wiggleroom.errors import TouchingError
 from wiggleroom.report.results.answer_words import number, short
 from wiggleroom.schema.replies import Fault, Mend
 from wiggleroom.schema.requests import Design
-from wiggleroom.spatial.spatial_prepare import prepare_spatial
+from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
 
 OVERLAP_MARGIN = 1.25
 """A gap that is to open an overlap is this many times as large."""

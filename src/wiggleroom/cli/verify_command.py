@@ -235,7 +235,7 @@ def assembled_by(file: str, asked: QuestionOptions) -> SpatialSpecification:
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.errors import InputError
-    from wiggleroom.spatial.spatial_bodies import grouped
+    from wiggleroom.spatial.bodies.spatial_bodies import grouped
     from wiggleroom.verify.space_claim import SpatialSpecification
 
     if not is_spatial_file(file):

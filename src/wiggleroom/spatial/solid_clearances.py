@@ -18,7 +18,7 @@ from wiggleroom.spatial.overlaps.meeting_pairs import meeting_pairs
 from wiggleroom.spatial.overlaps.surface_distance import surface_distances
 from wiggleroom.spatial.solid_offset import solid_offset
 from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of
-from wiggleroom.spatial.triangle_distances import nearest_triangles
+from wiggleroom.spatial.solids.triangle_distances import nearest_triangles
 
 Floats = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.search.answer import Contact
+from wiggleroom.spatial.bodies.spatial_bodies import Grouping
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlaneProgram
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
-from wiggleroom.spatial.spatial_bodies import Grouping
 
 WEAK = 1e-5
 """Contacts with less than this share of the largest force are not reported."""

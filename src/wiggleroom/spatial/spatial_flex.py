@@ -18,13 +18,13 @@ from wiggleroom.drawing.model import Goal, Translation
 from wiggleroom.errors import InputError
 from wiggleroom.search.answer import Answer
 from wiggleroom.solve import solver_named
-from wiggleroom.spatial.cross_section_bound import with_cross_section_bound, with_known_bound
 from wiggleroom.spatial.overlaps.overlap_check import deepest_overlap
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SquaredTravel, SumOfTerms
+from wiggleroom.spatial.proof.cross_section_bound import with_cross_section_bound, with_known_bound
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
+from wiggleroom.spatial.search.spatial_search import SearchEnd, SpatialSearch
+from wiggleroom.spatial.search.spatial_starts import BestOfStarts, best_of_starts, is_free, is_held, random_leads
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
-from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
-from wiggleroom.spatial.spatial_starts import BestOfStarts, best_of_starts, is_free, is_held, random_leads
 from wiggleroom.verdict import PathState, SolverStatus, Verdict
 
 Floats = NDArray[np.float64]

@@ -21,17 +21,17 @@ from wiggleroom.live.drag_target import target_in_sight
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import MAX_SHOWN_TRAVEL, Side, cut_off, modes, picked
 from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.spatial.bodies.rigid import RigidBodies, SpatialPose, near_pieces
+from wiggleroom.spatial.bodies.rotations import logarithm
 from wiggleroom.spatial.planes.separating_plane_program import build_planes
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolver
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SpatialApproach, SumOfTerms
-from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
-from wiggleroom.spatial.rotations import logarithm
+from wiggleroom.spatial.search.spatial_path_check import free_path
+from wiggleroom.spatial.search.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
+from wiggleroom.spatial.search.spatial_search import SpatialSearch
+from wiggleroom.spatial.search.spatial_starts import is_held
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion, spatial_contacts
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_path_check import free_path
-from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
-from wiggleroom.spatial.spatial_search import SpatialSearch
-from wiggleroom.spatial.spatial_starts import is_held
 from wiggleroom.verdict import PathState, SolverStatus
 
 Floats = NDArray[np.float64]

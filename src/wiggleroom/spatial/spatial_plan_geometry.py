@@ -17,14 +17,14 @@ from wiggleroom.disassembly.disassembly_sequence import Disassembly
 from wiggleroom.errors import InputError
 from wiggleroom.planning.gravity import Distances, Gravity
 from wiggleroom.planning.steps import MAX_CLEARANCE, STILL, Step, StepRoom, with_room
+from wiggleroom.spatial.bodies.rigid import SpatialPose, near_pieces
+from wiggleroom.spatial.bodies.rotations import exponential
+from wiggleroom.spatial.bodies.spatial_bodies import Grouping, grouped
+from wiggleroom.spatial.escapes.spatial_disassembly import SpatialStages, reduced
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.planes.separating_plane_program import best_axis
-from wiggleroom.spatial.rigid import SpatialPose, near_pieces
-from wiggleroom.spatial.rotations import exponential
+from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.spatial_bodies import Grouping, grouped
-from wiggleroom.spatial.spatial_disassembly import SpatialStages, reduced
-from wiggleroom.spatial.spatial_prepare import prepare_spatial
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -22,13 +22,13 @@ from wiggleroom.sensitivity.gap_study import DIFFERENCE_STEP, DifferenceQuotient
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.sensitivity.perturbation import PerturbedObjective
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.spatial.solid_offset import offset_of_faces
 from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.joint_faces import JointFaces, TouchedSurface, joint_faces
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_contact_forces import HeldMotion
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.verdict import Certainty
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Surface
 from wiggleroom.drawing.writers.glue_groups import body_numbers
-from wiggleroom.spatial.rotations import exponential
+from wiggleroom.spatial.bodies.rotations import exponential
 
 Floats = NDArray[np.float64]
 Colour = tuple[int, int, int]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.report.solids.solid_colours import Colour, moved_surfaces, part_colours
 from wiggleroom.report.solids.spatial_path import along_path, with_quaternions
-from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.spatial.rotations import exponential, logarithm, quaternion
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm, quaternion
 
 Floats = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.overlaps import CONVEX
 from wiggleroom.drawing.model import Surface
 from wiggleroom.spatial.overlaps.surface_distance import surface_distances
-from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.convex_hulls import hull_volume
+from wiggleroom.spatial.solids.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.solid_boolean import centroid_of, volume_of
 
 Floats = NDArray[np.float64]

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Surface
+from wiggleroom.spatial.bodies.rotations import exponential
 from wiggleroom.spatial.overlaps.common_solid import least_width
-from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of
 
 Floats = NDArray[np.float64]

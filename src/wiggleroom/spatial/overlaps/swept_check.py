@@ -15,8 +15,8 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.drawing.model import ConvexPiece
 from wiggleroom.errors import Stop, is_asked
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm
 from wiggleroom.spatial.overlaps.overlap_check import free_pairs
-from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.solids.separating_axis import candidate_axes, extent, separation
 
 Floats = NDArray[np.float64]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.spatial.bodies.rigid import SpatialPose
 from wiggleroom.spatial.planes.separating_plane_newton import CarriedIterate
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, SeparatingPlaneProgram, best_axis
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
-from wiggleroom.spatial.rigid import SpatialPose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,14 +7,14 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.program.retraction import LinearSolver, factorised
+from wiggleroom.spatial.bodies.rigid import SpatialPose
+from wiggleroom.spatial.bodies.rotations import exponential
 from wiggleroom.spatial.planes import plane_fitting
 from wiggleroom.spatial.planes.separating_plane_program import (
     LinearisedSeparatingPlanes,
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
 )
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import exponential
 
 Floats = NDArray[np.float64]
 

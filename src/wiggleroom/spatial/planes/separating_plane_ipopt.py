@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve.casadi_ipopt import IterationMonitor, import_casadi, ipopt_options, iteration_listener
 from wiggleroom.solve.factorisation import factor
+from wiggleroom.spatial.bodies.rigid import SpatialPose
+from wiggleroom.spatial.bodies.rotations import exponential, quaternion
 from wiggleroom.spatial.planes.graph_retraction import GraphRetraction
 from wiggleroom.spatial.planes.separating_plane_newton import SeparatingPlaneIterate, SeparatingPlaneSystem
 from wiggleroom.spatial.planes.separating_plane_program import (
@@ -29,8 +31,6 @@ from wiggleroom.spatial.planes.separating_plane_program import (
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.planes.spatial_objectives import Nearness, SquaredTravel, SumOfTerms, Term, Twist
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import exponential, quaternion
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.newton_step import dot
+from wiggleroom.spatial.bodies.rigid import SpatialPose
+from wiggleroom.spatial.bodies.rotations import logarithm
 from wiggleroom.spatial.planes import separating_plane_elimination as kernel
 from wiggleroom.spatial.planes.graph_retraction import GraphRetraction
 from wiggleroom.spatial.planes.separating_plane_program import LinearisedSeparatingPlanes, SeparatingPlanePoint
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import logarithm
 
 Floats = NDArray[np.float64]
 

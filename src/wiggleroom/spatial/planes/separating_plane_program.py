@@ -9,10 +9,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.spatial.bodies.rigid import RigidBodies, SpatialPose
+from wiggleroom.spatial.bodies.rotations import exponential
 from wiggleroom.spatial.planes import separating_plane_constraints as kernel
 from wiggleroom.spatial.planes.separating_plane_elimination import condensed
-from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
-from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.solids.separating_axis import distance, posed_points
 
 Floats = NDArray[np.float64]

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.solve.newton_step import dot
+from wiggleroom.spatial.bodies.rigid import SpatialPose
 from wiggleroom.spatial.planes.separating_plane_newton import CarriedIterate, SeparatingPlaneIterate
 from wiggleroom.spatial.planes.separating_plane_program import (
     LinearisedSeparatingPlanes,
@@ -28,7 +29,6 @@ from wiggleroom.spatial.planes.separating_plane_program import (
 )
 from wiggleroom.spatial.planes.separating_plane_settings import SETTINGS
 from wiggleroom.spatial.planes.separating_plane_steps import SeparatingPlaneSteps
-from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

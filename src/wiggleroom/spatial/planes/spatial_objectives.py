@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import quaternion
+from wiggleroom.spatial.bodies.rigid import SpatialPose
+from wiggleroom.spatial.bodies.rotations import quaternion
 
 Floats = NDArray[np.float64]
 

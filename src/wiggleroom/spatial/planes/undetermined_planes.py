@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from wiggleroom.context import Context
 from wiggleroom.solve.linear_programming import maximise
+from wiggleroom.spatial.bodies.rigid import SpatialPose
 from wiggleroom.spatial.planes.separating_plane_newton import CarriedIterate
 from wiggleroom.spatial.planes.separating_plane_program import SeparatingPlanePoint, SeparatingPlaneProgram
 from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
-from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.spatial.bodies.rigid import RigidBodies, SpatialPose, near_pieces
 from wiggleroom.spatial.planes.separating_plane_program import best_axis
-from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -1,1 +1,1 @@
-"""Proven bounds for one body that moves in space: inner pieces, linear rows in boxes of poses, and a flood from rest."""
+"""Proofs in space: bounds that no motion exceeds, and bodies that are held."""

@@ -20,11 +20,11 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.progress import Progress
 from wiggleroom.solve.dual_linear_program import need_highs
+from wiggleroom.spatial.bodies.rotations import unit_vector
+from wiggleroom.spatial.bodies.spatial_bodies import Grouping, grouped
 from wiggleroom.spatial.proof.inner_pieces import InnerPiece, bent_edges, inner_pieces
 from wiggleroom.spatial.proof.pose_flood import Lengths, LinearGoal, PoseFlood, Unbounded
 from wiggleroom.spatial.proof.pose_rows import Contacts
-from wiggleroom.spatial.rotations import unit_vector
-from wiggleroom.spatial.spatial_bodies import Grouping, grouped
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Surface
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.face_planes import face_planes, shared_edges
-from wiggleroom.spatial.triangle_distances import nearest_triangles
+from wiggleroom.spatial.solids.solid_angle import winding_numbers
+from wiggleroom.spatial.solids.triangle_distances import nearest_triangles
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import ConvexPiece, MadeSolid, Surface
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.convex import convex_piece
 from wiggleroom.spatial.solids.convex_hulls import hull_surface, hull_volume
 from wiggleroom.spatial.solids.face_planes import FLAT, face_planes, shared_edges
 from wiggleroom.spatial.solids.face_triangulation import triangulated_anew
 from wiggleroom.spatial.solids.fins import convex_without_fins
 from wiggleroom.spatial.solids.mesh_offset import mesh_offset
+from wiggleroom.spatial.solids.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.solid_boolean import centroid_of, is_sound, is_whole, solid_of, surface_of
 
 Floats = NDArray[np.float64]

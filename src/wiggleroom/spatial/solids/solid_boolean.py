@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Surface
 from wiggleroom.errors import require_extra
-from wiggleroom.spatial.solid_angle import winding_numbers
+from wiggleroom.spatial.solids.solid_angle import winding_numbers
 
 Floats = NDArray[np.float64]
 

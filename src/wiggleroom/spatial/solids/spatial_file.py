@@ -21,7 +21,7 @@ from wiggleroom.drawing.readers.source import load
 from wiggleroom.drawing.readers.voxel_puzzle import read_puzzle
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.files import leads_back
-from wiggleroom.spatial.rotations import fixed_axes
+from wiggleroom.spatial.bodies.rotations import fixed_axes
 from wiggleroom.spatial.solids.box_union import union_of_boxes
 from wiggleroom.spatial.solids.mesh_file import MeshFiles
 from wiggleroom.spatial.solids.solid_boolean import require_solid_library

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import placed_surface
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
 from wiggleroom.spatial.solids.orthogonal import filled, orthogonal_faces
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

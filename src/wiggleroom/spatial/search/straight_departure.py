@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
 

@@ -17,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.context import Context
-from wiggleroom.spatial.planar_slides import MAX_PAIRS, TranslationSpace
-from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.solids.convex import distinct_axes
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
-from wiggleroom.spatial.turning_in_place import (
+from wiggleroom.spatial.bodies.rotations import exponential
+from wiggleroom.spatial.escapes.planar_slides import MAX_PAIRS, TranslationSpace
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.search.turning_in_place import (
     ACROSS,
     LEAST_TURN,
     common_edges,
@@ -29,6 +28,7 @@ from wiggleroom.spatial.turning_in_place import (
     turned_by,
     turns_in_place,
 )
+from wiggleroom.spatial.solids.convex import distinct_axes
 
 Floats = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.context import Context
 from wiggleroom.search.state_tree import EqualKeys, Exit, Level, StateTree
-from wiggleroom.spatial.lattice import Lattice
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.escapes.lattice import Lattice
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
 Steps = NDArray[np.int16]

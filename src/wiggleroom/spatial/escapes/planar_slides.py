@@ -28,7 +28,7 @@ from wiggleroom.spatial.overlaps.difference_section import (
     slab_core,
     slab_shadow,
 )
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
 

@@ -12,15 +12,15 @@ from wiggleroom.assembly.assembly import Assembly, placed_surface
 from wiggleroom.assembly.overlaps import CONTACT_TOLERANCE
 from wiggleroom.drawing.model import Closer, Goal, Pull, Translation, Turn, Weight
 from wiggleroom.errors import InputError, TouchingError
+from wiggleroom.spatial.bodies.rigid import near_pieces
+from wiggleroom.spatial.bodies.rotations import unit_vector
+from wiggleroom.spatial.bodies.spatial_bodies import Grouping, grouped
 from wiggleroom.spatial.overlaps.meeting_pairs import meeting_pairs
 from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.planes.separating_plane_program import best_axis
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, Nearness, SquaredTravel, SumOfTerms, Term, Twist
-from wiggleroom.spatial.rigid import near_pieces
-from wiggleroom.spatial.rotations import unit_vector
-from wiggleroom.spatial.solid_angle import winding_numbers
+from wiggleroom.spatial.solids.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of
-from wiggleroom.spatial.spatial_bodies import Grouping, grouped
 
 Ints = NDArray[np.int64]
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.context import Context
+from wiggleroom.spatial.bodies.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.planes.carried_planes import carried_iterate
 from wiggleroom.spatial.planes.separating_plane_program import (
     DISTANCE_RATIO,
@@ -21,11 +22,10 @@ from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSol
 from wiggleroom.spatial.planes.spatial_objectives import SumOfTerms, Twist
 from wiggleroom.spatial.planes.undetermined_planes import past_undetermined_planes
 from wiggleroom.spatial.planes.working_set import facing_pairs, pairs_not_among, pairs_that_meet
-from wiggleroom.spatial.rigid import SpatialPose, near_pieces
-from wiggleroom.spatial.spatial_path_check import free_path, passing_pairs
-from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
-from wiggleroom.spatial.straight_departure import StraightDeparture
-from wiggleroom.spatial.turning_in_place import TurnInPlace, common_edges, endless_turn, turn_in_place
+from wiggleroom.spatial.search.spatial_path_check import free_path, passing_pairs
+from wiggleroom.spatial.search.spatial_prepare import REACH, SpatialPrepared
+from wiggleroom.spatial.search.straight_departure import StraightDeparture
+from wiggleroom.spatial.search.turning_in_place import TurnInPlace, common_edges, endless_turn, turn_in_place
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

@@ -19,22 +19,22 @@ from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Part
 from wiggleroom.planning.steps import moves_of
 from wiggleroom.search.state_tree import Exit, Level, StateTree
-from wiggleroom.spatial.confinement import EFFORTS, PairwiseConfinement
-from wiggleroom.spatial.lattice import lattice
-from wiggleroom.spatial.lattice_search import lattice_motions, lattice_search
-from wiggleroom.spatial.planar_slides import TranslationSpace
+from wiggleroom.spatial.bodies.rigid import near_pieces
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm
+from wiggleroom.spatial.bodies.spatial_bodies import grouped
+from wiggleroom.spatial.escapes.lattice import lattice
+from wiggleroom.spatial.escapes.lattice_search import lattice_motions, lattice_search
+from wiggleroom.spatial.escapes.planar_slides import TranslationSpace
+from wiggleroom.spatial.escapes.turn_roadmap import TurnRoadmap
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms, Twist
-from wiggleroom.spatial.rigid import near_pieces
-from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.proof.confinement import EFFORTS, PairwiseConfinement
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared, prepare_spatial
+from wiggleroom.spatial.search.spatial_search import SpatialSearch
+from wiggleroom.spatial.search.spatial_starts import best_of_starts, random_leads
+from wiggleroom.spatial.search.straight_departure import StraightDeparture
+from wiggleroom.spatial.search.turning_in_place import common_edges, turn_in_place, turns_in_place
 from wiggleroom.spatial.solids.convex import distinct_axes
-from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
-from wiggleroom.spatial.spatial_search import SpatialSearch
-from wiggleroom.spatial.spatial_starts import best_of_starts, random_leads
-from wiggleroom.spatial.straight_departure import StraightDeparture
-from wiggleroom.spatial.turn_roadmap import TurnRoadmap
-from wiggleroom.spatial.turning_in_place import common_edges, turn_in_place, turns_in_place
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]

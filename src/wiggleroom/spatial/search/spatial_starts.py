@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.search.global_search import SearchEffort, effort
+from wiggleroom.spatial.bodies.rigid import RigidBodies
 from wiggleroom.spatial.planes.spatial_objectives import Displacement, SumOfTerms
-from wiggleroom.spatial.rigid import RigidBodies
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
-from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.search.spatial_search import SearchEnd, SpatialSearch
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

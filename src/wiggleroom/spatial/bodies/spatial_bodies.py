@@ -11,8 +11,8 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import AXES
 from wiggleroom.drawing.writers.glue_groups import body_numbers
 from wiggleroom.errors import InputError
-from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
-from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.bodies.rigid import RigidBodies, SpatialPose
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

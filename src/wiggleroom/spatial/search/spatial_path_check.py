@@ -11,6 +11,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import factor
+from wiggleroom.spatial.bodies.rigid import RigidBodies, SpatialPose, boxes_of
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm
 from wiggleroom.spatial.overlaps.swept_check import stay_apart
 from wiggleroom.spatial.planes import plane_fitting
 from wiggleroom.spatial.planes.graph_retraction import GraphRetraction
@@ -20,11 +22,9 @@ from wiggleroom.spatial.planes.separating_plane_program import (
     SeparatingPlaneProgram,
     parted,
 )
-from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, boxes_of
-from wiggleroom.spatial.rotations import exponential, logarithm
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+    from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
 
 
 Floats = NDArray[np.float64]

@@ -19,8 +19,8 @@ from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
 from wiggleroom.errors import InputError
 from wiggleroom.search.answer import MAX_BOUND_RATIO, PROVEN_WITHIN, Answer
-from wiggleroom.spatial.rotations import unit_vector
-from wiggleroom.spatial.spatial_bodies import grouped
+from wiggleroom.spatial.bodies.rotations import unit_vector
+from wiggleroom.spatial.bodies.spatial_bodies import grouped
 from wiggleroom.verdict import PathState, Verdict
 
 Floats = NDArray[np.float64]

@@ -22,14 +22,14 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import placed_surface
 from wiggleroom.context import Context
 from wiggleroom.drawing.model import ConvexPiece, Surface
-from wiggleroom.spatial.caging import ball_stays, in_closed_cavity
-from wiggleroom.spatial.inscribed_ball import inscribed_ball
-from wiggleroom.spatial.linking_number import RingBody, held_by_opening, linked
-from wiggleroom.spatial.narrow_windows import behind_narrow_windows
 from wiggleroom.spatial.overlaps.pose_cells import CLOSED, FACES, PAUSED, cover
+from wiggleroom.spatial.proof.caging import ball_stays, in_closed_cavity
+from wiggleroom.spatial.proof.inscribed_ball import inscribed_ball
+from wiggleroom.spatial.proof.linking_number import RingBody, held_by_opening, linked
+from wiggleroom.spatial.proof.narrow_windows import behind_narrow_windows
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.search.turning_in_place import common_edges, round_centres
 from wiggleroom.spatial.solids.convex import prism
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
-from wiggleroom.spatial.turning_in_place import common_edges, round_centres
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

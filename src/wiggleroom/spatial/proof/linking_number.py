@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import ConvexPiece, Surface
-from wiggleroom.spatial.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.overlaps.surface_distance import surface_distances
-from wiggleroom.spatial.solid_angle import solid_angles
+from wiggleroom.spatial.proof.inscribed_ball import inscribed_ball
 from wiggleroom.spatial.solids.separating_axis import nearest_difference, separation
+from wiggleroom.spatial.solids.solid_angle import solid_angles
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from wiggleroom.compiled.jit_options import OPTIONS, njit
 from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import ConvexPiece, Surface
-from wiggleroom.spatial.solid_angle import winding_numbers
 from wiggleroom.spatial.solids.separating_axis import nearest_difference
+from wiggleroom.spatial.solids.solid_angle import winding_numbers
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.rigid import SpatialPose
-from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.spatial_path_check import MAX_STRAIN
-from wiggleroom.spatial.spatial_prepare import SpatialPrepared
-from wiggleroom.spatial.straight_departure import StraightDeparture
+from wiggleroom.spatial.bodies.rigid import SpatialPose
+from wiggleroom.spatial.bodies.rotations import exponential
+from wiggleroom.spatial.search.spatial_path_check import MAX_STRAIN
+from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared
+from wiggleroom.spatial.search.straight_departure import StraightDeparture
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import ConvexPiece
-from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.bodies.rotations import exponential, logarithm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

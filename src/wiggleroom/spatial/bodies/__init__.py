@@ -1,0 +1,1 @@
+"""Rigid motions in space: rotations, poses, and parts that move as one body."""
