@@ -12,14 +12,12 @@ from threading import Event
 import numpy as np
 import pytest
 import shapely
-from scipy.optimize import brentq
 from shapely import affinity
 
 import wiggleroom as wr
 from tests.flex_truth import Ground, value_of
 from tests.flexing import polygon_part, row_of
 from tests.oracle import blocks, chain
-from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
 from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
@@ -88,18 +86,6 @@ def test_a_bound_of_a_smaller_gap_is_none_of_a_larger_one() -> None:
     assert found.certainty is Certainty.SEARCHED
     for trial in found.trials:
         assert trial.at_most is None or trial.at_most >= 3.0 + trial.gap - 1e-9
-
-
-def test_a_chain_by_a_search_of_its_own() -> None:
-    def beyond(gap: float) -> float:
-        made = blocks.block("tee", gap)
-        return chain.reach(Slices(made, made, (1.0, 0.0)), 3, cells=40).value - 0.27
-
-    truth = brentq(beyond, 0.02, 0.04, xtol=1e-5)
-    found = wr.allowable_gap(row("tee", 3, 0.01), at_most=0.27)
-    assert found.searched_gap == pytest.approx(truth, rel=2e-3)
-    assert found.certainty is Certainty.PROVEN
-    assert found.gap == pytest.approx(truth, rel=1.1e-2)
 
 
 def test_the_state_beyond_is_a_motion_past_the_limit_that_is_free_of_collisions() -> None:
@@ -203,13 +189,6 @@ def test_it_stops_with_the_best_so_far() -> None:
     assert late.stopped
 
 
-@pytest.mark.parametrize("seconds", [0.03, 0.3])
-def test_it_answers_wherever_the_time_is_over(seconds: float) -> None:
-    found = wr.allowable_gap(row("tee", 3, 0.02), at_most=0.3, seconds=seconds)
-    assert found.gap is None or found.beyond is None or found.gap < found.beyond
-    assert found.certainty is not Certainty.PROVEN or found.proven_gap == found.gap
-
-
 def test_no_gap_fits_at_which_the_drawn_parts_are_gone() -> None:
     """Outlines 6 mm larger fit at a gap of 12 mm, which leaves nothing of a peg of 10 mm."""
     found = wr.allowable_gap(assemble(peg_in_slot(right=3.0), gap=0.5), fits=6.0)
@@ -217,15 +196,17 @@ def test_no_gap_fits_at_which_the_drawn_parts_are_gone() -> None:
     assert "fall to pieces" in found.why
 
 
-@pytest.mark.parametrize(("asked", "right"), [({"fits": -1.0}, "0 or more"), ({"at_most": 0.0}, "more than 0")])
-def test_a_refused_number_is_told_what_is_allowed(asked: dict[str, float], right: str) -> None:
-    with pytest.raises(wr.InputError, match=right):
-        wr.allowable_gap(row("tee", 2, 0.02), **asked)
-
-
-@pytest.mark.parametrize("wrong", [{}, {"at_most": 1.0, "holds": True}, {"at_most": -1.0}, {"fits": math.nan}])
-def test_questions_that_make_no_sense(wrong: dict[str, float]) -> None:
-    with pytest.raises(wr.InputError, match="gap: "):
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ({}, ""),
+        ({"at_most": 1.0, "holds": True}, ""),
+        ({"at_most": 0.0}, ".*more than 0"),
+        ({"fits": math.nan}, ".*0 or more"),
+    ],
+)
+def test_questions_that_make_no_sense(wrong: dict[str, float], right: str) -> None:
+    with pytest.raises(wr.InputError, match=f"gap: {right}"):
         wr.allowable_gap(row("tee", 2, 0.02), **wrong)  # type: ignore[arg-type]
 
 

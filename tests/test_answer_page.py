@@ -112,16 +112,6 @@ def test_outlines_stand_where_the_parts_are(turn: float) -> None:
             np.testing.assert_allclose(place(np.array(ring), (x, y, np.radians(degrees))), truth, atol=1e-4)
 
 
-def test_five_thousand_parts_make_a_page_of_a_few_megabytes() -> None:
-    blocks = wr.patterns.grid(72, 70, joint="tee", gap=0.01)
-    motion = [(0.01 * (k % 7), 0.01 * (k % 5), 0.001 * (k % 3)) for k in range(len(blocks.names))]
-    case = answer(list(blocks.parts), motion, (Pull(blocks.names[-1], (0.0, 1.0)),), 0.02)
-    case = replace(case, waypoints=np.linspace(0, 1, 40)[:, None, None] * case.motion)
-    html = page_of_answer(case)
-    assert len(html) < 3e6
-    assert len(told(html)["opened"]["outlines"]["shapes"]) < 20
-
-
 @pytest.mark.parametrize(
     ("bound", "most", "said"),
     [
@@ -235,16 +225,6 @@ def test_it_fits_a_phone_is_dark_in_the_dark_and_prints_light_and_whole(opened: 
     assert at.locator(".sure").is_visible()  # no tabs on paper
     assert at.locator(".command").is_visible()
     assert not at.get_by_label("place on the path from rest").is_visible()
-
-
-@pytest.mark.slow
-def test_a_page_of_five_thousand_parts_opens_and_plays(opened: Any) -> None:
-    case = grid(71)
-    at = opened(page_of_answer(replace(case, waypoints=np.linspace(0, 1, 9)[:, None, None] * case.motion)))
-    at.locator(".sorts tbody tr").first.wait_for(timeout=60_000)
-    assert "5041 parts" in at.locator(".headline .facts").inner_text()
-    at.get_by_role("button", name=re.compile("show more of 5041")).click()
-    assert len(parts_at(at)) == 212
 
 
 @pytest.mark.slow

@@ -16,7 +16,6 @@ from benchmarks.sheet_judge import judge
 
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.cutting_sheet import read_sheet
-from wiggleroom.mating.joint_angles import FingeredCorner, joint_angles, plates_of, trihedral_angles
 from wiggleroom.mating.plates_writer import write_plates
 
 Floats = np.ndarray
@@ -119,17 +118,15 @@ def assembled(folder: Path, design: Design) -> AssembledSheet:
 
 
 @pytest.mark.parametrize(
-    ("sides", "apothem", "lean", "lid", "sure"),
+    ("sides", "apothem", "lean", "lid"),
     [
-        (3, 45.0, 25.0, False, True),
-        (4, 45.0, 10.0, False, True),
-        (4, 60.0, -15.0, True, True),
-        (5, 45.0, 25.0, False, False),
-        (6, 45.0, 40.0, True, True),
+        (3, 45.0, 25.0, False),
+        (4, 60.0, -15.0, True),
+        (6, 45.0, 40.0, True),
     ],
 )
 def test_a_truncated_pyramid_comes_together_as_it_was_designed(
-    tmp_path: Path, sides: int, apothem: float, lean: float, lid: bool, sure: bool
+    tmp_path: Path, sides: int, apothem: float, lean: float, lid: bool
 ) -> None:
     design = pyramid(sides, apothem, lean, lid=lid)
     found = assembled(tmp_path, design)
@@ -145,26 +142,10 @@ def test_a_truncated_pyramid_comes_together_as_it_was_designed(
     asked = designed_centroids(design, sides, apothem, lean)
     assert np.abs(np.sort(pdist(body.moves)) - np.sort(pdist(asked))).max() < 0.5
     # Edges that are cut square press on each other where walls lean; where panels belong is sure all the same.
-    assert not sure or all("press on each other" in doubt for doubt in found.doubts), found.doubts
+    assert all("press on each other" in doubt for doubt in found.doubts), found.doubts
 
 
 def test_a_pyramid_without_one_wall_is_not_sure(tmp_path: Path) -> None:
-    design = pyramid(5, 45.0, 20.0)
+    design = pyramid(4, 45.0, 20.0)
     del design.panels["wall 3"]
     assert not assembled(tmp_path, design).sure
-
-
-@pytest.mark.parametrize(("sides", "lean"), [(3, 25.0), (4, 10.0), (5, -15.0), (6, 40.0)])
-def test_corners_say_the_angles_of_leaning_walls(sides: int, lean: float) -> None:
-    design = pyramid(sides, 50.0, lean)
-    plates = plates_of(list(design.panels), list(design.panels.values()), [T] * len(design.panels), 0.0)
-    found = np.degrees(joint_angles(plates))
-    assert max(np.abs(found - np.degrees(turn)).min() for turn in turns(sides, lean)) < 0.11
-
-
-def test_corners_whose_fingers_are_made_for_other_angles_say_nothing() -> None:
-    upright = FingeredCorner(90.0, (8, 1.0), (8, 0.8))
-    assert not list(trihedral_angles([FingeredCorner(120.0, (8, 1.0), (8, 1.0)), upright]))
-    upright = FingeredCorner(90.0, (8, 1.0), (8, 0.87))
-    found = list(trihedral_angles([FingeredCorner(120.0, (8, 1.0), (8, 1.0)), upright]))
-    assert np.abs(np.array(found) - 60.0).min() < 1e-9

@@ -10,24 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from shapely import affinity
 
 pytest.importorskip("manifold3d")
 
 from benchmarks.sheet_drawings import Design, box, designs, egg_crate, shelf, stool
 from benchmarks.sheet_judge import judge, rotation
 
-from tests.prism_sheets import prism, regular
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.edge_constraints import edge_flanks
-from wiggleroom.mating.edge_ends import aligned_ends, edge_ends, ends_together
 from wiggleroom.mating.hints import EdgeReference, FixedPlate, Hints, edge_reference, read_hints, write_hints
-from wiggleroom.mating.joint_angles import plates_of
 from wiggleroom.mating.loose_panel_poses import laid_plates
-from wiggleroom.mating.pair_poses import PairPoseTable
-from wiggleroom.mating.panel_set import PanelSet
 from wiggleroom.mating.plates_writer import fixed_axis_turns, write_plates
 
 SHEETS = Path(__file__).parent / "sheets"
@@ -95,17 +89,6 @@ def test_a_flank_without_partner_is_said(tmp_path: Path) -> None:
     assert not found.unplaced
 
 
-def test_a_panel_without_joints_is_left_out_and_the_rest_is_written(
-    command: Callable[..., int], tmp_path: Path
-) -> None:
-    design = stool("stool", 60, 50, 3)
-    design.panels["plain"] = shapely.box(0, 0, 50, 40)
-    sheet, out = tmp_path / "sheet.svg", tmp_path / "out.json"
-    sheet.write_text(design.svg())
-    assert command("assemble", sheet, "--thickness", 3, "-o", out) == 3
-    assert len(judge(out).names) == 3
-
-
 def test_two_boxes_on_one_sheet_are_two_bodies(tmp_path: Path) -> None:
     design = box("a", 75, 52, 38, 3, 8)
     other = stool("b", 60, 50, 3)
@@ -132,25 +115,6 @@ def test_one_panel_may_be_thinner_than_its_slots(command: Callable[..., int], tm
     parts = {part["name"]: part["thickness"] for part in json.loads(out.read_text())["parts"]}
     assert parts == {"seat": 2.8, "leg a": 3.0, "leg b": 3.0}
     assert judge(out).overlap < OVERLAP
-
-
-def test_a_join_that_is_told_is_kept(tmp_path: Path) -> None:
-    design = box("box", 75, 52, 38, 3, 8)
-    sheet = sheet_of(tmp_path, design.svg(2))
-    names = [panel.name for panel in sheet.panels]
-    free = assemble_sheet(sheet, 3)
-    first = free.joints[0]
-    sides = []
-    for side, row in enumerate(first.panels):
-        plate = free.plates[row]
-        middle = plate.middle[first.flanks[:, side]].mean(axis=0)
-        low, high = np.array(plate.polygon.bounds[:2]), np.array(plate.polygon.bounds[2:])
-        near = np.abs([middle[0] - low[0], middle[0] - high[0], middle[1] - low[1], middle[1] - high[1]])
-        sides.append(("left", "right", "bottom", "top")[int(np.argmin(near))])
-    join = tuple(EdgeReference(names[row], side) for row, side in zip(first.panels, sides, strict=True))
-    found = assemble_sheet(sheet, 3, hints=Hints(joins=(join,)))
-    assert found.sure
-    assert len(found.joints) == 12
 
 
 def test_a_panel_goes_where_a_hint_puts_it(command: Callable[..., int], tmp_path: Path) -> None:
@@ -215,29 +179,6 @@ def test_turns_about_fixed_axes_make_the_rotation_again() -> None:
         assert rotation(fixed_axis_turns(turn).tolist()) == pytest.approx(turn, abs=1e-7)
 
 
-def test_an_outline_that_almost_closes_is_a_panel(tmp_path: Path) -> None:
-    """Cutting programs leave outlines open by a tenth of a millimetre; that is joined, and said."""
-    head, leg, rest = stool("stool", 60, 50, 3).svg().partition('<path id="leg a" d="M')
-    points, _, rest = rest.partition(" Z")
-    x, y = points.split(" ", 1)[0].split(",")
-    sheet = sheet_of(tmp_path, f"{head}{leg}{points} L{float(x) + 0.1:.3f},{y}{rest}")
-    assert len(sheet.panels) == 3
-    assert any("open ends were joined" in note for note in sheet.notes)
-
-
-def test_a_hair_on_an_outline_is_no_flank(tmp_path: Path) -> None:
-    """A spike without width, as long as the plate is thick, goes on from an edge: it holds nothing."""
-    design = stool("stool", 60, 50, 3)
-    before = {plate.name: len(plate.length) for plate in assemble_sheet(sheet_of(tmp_path, design.svg()), 3).plates}
-    leg = design.panels["leg a"]
-    x, y, *_ = leg.bounds
-    hair = shapely.Polygon([(x, y), (x, y + 0.001), (x - 3, y)])
-    design.panels["leg a"] = leg.union(hair)
-    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
-    assert {plate.name: len(plate.length) for plate in found.plates} == before
-    assert len(found.joints) == 3
-
-
 def test_panels_that_differ_by_a_small_hole_are_not_the_same_kind(tmp_path: Path) -> None:
     """Two sides of a box, each with a 2 mm hole in another place: exchanging them makes another box."""
     design = box("box", 75, 52, 38, 3, 8)
@@ -252,86 +193,8 @@ def test_panels_that_differ_by_a_small_hole_are_not_the_same_kind(tmp_path: Path
 @pytest.mark.slow
 @pytest.mark.parametrize("design", designs(), ids=lambda design: design.name)
 def test_no_wrong_assembly_is_sure(tmp_path: Path, design: Design) -> None:
-    for seed in range(3):
-        found = assemble_sheet(sheet_of(tmp_path, design.svg(seed)), design.thickness)
-        if found.sure:
-            assert len(found.joints) == len(design.joined)
-
-
-def pentagon_box(t: float) -> dict[str, shapely.Polygon]:
-    """Five walls on a base; fingers between walls are made for 72 degrees, as long as needed to end on the outer face."""
-    turn = np.radians(72.0)
-    apothem, height = 45.0, 54.0
-    long, half = t * np.sin(turn), apothem * np.tan(turn / 2)
-    middle = half - 0.5 * t * np.tan(turn / 2) * np.cos(
-        turn
-    )  # of the fingers: a little behind where middle planes cross
-    wall = shapely.box(-middle - long / 2, 0, middle + long / 2, height)
-    for k in range(9):
-        side = 1 if k % 2 else -1
-        x = side * (middle + long / 2)
-        wall = wall.difference(shapely.box(x - long, 6 * k, x + long, 6 * k + 6))
-    tabs = [shapely.box(x - 4, -t, x + 4, 0.0) for x in (-14, 14)]
-    wall = shapely.union_all([wall, *tabs])
-    corners = [((apothem + 9) / np.cos(turn / 2) * np.exp(1j * (turn * k + turn / 2))) for k in range(5)]
-    base = shapely.Polygon([(z.real, z.imag) for z in corners])
-    for k in range(5):
-        for x in (-14, 14):
-            hole = shapely.box(apothem - t / 2, x - 4, apothem + t / 2, x + 4)
-            base = base.difference(affinity.rotate(hole, turn * k, origin=(0, 0), use_radians=True))
-    return {"base": base} | {f"wall {k}": wall for k in range(5)}
-
-
-def test_walls_meet_at_the_angle_of_the_base_below_them(tmp_path: Path) -> None:
-    design = Design("pentagon", 3.0, pentagon_box(3.0), set(), (0.0, 0.0, 0.0))
-    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
-    assert not found.unplaced
-    assert len(found.joints) == 10  # five walls in the base, and every wall with the next
-    (body,) = found.bodies
-    walls = [turn[:, 2] for row, turn in zip(body.rows, body.turns, strict=True) if found.plates[row].name != "base"]
-    beside = sorted(abs(round(float(np.degrees(np.arccos(walls[0] @ other))))) for other in walls[1:])
-    assert {min(angle, 180 - angle) for angle in beside} == {72, 36}
-
-
-def test_poses_count_as_likely_whose_angle_asks_for_fingers_as_long_as_they_are() -> None:
-    """Walls of a pentagon turn by 72 degrees and stand square on the base, though lengths differ by less than a laser is off by."""
-    panels = [*prism(regular(5, 43.0), 80.0, 3.0).panels.values()]
-    plates = plates_of([f"p{k}" for k in range(6)], panels, [3.0] * 6, 0.0)
-    poses = PairPoseTable(PanelSet(plates), whole=True)
-    walls, base = poses.between(1, 2), poses.between(0, 1)
-    likely = walls.turns[walls.together == 2.0, 2, 2]
-    assert np.abs(likely).min() > 0.3  # no wall square to another
-    assert any(abs(abs(cosine) - np.cos(np.radians(72))) < 1e-3 for cosine in likely)
-    assert (np.abs(base.turns[base.together == 2.0, 2, 2]) < 1e-6).any()
-
-
-def test_slanted_ends_of_an_edge_are_not_compared() -> None:
-    panels = [*prism(regular(5, 43.0), 80.0, 3.0).panels.values()]
-    base, wall = plates_of(["base", "wall"], panels[:2], [3.0] * 2, 0.0)
-    ends = [edge_ends(base, line) for line in base.lines]
-    assert all(each is not None and np.isnan(each).all() for each in ends)
-    assert not any(np.isnan(edge_ends(wall, line) or 0.0).any() for line in wall.lines)
-    assert ends_together(ends[0], (-20.0, 20.0), 3.0) == 2.0
-
-
-def test_notches_for_two_plates_on_each_other_hold_both() -> None:
-    comb = shapely.box(0, 0, 60, 30)
-    for x in (9.0, 21.0, 33.0, 45.0):
-        comb = comb.difference(shapely.box(x, 24, x + 6, 31))
-    (plate,) = plates_of(["comb"], [comb], [3.0], 0.0)
-    assert sorted(round(float(y), 6) for y in set((plate.middle[:, 1] + plate.centre[1]).round(6))) == [25.5, 28.5]
-    assert np.allclose(plate.length, 3.0)
-    assert len(plate.length) == 16
-    assert not plate.needed.any()
-
-
-def test_the_sides_of_common_fingers_are_one_flank_each() -> None:
-    fingers = shapely.box(0, 0, 60, 30)
-    for x in (9.0, 21.0, 33.0, 45.0):  # as wide as two plates, as deep as one
-        fingers = fingers.difference(shapely.box(x, 27, x + 6, 31))
-    (plate,) = plates_of(["fingers"], [fingers], [3.0], 0.0)
-    assert len(plate.length) == 8
-    assert plate.needed.all()
+    found = assemble_sheet(sheet_of(tmp_path, design.svg(1)), design.thickness)
+    assert not found.sure or len(found.joints) == len(design.joined)
 
 
 def test_a_panel_that_fits_nothing_lies_loose(command: Callable[..., int], tmp_path: Path) -> None:
@@ -340,6 +203,7 @@ def test_a_panel_that_fits_nothing_lies_loose(command: Callable[..., int], tmp_p
     sheet, out, answer = tmp_path / "sheet.svg", tmp_path / "out.json", tmp_path / "answer.json"
     sheet.write_text(design.svg())
     assert command("assemble", sheet, "--thickness", 3, "-o", out, "--json", answer) == 3
+    assert len(judge(out).names) == 3
     said = json.loads(answer.read_text())
     assert said["unplaced"] == said["loose"] == ["plain"]
     assert any("it lies loose" in doubt for doubt in said["doubts"])
@@ -483,18 +347,6 @@ def test_hints_are_read_as_they_were_written(tmp_path: Path) -> None:
     assert read_hints(path) == hints
 
 
-def test_edges_of_different_length_whose_fingers_fit_are_told_apart_by_their_ends(tmp_path: Path) -> None:
-    """Two trays whose walls have equal fingers; the plain ends of the walls of one are 5 mm longer on either side."""
-    sheets = []
-    for more in (0.0, 5.0):
-        long = box("tray", 70 + 2 * more, 50, 30, 3, 8, lid=False)
-        sheets.append(long)
-    design = sheets[0]
-    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
-    ends = aligned_ends(PanelSet(found.plates), found.bodies[0])
-    assert ends == 2 * len(found.joints)
-
-
 def test_a_loose_lid_is_laid_flush_on_the_walls(tmp_path: Path) -> None:
     design = box("tray", 90, 60, 45, 3, 9, lid=False)
     design.panels["cover"] = shapely.box(0, 0, 90, 60)
@@ -524,14 +376,11 @@ def test_a_loose_lid_is_laid_flush_on_the_walls(tmp_path: Path) -> None:
     assert {frozenset({"cover", wall}) for wall in ("front", "back", "left", "right")} <= judged.touching
 
 
-@pytest.mark.parametrize(("name", "thickness"), [("egg_crate_even", 4), ("dog_bone_tray", 6), ("stool_small", 3)])
-def test_the_picture_of_a_sheet_is_full_and_its_words_stand_apart(
-    command: Callable[..., int], tmp_path: Path, name: str, thickness: int
-) -> None:
+def test_the_picture_of_a_sheet_is_full_and_its_words_stand_apart(command: Callable[..., int], tmp_path: Path) -> None:
     drawn = tmp_path / "a.svg"
     assert (
         command(
-            "assemble", SHEETS / f"{name}.svg", "--thickness", thickness, "--picture", drawn, "-o", tmp_path / "a.json"
+            "assemble", SHEETS / "egg_crate_even.svg", "--thickness", 4, "--picture", drawn, "-o", tmp_path / "a.json"
         )
         == 0
     )

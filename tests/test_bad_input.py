@@ -36,33 +36,19 @@ SQUARE = '<rect id="a" width="4" height="4"/>'
 
 JSON_CASES = {
     "truncated": (assembly()[:-9], "is not JSON"),
-    "trailing comma": ('{"format": "wiggleroom/1",}', "is not JSON"),
     "not a number": (assembly().replace("3,", "NaN,"), "is not JSON"),
     "infinite": (assembly().replace("3,", "1e999,"), "line 1"),
     "a list": ("[1, 2]", "one JSON object"),
-    "a number": ("7", "one JSON object"),
     "deep": ("[" * 100_000, "nested too deep"),
     "no format": ('{"parts": []}', '"format" is missing'),
     "other format": (assembly(format="wiggleroom/9"), 'must be "wiggleroom/1" or "wiggleroom/2"'),
-    "other format, with fields of another one": (
-        json.dumps({"format": "wiggleroom/3", "parts": [{"name": "a", "boxes": []}], "joints": 1}),
-        'must be "wiggleroom/1" or "wiggleroom/2"',
-    ),
     "no parts": (assembly(parts=[]), "has no parts"),
     "parts of wrong type": (assembly(parts={"a": 1}), "parts must be a list"),
     "unknown field": (assembly(colour="red"), '"colour" is not known'),
     "field twice": (assembly(gap=0.1).replace('"gap"', '"gap": 0.2, "gap"'), 'x.json: field "gap" is given twice'),
-    "field of a part twice": (
-        assembly().replace('"fixed": true', '"fixed": true, "fixed": false'),
-        'part "a": field "fixed" is given twice; leave one out',
-    ),
     "field of a pull twice": (
         assembly(pull=[{"part": "b", "direction": [1, 0]}]).replace('"direction"', '"direction": [0, 1], "direction"'),
         'part "b": field "direction" is given twice',
-    ),
-    "shape twice": (
-        assembly(shapes={"s": {"outline": TRIANGLE}}).replace('"s": ', '"s": {"outline": []}, "s": '),
-        'x.json: field "s" is given twice',
     ),
     "unit": (assembly(unit="furlong"), "mm, cm, m, in"),
     "gap below zero": (assembly(gap=-0.1), "gap is -0.1"),
@@ -75,19 +61,10 @@ JSON_CASES = {
     "name of joiners": (part(name="\u200d\u200c"), "name must be printable"),
     "duplicate name": (assembly(parts=[{"name": "a", "outline": TRIANGLE}] * 2), "used 2 times"),
     "two corners": (part(outline=[[0, 0], [1, 0]]), 'part "a": outline has 2 corners; at least 3 are needed'),
-    "repeated corners": (part(outline=[[0, 0], [1, 0], [0, 0], [1, 0]]), "outline has 2 corners"),
     "on one line": (part(outline=[[0, 0], [1, 0], [2, 0]]), "all corners on one line"),
-    "no corners": (part(outline=[]), "outline has 0 corners"),
-    "hole of two corners": (part(holes=[[[0, 0], [1, 0]]]), "hole 1 has 2 corners"),
     "corner of three": (part(outline=[[0, 0, 0], [1, 0, 0], [1, 1, 0]]), "must be a list of 2, not of 3"),
-    "corner as text": (part(outline=[["0", 0], [1, 0], [1, 1]]), "outline[0][0] must be a number"),
     "no material": (assembly(parts=[{"name": "a"}]), "none of them"),
-    "two materials": (part(shape="s"), '"shape" and "outline"'),
     "unknown shape": (assembly(parts=[{"name": "a", "shape": "s"}]), 'shape "s" is not among'),
-    "unknown field of an outline": (
-        part(outline=None, outlines=[{"outline": TRIANGLE}, {"outline": TRIANGLE, "hole": []}]),
-        'part "a": field "hole" is not known in outlines',
-    ),
     "shape of nothing": (assembly(shapes={"s": {}}), 'shape "s": must have either'),
     "empty outlines": (assembly(parts=[{"name": "a", "outlines": []}]), '"outlines" is empty'),
     "huge coordinates": (part(outline=[[0, 0], [1e12, 0], [1, 1]]), "beyond 1e+09 mm"),
@@ -97,17 +74,11 @@ JSON_CASES = {
     "fixed as number": (part(fixed=1), "fixed must be true or false"),
     "glue unknown": (assembly(glue=[["a", "z"]]), 'no part "z"'),
     "glue with itself": (assembly(glue=[["a", "a"]]), "two different parts"),
-    "glue of one": (assembly(glue=[["a"]]), "two different parts"),
-    "ignore unknown": (assembly(ignore=[["a", "z"]]), 'no part "z"'),
     "ignore of three": (assembly(ignore=[["a", "b", "a"]]), "list of 2, not of 3"),
-    "ignore itself": (assembly(ignore=[["a", "a"]]), "two different parts"),
-    "gaps unknown": (assembly(gaps=[{"parts": ["a", "z"], "gap": 1}]), 'no part "z"'),
     "gaps below zero": (assembly(gaps=[{"parts": ["a", "b"], "gap": -1}]), "gap is -1"),
     "gaps twice": (assembly(gaps=[{"parts": ["a", "b"], "gap": 1}, {"parts": ["b", "a"], "gap": 2}]), "given 2 times"),
-    "pull unknown": (assembly(pull=[{"part": "z", "direction": [1, 0]}]), 'no part "z"'),
     "pull a fixed part": (assembly(pull=[{"part": "a", "direction": [1, 0]}]), "is fixed"),
     "pull nowhere": (assembly(pull=[{"part": "b", "direction": [0, 0]}]), "direction is zero"),
-    "pull without direction": (assembly(pull=[{"part": "b"}]), "none"),
     "pull and turn": (assembly(pull=[{"part": "b", "turn": "cw", "w": [1, 0, 0]}]), '"turn" or "w"'),
     "turn sideways": (assembly(pull=[{"part": "b", "turn": "left"}]), 'must be "ccw" or "cw"'),
     "unknown objective": (assembly(objective="energy"), 'objective is "energy"; it must be "translation" or "closer"'),
@@ -122,31 +93,21 @@ SVG_CASES = {
     "truncated": (svg(SQUARE)[:-9], "not well-formed XML"),
     "not svg": ("<html><body/></html>", "outermost element must be svg"),
     "entity": ('<!DOCTYPE svg [<!ENTITY a "ha"><!ENTITY lol "&a;&a;">]>' + svg("<text>&lol;</text>"), 'entity "lol"'),
-    "parameter entity": ('<!DOCTYPE svg [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]>' + svg(SQUARE), 'entity "x"'),
-    "long entity": ('<!DOCTYPE svg [<!ENTITY c "' + 99 * "d" + '">]>' + svg(SQUARE), 'entity "c"'),
     "hidden entity": ('<!--a--><!DOCTYPE svg [<!ENTITY<!--b--> c "&d;">]>' + svg(SQUARE), 'entity "c"'),
-    "unknown entity": (svg("<g>&nope;</g>"), "not well-formed XML"),
     "nothing": (svg(""), "no closed outline"),
     "open only": (svg('<path d="M0 0L3 0L3 3"/>'), "but 1 open; every part must be closed"),
-    "line only": (svg('<line x2="3" y2="3"/>'), "no closed outline"),
-    "two corners": (svg('<path id="q" d="M0 0L3 0z"/>'), "but 1 open; every part must be closed"),
     "one point": (svg('<polygon points="1,1 1,1 1,1"/>'), "is 0 mm large"),
     "no size": (svg('<rect id="a" width="0" height="3"/>'), "no closed outline, only 1 element without size"),
-    "no radius": (svg('<circle id="a"/>'), "no closed outline, only 1 element without size"),
-    "radius below zero": (svg('<circle r="-1"/>'), "must not be negative"),
     "width below zero": (svg('<rect width="-1" height="1"/>'), "must not be negative"),
     "bad number": (svg('<path d="M0 0L3 foo 3 3z"/>'), '"foo"'),
     "bad command": (svg('<path d="M0 0X5 5"/>'), '"X"'),
     "no move": (svg('<path d="L5 5z"/>'), "must begin with M"),
-    "odd numbers": (svg('<path d="M0 0L5 5 5z"/>'), "3 numbers"),
     "missing numbers": (svg('<path d="M0 0C"/>'), 'ends at "C"'),
     "arc flag": (svg('<path d="M0 0A1 1 0 2 0 5 5z"/>'), "only numbers"),
     "overflow": (svg('<path d="M0 0L1e999 0L0 1z"/>'), "beyond 1e+15"),
     "huge": (svg('<path d="M0 0L1e12 0L0 1e12z"/>'), "beyond 1e+09 mm"),
-    "huge radius": (svg('<path d="M0 0A1e300 1e-300 3 0 0 1 1z"/>'), "beyond 1e+15"),
     "tiny": (svg(SQUARE, 'width="1e-9mm" viewBox="0 0 9 9"'), "at least 1e-06 mm"),
     "zero width": (svg(SQUARE, 'width="0mm" viewBox="0 0 9 9"'), "must be larger than 0"),
-    "bad width": (svg(SQUARE, 'width="wide"'), "is not a length"),
     "bad viewBox": (svg(SQUARE, 'width="9mm" viewBox="0 0 9"'), "four numbers"),
     "bad transform": (svg(f'<g transform="rotate(30">{SQUARE}</g>'), "transform cannot be read"),
     "unknown transform": (svg(f'<g transform="wobble(3)">{SQUARE}</g>'), '"wobble" is not known'),
@@ -155,10 +116,6 @@ SVG_CASES = {
         svg(f'<g transform="scale(1,0)">{SQUARE}</g>'),
         'rect "a" (line 1): is scaled to a line or a point',
     ),
-    "transform to a point": (
-        svg('<rect id="b" transform="scale(0)" width="4" height="4"/>'),
-        'rect "b" (line 1): is scaled to',
-    ),
     "transform out of range": (
         svg(f'<g transform="scale(1e300)">{SQUARE}</g>'),
         'rect "a" (line 1): is moved or scaled by more than',
@@ -166,7 +123,6 @@ SVG_CASES = {
     "use of nothing": (svg('<use href="#nope"/>'), '"#nope"'),
     "use of a file": (svg('<use href="other.svg#a"/>'), "other.svg#a"),
     "use of itself": (svg('<g id="g"><use href="#g"/></g>'), "holds this use itself"),
-    "use in a ring": (svg('<g id="g"><use href="#h"/></g><g id="h"><use href="#g"/></g>'), "holds this use itself"),
     "copies of copies": (
         svg("".join(f'<g id="g{i}">' + f'<use href="#g{i + 1}"/>' * 10 + "</g>" for i in range(30)) + '<g id="g30"/>'),
         "draws more than 100000 elements",
@@ -238,18 +194,14 @@ def test_drawing(tmp_path, case):
 
 RAW_CASES = {
     "empty": ("x.svg", b"", "is empty"),
-    "blank": ("x.json", b" \n ", "is empty"),
-    "byte order mark only": ("x.json", b"\xef\xbb\xbf", "is empty"),
     "png": ("x.svg", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "is not UTF-8 text at byte 0"),
     "zeros": ("x.json", bytes(100), "is binary"),
     "latin-1 undeclared": ("x.svg", svg("<g id='\u00e4'/>").encode("latin-1"), "is not UTF-8"),
-    "half utf-16": ("x.svg", b"\xff\xfe<\0s\0v\0", "not well-formed"),
     "odd utf-16": ("x.svg", b"\xff\xfe<\0s\0v", "is not UTF-16 text"),
     "unknown encoding": ("x.svg", b"<?xml version='1.0' encoding='klingon'?><svg/>", '"klingon" is not known'),
     "pdf": ("x.pdf", b"%PDF-1.7", "must be one of .svg, .dxf, .lbrn2"),
     "no extension": ("drawing", b"<svg/>", "files without extension"),
     "json called svg": ("x.svg", assembly().encode(), "not well-formed XML"),
-    "svg called json": ("x.json", svg(SQUARE).encode(), "is not JSON"),
 }
 
 
@@ -335,7 +287,7 @@ def test_all_findings_of_a_drawing_at_once(tmp_path):
     assert [next(n for n in ("p", "c", "r") if f'"{n}"' in finding) for finding in findings] == ["p", "c", "r"]
 
 
-@pytest.mark.parametrize("seed", range(15))
+@pytest.mark.parametrize("seed", range(4))
 def test_damaged_files(tmp_path, seed):
     """Bytes changed at random: read or refused, nothing else."""
     import random
@@ -357,10 +309,3 @@ def test_damaged_files(tmp_path, seed):
             (tmp_path / name).write_bytes(bytes(raw))
             findings = findings_if_any(tmp_path / name)
             assert all("\n" not in finding for finding in findings)
-
-
-@pytest.mark.parametrize("arc", ["1e14 1e-300", "1e-300 1e-300", "1e14 1e14", "1e-9 1e2"])
-def test_extreme_radii(tmp_path, arc):
-    path = tmp_path / "x.svg"
-    path.write_text(svg(f'<path d="M0 0A{arc} 3 1 0 1 1L0 5z"/>'))
-    assert all("mm" in finding or "at least 3" in finding for finding in findings_if_any(path))

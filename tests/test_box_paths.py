@@ -10,7 +10,6 @@ import shapely
 from shapely import affinity
 
 from wiggleroom.freespace.subdivision.box_search import across_of_one_box, add_octants, neighbour_leaves
-from wiggleroom.freespace.subdivision.disc_tree import disc_tree
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes, PulledBody
 from wiggleroom.freespace.subdivision.passage import passage
 
@@ -43,7 +42,7 @@ def overlap_along(a: shapely.Geometry, b: shapely.Geometry, path: np.ndarray, pi
     return float(shapely.area(shapely.intersection(np.array(moved), a)).max())
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_path_out_ends_beyond_reach_and_goes_round_freely(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = cup(rng)
@@ -58,13 +57,6 @@ def test_a_path_out_ends_beyond_reach_and_goes_round_freely(seed: int) -> None:
     assert path is not None
     assert overlap_along(a, b, path, boxes.pivot) == 0.0
     assert path[-1, :2] @ pull > 0.9 * np.hypot(*pull) * np.hypot(*path[-1, :2])
-
-
-def test_corners_that_rounding_puts_on_each_other_make_no_edge():
-    rough = shapely.Polygon([(0, 0), (2, 0), (2, 2), (2 - 1e-15, 2), (0, 2)])
-    tree = disc_tree(rough, np.array([1000.0, 0.3]))
-    assert len(tree.edge) == 4
-    assert np.isfinite(tree.normal).all()
 
 
 def test_neighbours_of_a_box_are_the_leaves_that_share_a_face_with_it():

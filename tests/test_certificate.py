@@ -6,7 +6,7 @@ import copy
 import hashlib
 import json
 import random
-import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,7 +22,6 @@ import flint
 
 from wiggleroom.verify.ball_arithmetic import Refused, point
 from wiggleroom.verify.ball_bounds import highest
-from wiggleroom.verify.caging_check import check_caging_surface
 from wiggleroom.verify.checker import read_certificate, verify
 from wiggleroom.verify.chord_check import Material
 from wiggleroom.verify.work_limit import WorkLimit
@@ -69,7 +68,7 @@ def test_a_certificate_takes_no_nearer_bound_away():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["grid", "arrow", "hook", "round", "jigsaw", "revolute", "seed 3", "seed 7"])
+@pytest.mark.parametrize("kind", ["grid", "hook", "jigsaw", "seed 3"])
 def test_more_certificates_verify(kind):
     if kind == "grid":
         made = wr.patterns.grid(3, 3, joint="tee", gap=0.01)
@@ -104,26 +103,14 @@ def test_the_file_verifies_as_it_was_written(proven):
     assert not refused(json.dumps(proven[1]) + "\n")
 
 
-@pytest.mark.parametrize("seed", [*range(30), *(pytest.param(k, marks=pytest.mark.slow) for k in range(30, 110))])
+@pytest.mark.parametrize("seed", range(10))
 def test_one_digit_changed_anywhere_is_refused(proven, seed):
     text, rng = json.dumps(proven[1]), random.Random(seed)
     k = rng.choice([k for k, c in enumerate(text) if c.isdigit()])
     assert refused(with_digit(text, k, rng))
 
 
-def test_digits_that_change_no_number_are_refused(proven):
-    """Of numbers with 17 digits the last may often be another without any difference to the double."""
-    text, rng = json.dumps(proven[1]), random.Random(0)
-    ends = [m.end() - 1 for m in re.finditer(r"\d\.\d{17,}", text)]
-    same = 0
-    for k in rng.sample(ends, 40):
-        changed = with_digit(text, k, rng)
-        same += json.loads(changed) == proven[1]
-        assert refused(changed)
-    assert same
-
-
-@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 24))])
+@pytest.mark.parametrize("seed", range(8))
 def test_one_digit_of_the_proof_changed_and_sealed_says_nothing_false(proven, seed):
     """Without the checksum the mathematics alone: what still verifies is not below the truth."""
     answer, content = proven
@@ -161,15 +148,14 @@ STATEMENT = ("bodies", "goal", "gap")
 """What the statement is about: another outline or goal is another question, which only the drawing can tell apart."""
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(200, marks=pytest.mark.slow)])
-def test_a_changed_proof_says_nothing_false(proven, count):
+def test_a_changed_proof_says_nothing_false(proven):
     """Numbers of regions, pairs and multipliers, changed and sealed again: whatever verifies is not below the truth."""
     answer, content = proven
     rng = random.Random(1)
     places = [p for p in numbers(content) if p[0] not in STATEMENT]
     truth = answer.objective
     refused = 0
-    for path in rng.sample(places, count):
+    for path in rng.sample(places, 20):
         node = content
         for key in path:
             node = node[key]
@@ -180,60 +166,7 @@ def test_a_changed_proof_says_nothing_false(proven, count):
         found = verify(changed(content, path, value))
         refused += not found.proven
         assert not found.proven or found.at_most >= truth
-    assert refused > count / 3
-
-
-@pytest.mark.parametrize("share", [0.5, 0.9, 0.999])
-def test_less_than_was_proven_is_refused(proven, share):
-    answer, content = proven
-    assert not verify(changed(content, ("at_most",), share * answer.objective)).proven
-    low = changed(content, ("at_most",), share * answer.objective)
-    assert not verify(changed(low, ("worth",), share * answer.objective)).proven
-
-
-def test_multipliers_count(proven):
-    """All multipliers halved: the bound that they prove is another."""
-    content = copy.deepcopy(proven[1])
-
-    def halve(step):
-        for row in [step["best"]] if "best" in step else [cut[3] for cut in step["cuts"]]:
-            row[0] /= 2
-        for then in step.get("then", []):
-            halve(then)
-
-    halve(content["proof"])
-    assert not verify(sealed(content)).proven
-
-
-def test_a_skin_with_a_hole_is_refused(proven):
-    region = proven[1]["regions"][0]
-    check_caging_surface(region)
-    middle = len(region["loops"]) // 2
-    for share in (0.9, -1.0):  # inside the walls
-        bad = copy.deepcopy(region)
-        bad["loops"][middle][1][0] = [share * v for v in bad["loops"][middle][1][0]]
-        with pytest.raises(Refused):
-            check_caging_surface(bad)
-    bad = copy.deepcopy(region)
-    del bad["loops"][middle], bad["seams"][middle]
-    with pytest.raises(Refused):
-        check_caging_surface(bad)
-    bad = copy.deepcopy(region)  # moved away from rest as a whole
-    for loop in bad["loops"]:
-        loop[1] = [[x + 1, y] for x, y in loop[1]]
-    with pytest.raises(Refused):
-        check_caging_surface(bad)
-
-
-def test_smaller_parts_are_refused(proven):
-    """Chords that stick out of the outlines prove nothing."""
-    content = copy.deepcopy(proven[1])
-    body = content["bodies"][1]
-    middle = np.mean(body["polygons"][0][0], axis=0)
-    body["polygons"] = [
-        [(middle + 0.99 * (np.array(ring) - middle)).tolist() for ring in rings] for rings in body["polygons"]
-    ]
-    assert not verify(sealed(content)).proven
+    assert refused > 20 / 3
 
 
 def test_chords_lie_inside():
@@ -263,11 +196,6 @@ def test_highest_is_above_all_samples():
         assert float(top.upper()) <= seen + 1e-4
 
 
-def test_nonsense_is_refused_and_not_a_fault(proven):
-    for bad in ({}, {"format": 1}, sealed({"format": "wiggleroom.certificate/1"}), sealed(proven[1] | {"pairs": None})):
-        assert not verify(bad).proven
-
-
 def test_commands(tmp_path, capsys, command):
     file, proof, other = (tmp_path / name for name in ("chain.json", "proof.json", "other.json"))
     assert command("make", "chain", "3", "--joint", "swallowtail", "--gap", "0.02", "-o", file) == 0
@@ -284,3 +212,37 @@ def test_commands(tmp_path, capsys, command):
         assert command(*wrong) == 2
     proof.write_text(text[:1000])
     assert command("verify", proof) == 2
+
+
+SLIDER = Path(__file__).parents[1] / "examples" / "13_slider" / "slider.dxf"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "others"),
+    [
+        (["--turn", "b3:ccw"], ["--turn", "b3:cw"]),
+        (["--glue", "b2,b3", "--pull", "b3:+y"], ["--pull", "b3:+y"]),
+        (["--pull", "b3:+y", "--pull", "b2:+x"], ["--pull", "b3:+y"]),
+        (["--pull", "b3:+y", "--turn", "b2:cw"], ["--pull", "b3:+y", "--turn", "b2:ccw"]),
+    ],
+)
+def test_of_a_chain(options, others, tmp_path, command, capsys):
+    chain, proof = tmp_path / "chain.json", tmp_path / "proof.json"
+    assert command("make", "chain", 3, "--joint", "swallowtail", "--gap", 0.02, "-o", chain) == 0
+    assert command("flex", chain, *options, "--prove", 0.02, "--certificate", proof) == 0
+    capsys.readouterr()
+    assert command("verify", proof, chain, *options) == 0
+    assert capsys.readouterr().out.startswith("verified: ")
+    assert command("verify", proof, chain, *others) == 1
+    assert capsys.readouterr().out.startswith("not verified: ")
+
+
+def test_of_a_dxf_drawing(tmp_path, command, capsys):
+    proof = tmp_path / "proof.json"
+    options = ["--gap", 0.2, "--pull", "slider:+x"]
+    assert command("flex", SLIDER, *options, "--prove", 0.02, "--certificate", proof) == 0
+    capsys.readouterr()
+    assert command("verify", proof, SLIDER, *options) == 0
+    assert "13.05" in capsys.readouterr().out
+    assert command("verify", proof, SLIDER, "--gap", 0.3, "--pull", "slider:+x") == 1

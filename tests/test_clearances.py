@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
-from wiggleroom.drawing.model import Boxes, Drawing, Part, Plate, Region, Surface
+from wiggleroom.drawing.model import Boxes, Drawing, Part, Region, Surface
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.solid_boolean import surface_of
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
@@ -94,7 +93,7 @@ def test_rings_round_each_other_and_a_corner_before_a_side():
     assert found.at[at["ring", "square"]] == pytest.approx([15.2, 0])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_polygons_against_all_pairs_of_edges(seed):
     rng = np.random.default_rng(seed)
     stars = [polygon(1, 9) * rng.uniform(0.4, 1.0, (9, 1)) for _ in range(30)]
@@ -164,7 +163,7 @@ def test_corners_are_mitred_as_those_of_a_gap_are():
     assert found.offset == pytest.approx(0.3 / (1 + math.sqrt(2)))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_offset_is_the_border_between_fitting_and_not(seed):
     """At the gap that the offset stands for, parts as made do not overlap; at one a little smaller they do."""
     rng = np.random.default_rng(seed)
@@ -187,14 +186,6 @@ def test_glued_and_ignored_pairs_are_left_out_and_what_overlaps_at_every_offset_
     assert inside.offset is None
     assert 'parts "a" and "b" overlap at every offset' in inside.why
     assert wr.clearances(planar(("a", region(box(0, 0, 4, 4)), ()))).why == "no two parts can meet"
-
-
-def test_a_grid_of_all_alike_parts_binds_everywhere():
-    found = wr.clearances(wr.patterns.grid(12, 12, joint="tee", gap=0.02))
-    sides = 2 * 12 * 11
-    assert (np.abs(found.gap - 0.02) < 1e-9).sum() >= sides
-    assert found.offset == pytest.approx(0.01)
-    assert len(found.binding) >= sides
 
 
 def test_boxes_in_space():
@@ -230,23 +221,6 @@ def test_boxes_in_space():
         assert (found.xy[k], found.z[k]) == (pytest.approx(xy, abs=1e-9), pytest.approx(z, abs=1e-9))
         assert found.too_near[k] == near
     assert found.fused == (("a", "beside", "in"),)
-
-
-def test_bars_that_cross_edge_on_edge_are_as_deep_as_their_edges_are():
-    """Bars of 10 mm lie on their edges, one across the other, 1 mm in each other: no face is across that."""
-    bar = np.array([[-20.0, -5, -5], [20, 5, 5]])[None]
-    low = Part("low", solid=Boxes(bar), R=Rotation.from_euler("x", 45, degrees=True).as_matrix())
-    across = Rotation.from_euler("z", 90, degrees=True) * Rotation.from_euler("x", 45, degrees=True)
-    high = Part("high", solid=Boxes(bar), R=across.as_matrix(), at=(0, 0, 10 * math.sqrt(2) - 1))
-    found = wr.clearances(assemble_spatial(Drawing((low, high)), overlapping=True))
-    assert found.gap == pytest.approx([-1])
-    assert found.direction[0] == pytest.approx([0, 0, 1])
-
-
-def test_a_strip_with_a_notch_in_its_end_is_as_deep_as_it_is_wide():
-    strip = region([(0, 0), (10, 0), (10, 1), (0, 1), (4, 0.5)])
-    found = wr.clearances(planar(("strip", strip, ()), ("plate", region(box(-5, -5, 20, 20)), ())))
-    assert found.gap == pytest.approx([-1])
 
 
 def test_a_slope_is_measured_along_the_layers_and_across_them():
@@ -288,19 +262,6 @@ def test_balls_and_a_ring_round_a_peg():
     )
     assert found.gap[0] == pytest.approx(0.3, abs=1e-6)
     assert found.at[0] == pytest.approx([10.15, 0, 0], abs=1e-6)
-
-
-@pytest.mark.parametrize(("thick", "offset"), [(3.2, -0.1), (2.8, 0.1)])
-def test_plates_of_another_thickness_in_their_slots(thick, offset):
-    one = region([(0, 0), (40, 0), (40, 20), (21.6, 20), (21.6, 10), (18.4, 10), (18.4, 20), (0, 20)])
-    other = region([(0, 0), (18.5, 0), (18.5, 10.5), (21.5, 10.5), (21.5, 0), (40, 0), (40, 20), (0, 20)])
-    across = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
-    parts = (
-        Part("one", (), solid=Plate((one,), thick), at=np.zeros(3), R=np.eye(3)),
-        Part("other", (), solid=Plate((other,), 3.0), at=np.array([18.5, 0.0, 20 + thick / 2]), R=across),
-    )
-    found = wr.clearances(assemble_spatial(Drawing(parts)), within=0.3)
-    assert found.offset == pytest.approx(offset, abs=1e-6)
 
 
 def test_a_cutting_sheet_that_is_too_thick_says_by_how_much(command_output):

@@ -110,41 +110,27 @@ BAD = {
     "unknown flag": ["flex", "peg.json", "--wrong"],
     "missing value": ["flex", "peg.json", "--gap"],
     "missing file": ["flex"],
-    "one file too many": ["flex", "peg.json", "peg.json", "--pull", "peg:+y"],
     "no number": ["flex", "peg.json", "--pull", "peg:+y", "--gap", "wide"],
-    "not a number": ["flex", "peg.json", "--pull", "peg:+y", "--gap", "nan"],
     "negative gap": ["flex", "peg.json", "--pull", "peg:+y", "--gap", "-1"],
-    "zero chord": ["flex", "peg.json", "--pull", "peg:+y", "--flatten", "0"],
     "no such unit": ["flex", "peg.json", "--pull", "peg:+y", "--unit", "furlong"],
     "no such file": ["flex", "nothing.svg", "--pull", "peg:+y"],
-    "a folder": ["flex", ".", "--pull", "peg:+y"],
     "nothing pulled": ["flex", "peg.json"],
     "unknown part pulled": ["flex", "peg.json", "--pull", "pig:+y"],
-    "unknown part fixed": ["flex", "peg.json", "--pull", "peg:+y", "--fix", "pig"],
     "no direction": ["flex", "peg.json", "--pull", "peg"],
     "odd direction": ["flex", "peg.json", "--pull", "peg:up"],
-    "zero direction": ["flex", "peg.json", "--pull", "peg:0,0"],
-    "infinite direction": ["flex", "peg.json", "--pull", "peg:inf,0"],
-    "odd point": ["flex", "peg.json", "--pull", "peg:+y@middle"],
     "odd turn": ["flex", "peg.json", "--turn", "peg:left"],
     "no such model": ["flex", "peg.json", "--pull", "peg:+y", "--model", "hulls"],
     "no such solver": ["flex", "peg.json", "--pull", "peg:+y", "--solver", "gurobi"],
     "picture of a kind unknown": ["flex", "peg.json", "--pull", "peg:+y", "--picture", "a.bmp"],
     "picture in no folder": ["flex", "peg.json", "--pull", "peg:+y", "--picture", "none/a.svg"],
-    "json in no folder": ["flex", "peg.json", "--pull", "peg:+y", "--json", "none/a.json"],
     "json over the input": ["flex", "peg.json", "--pull", "peg:+y", "--json", "peg.json"],
     "convert to an unknown kind": ["convert", "peg.json", "a.stl"],
-    "convert over the input": ["convert", "peg.json", "peg.json"],
     "unknown pattern": ["make", "heap", "3", "-o", "a.json"],
     "no output": ["make", "grid", "3", "3"],
     "unknown joint": ["make", "grid", "3", "3", "--joint", "glue", "-o", "a.json"],
-    "odd size": ["make", "grid", "3", "3", "--size", "neck", "-o", "a.json"],
     "unknown size": ["make", "grid", "3", "3", "--size", "girth=2", "-o", "a.json"],
     "no rows": ["make", "grid", "3", "-o", "a.json"],
     "a chain with rows": ["make", "chain", "3", "3", "-o", "a.json"],
-    "a jigsaw with a joint": ["make", "jigsaw", "3", "3", "--joint", "tee", "-o", "a.json"],
-    "no blocks": ["make", "chain", "0", "-o", "a.json"],
-    "a flat pitch": ["make", "chain", "3", "--pitch", "0", "-o", "a.json"],
 }
 
 
@@ -159,12 +145,6 @@ def test_bad_usage_is_one_plain_line(run, folder: Path, argv: list[str]) -> None
     assert "fault" not in err[0]
     assert (folder / "peg.json").read_bytes() == before
     assert [p.name for p in folder.iterdir()] == ["peg.json"]
-
-
-def test_all_that_is_wrong_is_said_at_once(run) -> None:
-    code, _, err = run("flex", "peg.json", "--pull", "a", "--pull", "b", "--turn", "c", "--gap", "-2")
-    assert code == 2
-    assert len(err) == 4
 
 
 def test_a_stopped_question_reports_what_it_has(run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -285,16 +265,6 @@ def test_help_says_what_every_command_does(run) -> None:
         for option in ("--gap", "--unit", "--flatten", "--fix", "--pull", "--turn"):
             assert option in out
     assert run("--version")[1].strip().count(".") == 2
-
-
-def test_help_imports_nothing_heavy() -> None:
-    heavy = "{'numpy', 'scipy', 'shapely', 'numba', 'msgspec', 'svgelements', 'resvg_py', 'casadi'}"
-    code = (
-        "import sys; sys.argv = ['wiggleroom', '--help']\n"
-        f"from wiggleroom.cli import main; main(); print({heavy} & set(sys.modules), file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stderr.strip() == "set()"
 
 
 def test_a_closed_pipe_is_no_error() -> None:

@@ -35,24 +35,12 @@ def run(
     return here
 
 
-@pytest.mark.parametrize(
-    "words", [["--json"], ["--json", "--gap", "0.03"], ["--json", "-"], ["--gap", "0.03", "--json"]]
-)
+@pytest.mark.parametrize("words", [["--json"], ["--json", "--gap", "0.03"]])
 def test_json_alone_goes_to_stdout(run: Run, words: list[str]) -> None:
     code, out, err = run("flex", "chain.json", *words)
     assert (code, err) == (0, "")
     told = json.loads(out)
     assert told["objective"] == pytest.approx(0.26875 if "--gap" in words else 0.17357, abs=1e-4)
-
-
-def test_json_before_a_drawing_reads_the_drawing(run: Run) -> None:
-    svg = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10">'
-    Path("two.svg").write_text(
-        f'{svg}<path id="a" fill="red" d="M0 0H10V10H0z"/><path id="b" d="M10 0H20V10H10z"/></svg>'
-    )
-    code, out, _ = run("check", "--json", "two.svg", "--gap", "0.1")
-    assert code == 1
-    assert json.loads(out)["verdict"] == "comes apart"
 
 
 @pytest.mark.parametrize(
@@ -75,7 +63,7 @@ def test_words_that_were_meant(run: Run, words: list[str], said: str) -> None:
     assert len(err.splitlines()) == 1
 
 
-@pytest.mark.parametrize("name", ["out.svg", "out.html", "out.csv", "out.dxf"])
+@pytest.mark.parametrize("name", ["out.svg", "out.csv", "out.dxf"])
 def test_a_file_of_somebody_else_is_kept_unless_forced(run: Run, name: str) -> None:
     option = {".csv": "--csv", ".json": "--json", ".dxf": "--moved"}.get(Path(name).suffix, "--picture")
     words = ["flex", "chain.json", option, name]
@@ -143,13 +131,6 @@ def test_tables(run: Run, words: list[str], heads: str, rows: int) -> None:
         assert float(last["b3"]["turn_deg"]) == told["b3"]["turn_deg"]
 
 
-def test_ways_out_as_a_table(run: Run) -> None:
-    assert run("check", "chain.json", "--gap", "0.2", "--csv", "t.csv")[0] == 1
-    rows = list(csv.DictReader(Path("t.csv").read_text().splitlines()))
-    assert {row["escape"] for row in rows} >= {"1"}
-    assert rows[0]["step"] == "0"
-
-
 @pytest.mark.parametrize("words", [["flex"], ["check"], ["sweep"], ["gap", "--at-most", "2.3"]])
 def test_time_ends_long_questions_with_an_honest_word(run: Run, words: list[str]) -> None:
     write_drawing(wr.patterns.grid(12, 12, joint="swallowtail", gap=0.02).drawing, Path("large.json"))
@@ -163,12 +144,6 @@ def test_time_ends_long_questions_with_an_honest_word(run: Run, words: list[str]
         assert told.get("certainty") != "proven" or words[0] == "check"
     else:
         assert "give more --time" in err
-
-
-def test_time_that_makes_no_sense(run: Run) -> None:
-    code, _, err = run("flex", "chain.json", "--time", "-1")
-    assert code == 2
-    assert "more than 0" in err
 
 
 def test_letters_that_no_font_has_are_named(run: Run) -> None:
@@ -227,7 +202,7 @@ def test_a_pull_far_outside_of_its_part_is_told(run: Run) -> None:
     assert "bolt at (-5, 6) moves 0.2" in said
 
 
-@pytest.mark.parametrize("words", [["fl", "flex"], ["flex", "--pro", "--prove"], ["make", "--joi", "--joint"]])
+@pytest.mark.parametrize("words", [["fl", "flex"], ["flex", "--pro", "--prove"]])
 def test_bash_completes(run: Run, words: list[str]) -> None:
     *typed, wanted = words
     script = run("completion", "bash")[1]

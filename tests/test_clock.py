@@ -41,13 +41,6 @@ for work in (40.0, 400.0, 1200.0):
     done = wr.prove(answer, 1e-3, work=work)
     print(told(done), done.bound.why)
 """,
-    "proof of a question": """
-print(told(wr.flex(tees, prove=0.02)))
-""",
-    "certificate": """
-done = wr.prove(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02)), 0.05, certify=True)
-print(told(done), len(str(done.bound.certificate)))
-""",
     "bound by work": """
 answer = wr.flex(grid, search=0)
 print([told(with_bound_by_work(answer, work)) for work in (10.0, 100.0, 20_000.0)])

@@ -1,4 +1,4 @@
-"""Neighbours as near each other as they come, where that is no contact but a maximum of the objective itself."""
+"""Neighbours as near each other as they come, and assemblies at the edge of sense."""
 
 from __future__ import annotations
 
@@ -45,3 +45,29 @@ def test_a_ring_that_cannot_be_centred_is_held_by_the_bolt() -> None:
     assert answer.verdict == "optimal"
     assert answer.objective >= 1.0**2 + 0.05**2 - 0.8**2 - 1e-6  # straight; turned, perhaps a little more
     assert answer.contacts
+
+
+FRAME, BLOCK = shapely.box(-2, -2, 2, 2) - shapely.box(-1, -1, 1, 1), shapely.box(-0.8, -0.8, 0.8, 0.8)
+
+
+def framed(far: float = 0.0, **more: object) -> wr.Assembly:
+    shapes = [shapely.transform(g, lambda points: points + np.array([far, 0.0])) for g in (FRAME, BLOCK)]
+    parts = part("f", shapes[0], (0.0, 0.0, 0.0), True), part("b", shapes[1], (0.0, 0.0, 0.0), False)
+    return assemble(Drawing(parts, goals=(wr.Pull("b", (1, 0)),), **more), gap=0.0)
+
+
+def test_what_meets_nothing_is_unbounded() -> None:
+    assert wr.flex(framed(ignore=(("f", "b"),)), search=0).verdict == "unbounded"
+
+
+def test_a_reference_point_far_away_is_moved_into_the_outline() -> None:
+    assembly = framed(1e8)
+    assert wr.flex(assembly, search=0).objective == pytest.approx(0.2, rel=1e-6)
+    assert "reference point" in assembly.drawing.notes[0]
+    assert not framed(100.0).drawing.notes
+
+
+def test_closer_is_optimal_where_no_neighbour_can_come_nearer() -> None:
+    blocks = part("a", BLOCK, (0.0, 0.0, 0.0), True), part("b", shapely.box(50, 0, 51, 1), (0.0, 0.0, 0.0), False)
+    answer = wr.flex(assemble(Drawing(blocks, goals=(wr.Closer(),)), gap=0.0), search=0)
+    assert (answer.verdict, answer.objective) == ("optimal", 0.0)

@@ -51,28 +51,6 @@ def test_an_edit_of_an_inner_function_reaches_the_outer_one(package: Path) -> No
     assert run(package, ASK).split() == ["33.5", "1"]
 
 
-def test_kernels_of_the_package_depend_on_what_they_call(package: Path) -> None:
-    code = """
-from wiggleroom.freespace.cells import grow
-from wiggleroom.compiled.jit_options import source_key
-from pathlib import Path
-print(source_key(Path(grow.__file__)))
-"""
-    before = run(package, code)
-    edges = package / "wiggleroom" / "freespace" / "cells" / "pair_edges.py"
-    edges.write_text(edges.read_text() + "\n# another line\n")
-    assert run(package, code) != before
-
-
-def test_what_was_kept_of_other_sources_is_not_even_opened(package: Path) -> None:
-    assert run(package, ASK).split() == ["21.0", "0"]
-    for index in (package / "wiggleroom" / "geometry" / "__pycache__").glob("*.nbi"):
-        index.write_bytes(b"not an index")
-    inner = package / "wiggleroom" / "geometry" / "inner.py"
-    inner.write_text(inner.read_text().replace("2.0", "4.25"))
-    assert run(package, ASK).split() == ["43.5", "0"]
-
-
 def test_what_is_compiled_later_links_with_what_was_kept(package: Path) -> None:
     inner = "from wiggleroom.geometry.inner import scaled\nprint(scaled(10.0), sum(scaled.stats.cache_hits.values()))\n"
     assert run(package, inner).split() == ["20.0", "0"]

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 import shapely
 
-import wiggleroom as wr
 from tests.flexing import random_assembly
 from tests.oracle import random_joints
 from tests.oracle.slices import Slices
 from wiggleroom.bound.congruent_joints import CONGRUENCE_WORK, CongruentJoint, congruent_joints
-from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.deadline import WorkBudget
 from wiggleroom.freespace.outer.outer_region import outer_region, pivot_of
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of
@@ -68,11 +66,7 @@ def test_a_joint_that_differs_a_little_is_another_one(change: float) -> None:
     assert len(congruent_joints([pair(), pair(height=1.6, head=0.35 + change)])[0]) == 2
 
 
-def test_other_gaps_are_other_joints() -> None:
-    assert len(congruent_joints([pair(), pair(gap=0.01001)])[0]) == 2
-
-
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_strips_lie_in_their_bodies_and_have_no_edges_without_direction(seed: int) -> None:
     surveyed = survey(random_assembly(seed))
     for a, b, clearance in zip(surveyed.near.a, surveyed.near.b, surveyed.near.clearance, strict=True):
@@ -85,7 +79,7 @@ def test_strips_lie_in_their_bodies_and_have_no_edges_without_direction(seed: in
             assert np.hypot(*(end - start).T).min() > 1e-4 * whole.margin
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
     made = random_joints.tab_pair(seed, 0.02)
     a, b, apart = made.local()
@@ -107,12 +101,6 @@ def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
         tau = corners + rotated(arm, float(phi)) - arm
         points, _ = region.points(phi - 1e-9, phi + 1e-9)
         assert ((points[:, :2] @ normals.T).max(0) >= (tau @ normals.T).max(0) - 1e-9).all()
-
-
-def test_panels_with_one_joint_need_one_region() -> None:
-    surveyed = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
-    joints, regions = outer_regions(surveyed, WorkBudget())
-    assert (len(joints.a), len(regions)) == (24, 1)
 
 
 def test_looking_for_joints_that_are_alike_stops_when_asked() -> None:

@@ -15,14 +15,9 @@ from wiggleroom.assembly import coupon
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.drawing.writers.lettering import Label, lettered
 from wiggleroom.errors import InputError
 
 GAPS = (-0.2, -0.1, 0.0, 0.1, 0.25)
-
-
-def strokes_of(label: Label) -> shapely.MultiLineString:
-    return shapely.multilinestrings([shapely.linestrings(stroke) for stroke in lettered(label)])
 
 
 def shapes(sheet: coupon.Coupon) -> dict[str, shapely.Polygon]:
@@ -51,18 +46,6 @@ def test_the_key_has_the_clearance_of_each_pocket(joint):
             shrunk = [shapely.buffer(below, gap * k, join_style="mitre", mitre_limit=9) for k in (1.0001, 0.95)]
             assert shrunk[0].intersection(found["comb"]).area == pytest.approx(0, abs=1e-9)
             assert shrunk[1].intersection(found["comb"]).area > 0
-
-
-@pytest.mark.parametrize("joint", sorted(set(JOINTS) - {"t"}))
-def test_labels_stand_on_the_pieces(joint):
-    sheet = coupon.comb(joint, coupon.gap_steps(-0.3, 0.3, 0.05))
-    pieces = shapely.union_all(list(shapes(sheet).values()))
-    assert {"-0.30", "0.00", "0.30", joint, "gap mm", "key"} <= {label.text for label in sheet.labels}
-    drawn = [strokes_of(label) for label in sheet.labels]
-    assert all(pieces.contains(strokes) for strokes in drawn)
-    boxes = [shapely.box(*strokes.bounds) for strokes in drawn]
-    tree = shapely.STRtree(boxes)
-    assert tree.query(boxes, predicate="intersects").shape[1] == len(boxes)
 
 
 @pytest.mark.parametrize("extension", ["svg", "dxf", "json"])

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from wiggleroom.report.pictures.curve_panels import MARKS, Curve, Style, around, legend, mark
+from wiggleroom.report.pictures.curve_panels import Curve, Style, around
 
 BLUE = Style("#1f5f99")
 
@@ -41,17 +41,3 @@ def test_logarithmic_axes_space_powers_evenly() -> None:
     marks = places(around(0, 0, 400, 300, [curve], (True, True)).curve(curve))
     assert np.ptp(np.diff(marks[:, 0])) < 0.02
     assert np.ptp(np.diff(marks[:, 1])) < 0.02
-
-
-def test_points_that_are_not_finite_are_left_out() -> None:
-    curve = Curve("a", np.array([1.0, 2.0, 3.0]), np.array([1.0, np.nan, 3.0]), BLUE)
-    assert len(places(around(0, 0, 100, 100, [curve]).curve(curve))) == 2
-
-
-def test_every_mark_is_drawn_and_named() -> None:
-    made = {kind: mark(0, 0, Style("#000000", kind)) for kind in MARKS}
-    assert len(set(made.values())) == len(MARKS)
-    entries = [(f"a rather long name of method {k}", Style("#000000", kind)) for k, kind in enumerate(MARKS)]
-    found, end = legend(entries, 0, 100, 500)
-    assert len(found) == len(MARKS)
-    assert end > 100  # it takes more than one line

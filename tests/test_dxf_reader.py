@@ -18,7 +18,6 @@ from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 
 ezdxf = pytest.importorskip("ezdxf")
-VERSIONS = ("R12", "R2000", "R2004", "R2007", "R2010", "R2013", "R2018")
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
 
 
@@ -80,11 +79,6 @@ def slot(space, version):
     return 100.0
 
 
-def quarter(space, _):
-    space.add_polyline2d([(0, 0, 0), (6, 0, math.tan(math.pi / 8)), (0, 6, 0)], format="xyb", close=True)
-    return math.pi * 9
-
-
 def circle(space, _):
     space.add_circle((7, 3), 5)
     return math.pi * 25
@@ -101,18 +95,6 @@ def half_disc(space, _):
     return math.pi * 12.5
 
 
-def arc_through_zero(space, _):
-    space.add_arc((0, 0), 5, 300, 60)
-    space.add_line((0, 0), (2.5, 5 * math.sin(math.pi / 3)))
-    space.add_line((0, 0), (2.5, -5 * math.sin(math.pi / 3)))
-    return math.pi * 25 / 3
-
-
-def polyline_3d(space, _):
-    space.add_polyline3d([(0, 0, 1), (4, 0, 2), (4, 4, 3)], close=True)
-    return 8.0
-
-
 def lens(space, _):
     """Two arcs of 90 degrees over one chord."""
     r = math.sqrt(8)
@@ -123,8 +105,8 @@ def lens(space, _):
 
 @pytest.mark.parametrize(
     ("draw", "version"),
-    [(slot, version) for version in VERSIONS]
-    + [(draw, "R2010") for draw in (quarter, circle, full_arc, half_disc, arc_through_zero, polyline_3d, lens)],
+    [(slot, version) for version in ("R12", "R2000", "R2018")]
+    + [(draw, "R2010") for draw in (circle, full_arc, half_disc, lens)],
 )
 def test_curves_of_all_versions(tmp_path, draw, version):
     sheet = Sheet(tmp_path, version)
@@ -143,14 +125,6 @@ def nurbs_circle(space):
     return math.pi * 25
 
 
-def nurbs_half(space):
-    from ezdxf.math import rational_bspline_from_arc
-
-    space.add_spline().apply_construction_tool(rational_bspline_from_arc((3, 4), 5, 0, 180))
-    space.add_line((-2, 4), (8, 4))
-    return math.pi * 12.5
-
-
 def parabola(space):
     """A clamped spline of degree 2 is a parabola over its chord: area 2/3 of the box."""
     space.add_open_spline([(0, 0), (3, 6), (6, 0)], degree=2)
@@ -165,23 +139,12 @@ def quartic(space):
     return 4 * 15 / 5
 
 
-def polygonal_spline(space):
-    space.add_open_spline([(0, 0), (5, 0), (5, 5), (0, 0)], degree=1)
-    return 12.5
-
-
 def ellipse(space):
     space.add_ellipse((5, 5), (6, 3), 0.4)
     return math.pi * 45 * 0.4
 
 
-def half_ellipse(space):
-    space.add_ellipse((0, 0), (6, 0), 0.5, 0, math.pi)
-    space.add_line((-6, 0), (6, 0))
-    return math.pi * 9
-
-
-@pytest.mark.parametrize("draw", [nurbs_circle, nurbs_half, parabola, quartic, polygonal_spline, ellipse, half_ellipse])
+@pytest.mark.parametrize("draw", [nurbs_circle, parabola, quartic, ellipse])
 def test_splines_and_ellipses(sheet, draw):
     truth = draw(sheet.space)
     drawing = sheet.read(flatten=1e-5)
@@ -261,13 +224,6 @@ def test_arrays_of_blocks(sheet):
     middles = sorted(tuple(round(v, 9) for v in part.at[:2]) for part in drawing.parts)
     assert middles == sorted((8.0 - 10 * row, 22.0 + 5 * column) for row in range(2) for column in range(3))
     assert names(drawing)[:2] == ["tile", "tile-2"]
-
-
-def test_unevenly_scaled_circle_and_bulge(sheet):
-    block = sheet.block("b", None)
-    block.add_lwpolyline([(0, 0, 1), (4, 0, 0)], format="xyb", close=True)
-    sheet.space.add_blockref("b", (0, 0), dxfattribs={"xscale": 3, "yscale": 0.5, "rotation": 33})
-    assert area(sheet.read(flatten=1e-6)) == pytest.approx(2 * math.pi * 1.5, rel=1e-6)
 
 
 def test_mirrored_by_extrusion(sheet):
@@ -362,7 +318,7 @@ def test_the_border_of_a_drawing_sheet(tmp_path, name, parts):
 # Loose edges ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_loose_edges_in_any_order_and_sense(tmp_path, seed):
     """Three shapes of lines and arcs, shuffled, ends off by less than the tolerance."""
     lot = random.Random(seed)
@@ -383,8 +339,7 @@ def test_loose_edges_in_any_order_and_sense(tmp_path, seed):
     assert all("open ends were joined" in note for note in drawing.notes)
 
 
-@pytest.mark.parametrize("twice", [False, True])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("seed", "twice"), [(0, False), (1, True)])
 def test_neighbours_share_their_lines(tmp_path, seed, twice):
     """A 3 x 2 tiling of single lines, each shared line drawn once, or everything drawn twice: six parts."""
     sheet = Sheet(tmp_path)
@@ -400,33 +355,6 @@ def test_neighbours_share_their_lines(tmp_path, seed, twice):
     assert any("drawn twice" in note for note in drawing.notes) == twice
 
 
-def test_parts_drawn_one_after_the_other_may_lie_on_one_another_in_part(sheet):
-    """A brick bond: edges of neighbours overlap along part of their length."""
-    for x, y in ((0, 0), (20, 0), (10, 10)):
-        lines(sheet.space, [(x, y), (x + 20, y), (x + 20, y + 10), (x, y + 10)])
-    drawing = sheet.read()
-    assert [area(drawing, i) for i in range(3)] == pytest.approx([200] * 3)
-
-
-def test_edges_may_lie_on_one_another_in_part_in_any_order(sheet):
-    lines(sheet.space, [(0, 0), (20, 0), (20, 10), (0, 10)], order=[2, 0, 3, 1])
-    lines(sheet.space, [(0, 0), (10, 0), (10, -10), (0, -10)], order=[1, 3, 0, 2])
-    drawing = sheet.read()
-    assert [area(drawing, i) for i in range(2)] == pytest.approx([200, 100])
-
-
-def test_tangent_curves_are_told_apart(sheet):
-    """Two lenses whose arcs leave a point along one tangent, drawn in a mixed order."""
-    sheet.space.add_arc((0, 5), 5, 270, 90)
-    sheet.space.add_arc((0, 8), 8, 270, 90)
-    sheet.space.add_line((0, 10), (0, 16))
-    sheet.space.add_line((0, 0), (0, 10))
-    drawing = sheet.read(flatten=1e-4)
-    assert sorted(area(drawing, i) for i in range(2)) == pytest.approx(
-        [math.pi * 12.5, math.pi * (64 - 25) / 2], rel=1e-3
-    )
-
-
 def test_a_bridge_between_outlines_is_no_edge_of_any(sheet):
     """A line from an outer square to an inner one, and one from there to nowhere."""
     lines(sheet.space, [(0, 0), (30, 0), (30, 30), (0, 30)], order=[3, 1, 0, 2])
@@ -440,34 +368,6 @@ def test_a_bridge_between_outlines_is_no_edge_of_any(sheet):
     assert any("open paths are left out" in note for note in drawing.notes)
     drawing = sheet.read(options=ReadOptions(solid=("all",)))
     assert sorted(area(drawing, i) for i in range(len(drawing.parts))) == pytest.approx([100, 800])
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_jigsaw_of_shared_curves(tmp_path, seed):
-    """Four pieces whose inner lines, of lines and arcs, are each drawn once."""
-    lot = random.Random(seed)
-    sheet = Sheet(tmp_path)
-    rim = [(0, 0), (20, 0), (40, 0), (40, 20), (40, 40), (20, 40), (0, 40), (0, 20)]
-    knobs = [((20, 0), (20, 20)), ((20, 20), (20, 40)), ((0, 20), (20, 20)), ((20, 20), (40, 20))]
-    calls = [lambda a=rim[i], b=rim[(i + 1) % 8]: sheet.space.add_line(a, b) for i in range(8)]
-    for a, b in knobs:
-        along = (np.array(b) - a) / 20
-        first, second = (tuple(a + along * d) for d in (7, 13))
-        calls.append(lambda a=a, b=first: sheet.space.add_line(b, a))
-        calls.append(lambda a=b, b=second: sheet.space.add_line(b, a))
-        calls.append(lambda a=first, b=second: sheet.space.add_lwpolyline([(*a, 1.0), (*b, 0.0)], format="xyb"))
-    lot.shuffle(calls)
-    for call in calls:
-        call()
-    drawing = sheet.read(flatten=1e-5)
-    knob = math.pi * 9 / 2
-    # seen along its line every knob bulges to the right: from the left pieces, the lower ones take, and so on
-    assert sorted(area(drawing, i) for i in range(4)) == pytest.approx(
-        sorted([400 + knob - knob, 400 - knob - knob, 400 + knob + knob, 400 - knob + knob]), rel=1e-4
-    )
-    shapes = [material(part) for part in drawing.parts]
-    assert shapely.union_all(shapes).area == pytest.approx(1600, abs=1e-9)
-    assert drawing.notes == ("x.dxf: 4 faces of open lines taken as parts",)
 
 
 def test_open_edges_are_left_out_and_said(sheet):
@@ -529,24 +429,6 @@ def test_fixed_and_glued(sheet):
     assert drawing.glue == (("p3", "p4"), ("p5", "p6"), ("p7", "p8"))
 
 
-def test_holes_pegs_and_trays(sheet):
-    def box(half, layer="cut"):
-        points = [(-half, -half), (half, -half), (half, half), (-half, half)]
-        sheet.space.add_lwpolyline(points, close=True, dxfattribs={"layer": layer})
-
-    box(50)
-    box(20, "holes")
-    box(19)
-    box(5, "Hole_small")
-    drawing = sheet.read()
-    assert [area(drawing, i) for i in range(2)] == pytest.approx([100**2 - 40**2, 38**2 - 10**2])
-    assert not drawing.notes
-    box(2)
-    drawing = sheet.read()
-    assert area(drawing, 2) == pytest.approx(16)
-    assert not drawing.notes
-
-
 def test_an_outline_inside_another_is_a_hole_unless_it_is_asked_for(sheet):
     sheet.space.add_lwpolyline([(0, 0), (9, 0), (9, 9), (0, 9)], close=True)
     sheet.space.add_circle((4, 4), 2)
@@ -556,13 +438,6 @@ def test_an_outline_inside_another_is_a_hole_unless_it_is_asked_for(sheet):
     for solid in ("all", "@4,4"):
         drawing = sheet.read(flatten=1e-5, options=ReadOptions(solid=(solid,)))
         assert [area(drawing, i) for i in range(2)] == pytest.approx([81 - 4 * math.pi, 4 * math.pi], rel=1e-4)
-
-
-def test_a_hole_in_nothing_is_an_error(sheet):
-    sheet.space.add_lwpolyline(SQUARE, close=True)
-    sheet.space.add_circle((40, 4), 2, dxfattribs={"layer": "holes"})
-    with pytest.raises(InputError, match="lies in no part"):
-        sheet.read()
 
 
 def test_what_is_hidden_or_no_outline(sheet):
@@ -601,15 +476,6 @@ def test_what_lies_in_another_file_is_said(sheet):
     assert any('1 external reference "PANEL" elements are left out' in note for note in drawing.notes)
 
 
-def test_the_same_outline_twice(sheet):
-    for _ in range(2):
-        sheet.space.add_lwpolyline(SQUARE, close=True)
-        sheet.space.add_circle((20, 0), 3)
-    drawing = sheet.read()
-    assert len(drawing.parts) == 2
-    assert "2 lines or outlines are drawn twice" in drawing.notes[0]
-
-
 # Bad files -----------------------------------------------------------------------------------------------------------
 
 
@@ -624,14 +490,11 @@ def refused(path: Path, **options) -> tuple[str, ...]:
     ("raw", "said"),
     [
         (b"", "is empty"),
-        (b" \r\n", "is empty"),
         (b"0\nSECTION", "is cut short"),
         (b"0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n", "no closed outline"),
-        (b"<svg/>", "is not a DXF drawing"),
         (b"\x89PNG\r\n\x1a\n", "is not a DXF drawing"),
         (b"AC1027\0\0\0", "is a DWG drawing"),
         (b"AutoCAD Binary DXF\r\n\x1a\x00\x00SECTION\x00", "is cut short"),
-        (bytes(500), "is not a DXF drawing"),
         (b"0\nSECTION\n2\nENTITIES\n0\nLINE\nten\n0\n0\nENDSEC\n0\nEOF\n", "x.dxf"),
     ],
 )
@@ -659,8 +522,6 @@ def test_the_smallest_dxf(tmp_path):
     [
         (lambda s: None, "no closed outline"),
         (lambda s: s.add_line((0, 0), (4, 4)), "but 1 open"),
-        (lambda s: s.add_lwpolyline([(0, 0), (4, 0), (4, 4)]), "but 1 open"),
-        (lambda s: s.add_lwpolyline([(0, 0), (4, 0)], close=True), "but 1 open"),
         (lambda s: s.add_circle((0, 0), 0), "no closed outline, only 1 element without size"),
         (lambda s: s.add_circle((0, 0), -3), "radius is -3"),
         (lambda s: s.add_circle((0, 0), 1e12), "beyond 1e+09 mm"),
@@ -695,14 +556,6 @@ def test_filled_areas_alone_are_refused_in_one_line(sheet):
         'x.dxf: has no closed outline, only 2 HATCH (filled, on layer "fill"); '
         "draw the boundary of every part as a closed line"
     ]
-
-
-def test_filled_areas_beside_outlines_are_left_out_and_said(sheet):
-    hatched(sheet.space, 0)
-    sheet.space.add_lwpolyline(SQUARE, close=True)
-    drawing = sheet.read()
-    assert len(drawing.parts) == 1
-    assert 'x.dxf: 1 HATCH (filled, on layer "fill") elements are left out; only outlines are parts' in drawing.notes
 
 
 def test_blocks_without_end(sheet):
@@ -752,12 +605,12 @@ def parts_or_findings(path: Path):
 def test_cut_short(tmp_path, version):
     raw = everything(tmp_path, version)
     path = tmp_path / "x.dxf"
-    for share in np.linspace(0.01, 0.999, 25):
+    for share in np.linspace(0.01, 0.999, 10):
         path.write_bytes(raw[: int(share * len(raw))])
         assert len(refused(path)) == 1
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_damaged(tmp_path, seed):
     """Lines changed, dropped or doubled at random: read or refused, nothing else."""
     lot = random.Random(seed)
@@ -799,33 +652,3 @@ def test_centre_lines_and_hidden_edges_cut_nothing(tmp_path, line):
     drawing = read_drawing(_with_centre_line(tmp_path, **line))
     assert len(drawing.parts) == 1
     assert any("drawn with line type" in note for note in drawing.notes)
-
-
-def test_lines_without_gaps_cut(tmp_path):
-    assert len(read_drawing(_with_centre_line(tmp_path)).parts) == 2
-
-
-def test_a_drawing_of_centre_lines_alone_is_read(tmp_path):
-    document = ezdxf.new("R2000", units=4, setup=True)
-    square = [(0, 0), (60, 0), (60, 40), (0, 40)]
-    document.modelspace().add_lwpolyline(square, close=True, dxfattribs={"linetype": "CENTER"})
-    document.saveas(tmp_path / "part.dxf")
-    assert len(read_drawing(tmp_path / "part.dxf").parts) == 1
-
-
-def test_polylines_without_classes(tmp_path):
-    """OpenJSCAD writes newer polylines without the classes that these name."""
-    corners = "".join(f"10\n{x}\n20\n{y}\n" for x, y in SQUARE)
-    body = "0\nSECTION\n2\nHEADER\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
-    body += f"  0\nLWPOLYLINE\n  8\nOpenJsCad\n  90\n4\n  70\n1\n{corners}  0\nENDSEC\n  0\nEOF\n"
-    (tmp_path / "x.dxf").write_text(body)
-    drawing = read_drawing(tmp_path / "x.dxf")
-    assert area(drawing) == pytest.approx(16)
-    assert names(drawing) == ["OpenJsCad"]
-
-
-@pytest.mark.parametrize("name", ["base_origin", "Design_Template"])
-def test_layers_beside_the_parts(sheet, name):
-    lines(sheet.space, SQUARE, layer="base")
-    lines(sheet.space, [(1, 1), (3, 1), (3, 3), (1, 3)], layer=name)
-    assert len(sheet.read().parts[0].regions[0].holes) == 0

@@ -30,14 +30,6 @@ def made(gap: float, fixed: str = "", glue: tuple = (), ignore: tuple = (), **sh
     return assemble(Drawing(tuple(parts), gap=gap, glue=glue, ignore=ignore))
 
 
-def tangram(**more: shapely.Geometry) -> dict[str, shapely.Geometry]:
-    corners = [
-        [(0, 0), (4, 0), (2, 2)], [(0, 0), (2, 2), (0, 4)], [(4, 0), (4, 2), (3, 1)], [(3, 1), (4, 2), (3, 3), (2, 2)],
-        [(2, 2), (3, 3), (1, 3)], [(0, 4), (1, 3), (3, 3), (2, 4)], [(4, 2), (4, 4), (2, 4)],
-    ]  # fmt: skip
-    return {f"t{k}": shapely.Polygon(25 * np.array(c)) for k, c in enumerate(corners)} | more
-
-
 def voronoi(count: int, seed: int) -> dict[str, shapely.Geometry]:
     points = shapely.MultiPoint(np.random.default_rng(seed).uniform(0, 100, (count, 2)))
     cells = voronoi_diagram(points, envelope=INNER).geoms
@@ -48,20 +40,11 @@ TRAY = box(-10, -10, 110, 110) - INNER
 
 
 @pytest.mark.parametrize("scale", [1e-5, 1.0, 1e4])
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_puzzle_in_a_frame_is_held_at_once(seed, scale):
-    shapes = voronoi(13, seed) | {"frame": TRAY}
+def test_a_puzzle_in_a_frame_is_held_at_once(scale):
+    shapes = voronoi(13, 1) | {"frame": TRAY}
     shapes = {n: affinity.scale(s, scale, scale, origin=(0, 0)) for n, s in shapes.items()}
     found = wr.check(made(0.4 * scale, "frame", **shapes), every=False)
     assert (found.verdict, found.certainty) == ("interlocked", "proven")
-
-
-@pytest.mark.parametrize("gap", [0.0, 0.5])
-def test_a_tangram_in_a_tray_says_how_far_at_most(gap):
-    found = wr.check(made(gap, **tangram(tray=TRAY)))
-    assert (found.verdict, found.certainty) == ("interlocked", "proven")
-    if gap:
-        assert found.at_most <= 100 * np.sqrt(2) + 1e-9
 
 
 @pytest.mark.parametrize(
@@ -120,14 +103,6 @@ def test_a_frame_of_halves_holds_where_these_interlock(neck, verdict):
     assert (found.verdict, found.certainty) == (verdict, "proven")
 
 
-def test_rings_in_rings_that_all_move():
-    ring = [
-        shapely.Point(0, 0).buffer(r + 4, quad_segs=4) - shapely.Point(0, 0).buffer(r, quad_segs=4) for r in (5, 12, 20)
-    ]
-    found = wr.check(made(0.2, a=ring[0], b=ring[1], c=ring[2], peg=box(-2, -2, 2, 2)), every=False)
-    assert (found.verdict, found.certainty) == ("interlocked", "proven")
-
-
 def test_what_passes_through_its_frame_is_not_held():
     shapes = {"frame": TRAY, "block": box(20, 20, 60, 60)}
     assert wr.check(made(0.2, "frame", ignore=(("frame", "block"),), **shapes)).verdict == "comes apart"
@@ -158,7 +133,7 @@ def _flooded(wall: shapely.Polygon, body: shapely.Polygon, step: float) -> bool:
     return False
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_no_flood_leaves_what_is_said_to_hold(seed):
     """Heads behind mouths of random width: said to be held only where a plain flood of motions stays inside."""
     rng = np.random.default_rng(seed)
@@ -179,13 +154,6 @@ def test_no_flood_leaves_what_is_said_to_hold(seed):
         assert _flooded(socket, body, 0.1)
 
 
-def test_fixed_parts_that_are_left_are_not_called_interlocked_with_each_other():
-    bases = {f"base{k}": box(40 * k, 0, 40 * k + 20, 10) for k in range(5)}
-    found = wr.check(made(0.2, "base", **bases, lid=box(0, 10, 60, 20)))
-    assert [e.parts for e in found.escapes] == [("lid",)]
-    assert found.remains == ()
-
-
 def test_time_is_kept_and_says_what_is_known(command):
     file = "examples/drawings/pyjigsaw_4x5.svg"
     wr.check(wr.patterns.chain(2, joint="swallowtail", gap=0.08))  # compiled
@@ -199,7 +167,7 @@ def test_time_is_kept_and_says_what_is_known(command):
     assert (border.holds, border.parts_at) == (None, None)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_disc_is_held_exactly_where_it_is_wider_than_its_mouth(seed):
     """Known to a tenth of a per cent; a polygon is as wide as its inner disc, or wider."""
     rng = np.random.default_rng(seed)
@@ -216,11 +184,10 @@ def test_a_disc_is_held_exactly_where_it_is_wider_than_its_mouth(seed):
         assert cages(claw, body) == held
 
 
-@pytest.mark.parametrize("place", [3.0, 3.8])
-def test_a_ring_does_not_leave_what_stands_in_it(place):
+def test_a_ring_does_not_leave_what_stands_in_it():
     ring = shapely.box(-6, -6, 6, 6) - shapely.box(-5, -5, 5, 5)
     cross = shapely.box(-4, -1, 4, 1) | shapely.box(-1, -4, 1, 4)
-    post = shapely.Point(place, 3).buffer(1, quad_segs=4)
+    post = shapely.Point(3.8, 3).buffer(1, quad_segs=4)
     found = wr.check(
         assemble(Drawing((part_at("ring", ring), part_at("post", post, fixed=True), part_at("cross", cross))))
     )

@@ -23,7 +23,7 @@ def random_matrix(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.nda
     return row, column, whole[row, column], whole
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_solutions_are_those_of_dense_algebra(seed):
     row, column, entry, whole = random_matrix(seed)
     factor = EnvelopeCholesky(row, column, len(whole))
@@ -34,7 +34,7 @@ def test_solutions_are_those_of_dense_algebra(seed):
         np.testing.assert_allclose(factor.solve(right), expected, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_what_is_not_positive_definite_is_told(seed):
     row, column, entry, whole = random_matrix(seed)
     least = np.linalg.eigvalsh(whole)[0]

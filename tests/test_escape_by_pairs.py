@@ -85,6 +85,7 @@ def test_a_piece_is_kept_to_exactly_whichever_of_the_two_stands(fixed: int) -> N
         assert place(pose[None, :2], at)[0] == pytest.approx(expected[0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_corner_of_a_jigsaw_is_led_out_at_a_needles_eye() -> None:
     """Two pieces as one leave the two others past the neck of one tab; it is asked again at a larger gap, and not at a smaller one."""
     passages = PassagesByGap()

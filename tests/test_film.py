@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -14,10 +12,9 @@ import pytest
 
 import wiggleroom as wr
 from tests.answers import answer, block, row
-from wiggleroom.drawing.model import Drawing, Part, Pull, Turn
+from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.report.films import scene as scenes
 from wiggleroom.report.films.film import film, film_of_answer
-from wiggleroom.report.films.film_timing import TimedPath, ease_in_out
 from wiggleroom.report.films.scene import Caption, Scene, scene
 from wiggleroom.report.write_picture import write_picture
 from wiggleroom.verdict import Verdict
@@ -27,48 +24,6 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def made(case: wr.Answer, **changes: object) -> Scene:
     return scene(case.assembly, case.waypoints, Caption("t", goals=case.goals), **({"rate": 10.0} | changes))
-
-
-def far_off() -> wr.Assembly:
-    """A bar whose reference point lies far off its material, and one glued to it."""
-    bar = replace(block(), outer=block().outer + np.array([30.0, 0.0]))
-    parts = (
-        Part("still", (block(),), (0.0, 9.0, 0.0), fixed=True),
-        Part("bar", (bar,)),
-        Part("tip", (block(),), (31.0, 0.0, 0.0)),
-    )
-    return wr.Assembly(parts, Drawing(parts, glue=(("bar", "tip"),)))
-
-
-def moved(motion: np.ndarray, at: np.ndarray, point: tuple[float, float]) -> np.ndarray:
-    """Where a point of a part comes to, written down once more from the definition of a motion."""
-    c, s = math.cos(motion[2]), math.sin(motion[2])
-    x, y = np.subtract(point, at[:2])
-    return np.array([at[0] + motion[0] + c * x - s * y, at[1] + motion[1] + s * x + c * y])
-
-
-def test_between_way_points_the_centroid_goes_straight_and_glue_holds() -> None:
-    assembly = far_off()
-    turn, rest = 1.0, assembly.rest
-    end = np.zeros((3, 3))
-    end[1, 2] = end[2, 2] = turn  # turn both about the origin
-    end[2, :2] = [31 * math.cos(turn) - 31, 31 * math.sin(turn)]
-    timed = TimedPath(assembly, np.stack([np.zeros((3, 3)), end]))
-    half = timed.at(np.array([timed.length / 2]))[0]
-    start, stop = np.array([30.5, 0.0]), 30.5 * np.array([math.cos(turn), math.sin(turn)])
-    for k in (1, 2):  # the middle of the glued body, as either part carries it
-        np.testing.assert_allclose(moved(half[k], rest[k], (30.5, 0.0)), (start + stop) / 2, atol=1e-9)
-    np.testing.assert_allclose(timed.at(np.array([timed.length]))[0], end, atol=1e-9)
-
-
-def test_the_path_is_shared_out_by_its_length() -> None:
-    assembly = row(2).assembly
-    points = np.zeros((4, 2, 3))
-    points[1:, 1, 1] = [1.0, 1.0, 4.0]  # with a point that stands still
-    timed = TimedPath(assembly, points)
-    assert timed.length == pytest.approx(4.0)
-    np.testing.assert_allclose(timed.at(np.array([0.0, 1.0, 2.0, 4.0]))[:, 1, 1], [0, 1, 2, 4], atol=1e-12)
-    assert ease_in_out(11)[1] < 0.05
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (0, 5, 3), (2, 4, 3), (2, 5, 2)])
@@ -118,11 +73,6 @@ def test_the_moving_svg_goes_from_rest_to_the_end_and_back(tmp_path: Path) -> No
     np.testing.assert_allclose(degrees, np.degrees([0.01, 0.02]), atol=2e-3)
 
 
-def test_what_stands_still_is_not_animated() -> None:
-    scene_of = made(row(3))
-    assert sum(t.still for t in scene_of.tracks) >= 2  # b1 and its name
-
-
 def leaving() -> wr.Answer:
     parts = [Part("case", (block(10.0, hole=4.0),), fixed=True), Part("drawer", (block(3.0),))]
     return answer(
@@ -144,34 +94,6 @@ def test_what_goes_far_away_fades_and_the_frame_stays_near() -> None:
     assert scene_of.stage[2] < 2.5 * scene_of.stage[3]
     seen = (drawer.opacity > scenes.MIN_OPACITY).mean()
     assert seen > 0.5  # the film ends soon after it is gone
-
-
-def test_what_moves_far_but_is_held_does_not_fade() -> None:
-    found = wr.flex(wr.patterns.chain(10, joint="swallowtail", gap=0.03), search=0)
-    assert 0.5 * found.assembly.size < found.objective < found.assembly.size
-    made = scene(found.assembly, found.waypoints, Caption(), rate=12)
-    assert all((track.opacity == 1).all() for track in made.tracks)
-    x, y, wide, high = made.stage
-    ends = np.array([track.place[-1, :2] for track in made.tracks])
-    assert (ends > (x, y)).all()
-    assert (ends < (x + wide, y + high)).all()
-
-
-def test_frames_follow_the_path_in_pixels() -> None:
-    pytest.importorskip("PIL")
-    from PIL import Image
-
-    from wiggleroom.report.pictures.png import png
-
-    scene_of = made(leaving())
-    blue = []
-    for k in (0, scene_of.frames // 3):
-        image = np.asarray(
-            Image.open(io.BytesIO(png(scene_of.drawn(k), width=400, own_font_only=True))).convert("RGB")
-        ).astype(int)
-        where = (image[:, :, 2] > image[:, :, 0] + 40) & (image[:, :, 2] > 150)
-        blue.append(np.argwhere(where)[:, 1].mean())
-    assert blue[1] > blue[0] + 5
 
 
 def test_gif_plays_with_pauses(tmp_path: Path) -> None:
@@ -204,15 +126,6 @@ def test_mp4_is_h264_at_30_frames_a_second(tmp_path: Path) -> None:
         frames = list(box.decode(video=0))
         first, middle = (f.to_ndarray(format="rgb24").astype(int) for f in (frames[0], frames[len(frames) // 2]))
     assert np.abs(first - middle).max() > 60
-
-
-def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from wiggleroom import errors
-
-    monkeypatch.setattr(errors, "find_spec", lambda name: None)
-    for kind in ("gif", "mp4"):
-        with pytest.raises(wr.MissingExtraError, match=r"'\.\[film\]'"):
-            film_of_answer(row(2), tmp_path / f"a.{kind}")
 
 
 @pytest.mark.parametrize("scale", [0.003, 4000.0])

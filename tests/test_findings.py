@@ -7,11 +7,10 @@ import pytest
 import shapely
 
 from wiggleroom.assembly import patterns
-from wiggleroom.assembly.build import assemble, read
+from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import findings, role_findings
 from wiggleroom.assembly.overlaps import overlap_width, overlaps_at_rest
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W, Weight
-from wiggleroom.drawing.writers.glue_groups import glue_groups
 from wiggleroom.errors import InputError
 
 SQUARE = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
@@ -42,28 +41,11 @@ def test_overlap_has_its_depth_and_is_judged_after_the_gap():
     assert findings(replace(drawing, gap=0.3)) == ()
 
 
-def test_touching_is_no_overlap_even_turned():
-    turn = 0.7
-    c, s = np.cos(turn), np.sin(turn)
-    parts = tuple(
-        Part(f"{i}{j}", (SQUARE,), at=(900 + 2 * (c * i - s * j), 2 * (s * i + c * j), turn))
-        for i in range(9)
-        for j in range(9)
-    )
-    assert findings(Drawing(parts)) == ()
-
-
 def test_a_rounding_error_round_a_corner_is_no_overlap():
     nook = shape("a", (0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4))
     drawing = Drawing((nook, square("b", 1 - 1e-10, 1 - 1e-10)))
     assert findings(drawing) == ()
     assert "overlap" in one(replace(drawing, parts=(nook, square("b", 1 - 1e-6, 1 - 1e-6))))
-
-
-def test_width_is_the_smallest():
-    assert overlap_width(shapely.Polygon([(0, 0), (1, 0), (0.5, 0.1)])) == pytest.approx(0.1)
-    turned = shapely.affinity.rotate(shapely.box(0, 0, 5, 0.25), 31)
-    assert overlap_width(turned) == pytest.approx(0.25)
 
 
 @pytest.mark.parametrize("width", [0.2, 1e-3, 1e-7])
@@ -92,11 +74,6 @@ def test_glued_and_ignored_parts_may_overlap():
     assert len(findings(Drawing(parts))) == 3
     assert len(findings(Drawing(parts, glue=(("a", "b"), ("c", "d"))))) == 2
     assert findings(Drawing(parts, glue=(("a", "d"), ("d", "b")), ignore=(("c", "b"), ("a", "c")))) == ()
-
-
-def test_several_outlines_of_one_part_count_as_one():
-    two = Part("a", (SQUARE, Region(np.add(SQUARE.outer, (5.0, 0.0)))))
-    assert one(Drawing((two, square("b", 6)))).startswith('parts "a" and "b" overlap by 1 mm')
 
 
 @pytest.mark.parametrize(
@@ -128,17 +105,6 @@ def test_outlines_that_cannot_be_used(part, words):
     line = one(Drawing((part,)))
     assert line.startswith('part "p" ')
     assert words in line
-
-
-def test_the_place_of_a_crossing_is_in_the_drawing():
-    bow = replace(shape("p", (0, 0), (2, 2), (2, 0), (0, 2)), at=(10.0, 20.0, np.pi / 2))
-    assert "crosses itself at (9, 21)" in one(Drawing((bow,)))
-
-
-def test_a_shared_outline_is_reported_once():
-    bow = Region(np.array([[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]))
-    parts = tuple(Part(f"p{i}", (bow,), at=(3.0 * i, 0, 0)) for i in range(5))
-    assert one(Drawing(parts)).startswith('part "p0" (and 4 more of this shape) crosses itself')
 
 
 @pytest.mark.parametrize(
@@ -215,17 +181,6 @@ def test_assemble_sets_gap_roles_and_goals():
     assert not drawing.parts[2].fixed
 
 
-def test_read_takes_a_file_to_an_assembly(tmp_path):
-    outline = "[[0,0],[10,0],[10,5],[0,5]]"
-    shape_a, shape_b = (f'{{"name": "a{i}", "outline": {outline}, "at": [{x}, 0, 0]}}' for i, x in ((1, 0), (2, 10)))
-    file = tmp_path / "two.json"
-    file.write_text(f'{{"format": "wiggleroom/1", "unit": "mm", "gap": 0.2, "parts": [{shape_a}, {shape_b}]}}')
-    got = read(file, gap=0.5, fix=["a1"], goals=[Pull("a2", (1, 0))])
-    assert (got.gap, got.parts[0].fixed, got.goals[0].part) == (0.5, True, "a2")
-    assert np.ptp(got.parts[1].regions[0].outer, axis=0) == pytest.approx([9.5, 4.5])
-    assert read(str(file)).gap == 0.2
-
-
 def test_roles():
     free = Drawing((square("a"),))
     assert len(role_findings(free)) == 2
@@ -233,13 +188,3 @@ def test_roles():
     assert "--pull" in role_findings(free)[1]
     assert "everything is fixed" in role_findings(Drawing((square("a", fixed=True),), goals=(Turn("a"),)))[0]
     assert role_findings(patterns.chain(2).drawing) == ()
-
-
-def test_glue_groups_join():
-    chain = Drawing((), glue=(("a", "b"), ("c", "d"), ("e",), ("b", "c")))
-    assert glue_groups(chain.glue) == {"a": 0, "b": 0, "c": 0, "d": 0, "e": 2}
-
-
-def test_nothing_is_found_in_a_grid_of_4096_parts():
-    drawing = patterns.grid(64, 64, gap=0.01).drawing
-    assert findings(drawing) == ()

@@ -13,7 +13,6 @@ import shapely
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.drawing.strokes.chord_error import chord_error
 
 SIDE = 40.0
 
@@ -69,17 +68,12 @@ def outlines(assembly: Assembly) -> list[np.ndarray]:
     return [ring for part in assembly.parts for region in part.regions for ring in (region.outer, *region.holes)]
 
 
-@pytest.mark.parametrize(("gap", "error"), [(5.0, 0.1), (1.0, 0.02), (0.1, 0.002), (0.0, 0.01)])
-def test_the_chord_error_is_a_fiftieth_of_the_gap(gap: float, error: float) -> None:
-    assert chord_error(gap, 0.01, 1e-9) == pytest.approx(error)
-
-
-@pytest.mark.parametrize("first", [0.0, 0.03, 0.4, 1.2])
+@pytest.mark.parametrize("first", [0.0, 1.2])
 @pytest.mark.parametrize("make", [lambda f: knob(f, 6, 4), lambda f: knob(f, 6, 4, "cubic"), bulges])
 def test_a_gap_has_the_same_outlines_whichever_came_first(make, first: float, tmp_path: Path) -> None:
     file = make(tmp_path)
     begun = wr.read(file, gap=first, fix=[wr.read(file).names[0]])
-    for gap in (0.0, 0.02, 0.17, 0.3, 0.8, 1.1):
+    for gap in (0.0, 0.17, 0.8):
         made, read = assemble(begun.drawing, gap=gap), wr.read(file, gap=gap)
         assert made.names == read.names
         assert made.parts[0].fixed
@@ -105,17 +99,13 @@ def test_edges_that_were_asked_for_stay(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("drawing", "curve", "begin"),
     [
-        ((6, 4.5), "arc", 1.5),
         ((6, 4.5), "arc", 0.1),
-        ((6, 5.8), "arc", 0.02),
-        ((6, 4.5), "cubic", 0.3),
-        pytest.param((9, 8.6), "claw", 0.3, marks=pytest.mark.slow),
     ],
 )
 def test_check_says_what_the_largest_gap_says(
     drawing: tuple[float, float], curve: str, begin: float, tmp_path: Path
 ) -> None:
-    file = disc_in_a_claw(tmp_path, *drawing) if curve == "claw" else knob(tmp_path, *drawing, curve)
+    file = knob(tmp_path, *drawing, curve)
     border = wr.largest_gap(wr.read(file, gap=begin))
     assert border.holds is not None
     assert border.parts_at is not None

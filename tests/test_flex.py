@@ -17,8 +17,6 @@ from tests.oracle import blocks, closed_forms
 from tests.oracle.closed_forms import frame, rectangle, regular
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn, W
-from wiggleroom.geometry.relative_pose import relative_pose
-from wiggleroom.search.moves import CongruentSwap, congruent_swaps, followed
 
 CLOSE = 1e-6
 SLOT = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 2.1), (4, 2.1), (4, 3.1), (0, 3.1)]  # open to the right, y from 1 to 2.1
@@ -60,30 +58,10 @@ def test_peg_stops_at_a_wall_outside_the_slot(away, thick):
     assert answer.objective == pytest.approx(away - 2.05, rel=CLOSE)
 
 
-@pytest.mark.parametrize(("far", "thick"), [(10.0, 0.01), (1000.0, 1.0)])
-def test_wall_far_away_stops_a_block_from_the_floor(far, thick):
-    answer = flex([FLOOR, BLOCK, box("wall", -3 * far, far, 3 * far, far + thick, fixed=True)], Pull("b", (0, 1)))
-    assert answer.path == "checked"
-    if answer.verdict in ("proven", "optimal"):
-        assert answer.objective == pytest.approx(far - 1.01, rel=CLOSE)
-    else:  # it may also go round the wall
-        assert answer.verdict == "unbounded"
-        assert np.abs(answer.waypoints[:, 1, 0]).max() > 3 * far - 1
-
-
 def test_peg_pushes_a_loose_part_out_of_the_way():
     answer = flex(slot(box("q", 6, 1, 7, 2)), Pull("peg", (1, 0)))
     assert answer.verdict == "unbounded"
     assert "peg" in answer.leaves
-
-
-def test_loose_part_between_peg_and_wall_is_pushed_or_passed():
-    answer = flex(slot(box("q", 6, 1, 7, 2.1), box("wall", 12, -40, 12.2, 40, fixed=True)), Pull("peg", (1, 0)))
-    if answer.verdict == "unbounded":  # the peg has found the way round the wall
-        assert answer.path == "checked"
-    else:
-        assert answer.verdict in ("proven", "optimal", "stationary")
-        assert 8.95 * (1 - CLOSE) <= answer.objective <= 9.95 * (1 + CLOSE)
 
 
 def test_two_parts_that_must_go_together():
@@ -115,13 +93,6 @@ def test_bent_channel_is_followed_or_the_search_stops_in_it(direction):
     ) <= answer.objective * (1 + 1e-5)
 
 
-@pytest.mark.parametrize("direction", [(1, 1), (1, 0.2)])
-def test_wide_bent_channel_is_followed_out(direction):
-    """No place in it where the block is held against the pull."""
-    answer = flex(bent_channel(width=1.6), Pull("b", direction))
-    assert (answer.verdict, answer.leaves) == ("unbounded", ("b",))
-
-
 def test_wide_bent_channel_is_followed_to_its_lid():
     answer = flex(bent_channel(box("lid", 2, 4.01, 4.5, 5, fixed=True), width=1.6), Pull("b", (1, 1)))
     assert answer.verdict in ("proven", "optimal", "stationary")
@@ -133,15 +104,6 @@ def test_thin_box_holds_a_block(wall):
     shape = shapely.Polygon(rectangle(20 + 2 * wall, 20 + 2 * wall), [rectangle(20, 20)])
     answer = flex([part_at("box", shape, fixed=True), box("b", -0.5, -0.5, 0.5, 0.5)], Pull("b", (1, 0.3)))
     assert answer.objective == pytest.approx(9.5 * 1.3 / math.hypot(1, 0.3), rel=CLOSE)
-
-
-@pytest.mark.parametrize("wall", [0.5, 0.01])
-def test_blocks_in_a_thin_box_push_or_pass_each_other(wall):
-    shape = shapely.Polygon(rectangle(20 + 2 * wall, 20 + 2 * wall), [rectangle(20, 20)])
-    loose = [box("b", -0.5, -0.5, 0.5, 0.5), box("c", 2, -0.5, 3, 0.5), box("d", 5, -0.6, 6, 0.4)]
-    answer = flex([part_at("box", shape, fixed=True), *loose], Pull("b", (1, 0)))
-    assert answer.verdict in ("proven", "optimal", "stationary")
-    assert 7.5 * (1 - CLOSE) <= answer.objective <= 9.5 * (1 + CLOSE)
 
 
 def test_round_disc_turns_in_a_round_hole():
@@ -157,12 +119,6 @@ def test_polygon_that_nearly_fills_its_hole_does_not_turn():
     limit = math.pi / 32 - math.acos(1.004 * math.cos(math.pi / 32))
     assert answer.verdict in ("proven", "optimal")
     assert answer.objective == pytest.approx(limit, rel=CLOSE)
-
-
-def test_block_between_two_plates_turns_without_end_where_they_are_wide_apart():
-    answer = flex([FLOOR, box("top", -2, 2, 2, 3, fixed=True), box("b", -0.5, 0.5, 0.5, 1.5)], Turn("b"))
-    assert answer.verdict == "unbounded"
-    assert answer.turns == ("b",)
 
 
 @pytest.mark.parametrize(("joint", "point"), [("tee", (0.0, 0.0)), ("round", (-300.0, 200.0)), ("hook", (-30.0, 20.0))])
@@ -215,12 +171,6 @@ def test_directions_are_normalised_and_weights_multiply():
     assert wr.flex(assembly, Pull("b3", (0, 17)), search=0).objective == pytest.approx(one, rel=CLOSE)
     assert wr.flex(assembly, Pull("b3", (0, 1), weight=3.0), search=0).objective == pytest.approx(3 * one, rel=CLOSE)
     assert wr.flex(assembly, [Pull("b3", (0, 1))] * 2, search=0).objective == pytest.approx(2 * one, rel=CLOSE)
-
-
-def test_negative_weight_pulls_the_other_way():
-    assembly = chain("hook")
-    down = wr.flex(assembly, Pull("b3", (0, -1)), search=0).objective
-    assert wr.flex(assembly, Pull("b3", (0, 1), weight=-1.0), search=0).objective == pytest.approx(down, rel=CLOSE)
 
 
 def test_point_of_a_pull_counts():
@@ -299,20 +249,6 @@ def test_stopped_on_the_way_is_safe(count):
     assert answer.path == "checked"  # cut back to where it is
 
 
-def test_stop_is_asked_and_progress_told_every_iteration():
-    told, never = [], After(10**9)
-    answer = wr.flex(chain("round", 5), stop=never, progress=told.append, search=0)
-    assert {p.stage for p in told} <= {"pairs", "free spaces", "solve", "check"}
-    assert told[0].stage == "pairs"
-    assert told[-1].stage == "check"
-    solving = [p for p in told if p.stage == "solve"]
-    assert len(solving) >= answer.iterations
-    assert 10**9 - never.left >= answer.iterations
-    assert max(p.round for p in told) == answer.rounds
-    rounds = [p.round for p in solving]
-    assert rounds == sorted(rounds)
-
-
 # -- many questions -------------------------------------------------------------------------------------------------
 
 QUESTIONS = [Pull("b3", (0, 1)), Turn("b2", "cw"), Pull("b2", (1, 1), (1.5, 0.5)), W("b3", (0, -1, 0.5))]
@@ -356,18 +292,6 @@ def test_glued_halves_are_one_part(goal):
     assert glued.motion[1, 2] == glued.motion[2, 2]
 
 
-def test_glued_links_move_as_one_however_they_are_gapped():
-    """A chain of four with its last two blocks glued: the same as with one long last block."""
-    profile = blocks.PROFILES["tee"]
-    parts = row_of([shapely.Polygon(blocks.outline("tee"))] * 4).parts
-    tab, pocket = profile + np.array([1.5, 0]), profile[::-1] + np.array([3.5, 0])
-    long = [(1.5, -0.5), (3.5, -0.5), *pocket, (3.5, 0.5), (1.5, 0.5), *tab]
-    single = (*parts[:2], part_at("b3", shapely.Polygon(long), (2.0, 0.0, 0.0)))
-    goal = Pull("b3", (0, 1), (3.0, 0.0))
-    glued = flex(parts, goal, gap=0.02, glue=(("b3", "b4"),))
-    assert glued.objective == pytest.approx(flex(single, goal, gap=0.02).objective, rel=CLOSE)
-
-
 def test_part_glued_to_a_fixed_one_stands():
     answer = flex(chain().drawing.parts, Pull("b3", (0, 1)), gap=0.02, glue=(("b1", "b2"),))
     two = wr.flex(chain(n=2), search=0)
@@ -390,35 +314,3 @@ def test_one_looser_joint_lies_between(joint):
     mixed = wr.flex(chain(joint, 4, 0.01, gaps=(JointGap(("b2", "b3"), 0.02),)), search=0)
     check_safe(mixed)
     assert single * 1.01 < mixed.objective < double * 0.99
-
-
-def test_a_joint_takes_the_path_of_a_congruent_one_and_no_other_joint_notices() -> None:
-    ready = wr.prepare(chain("tee", 4))
-    them, cells = ready.bodies, ready.cells
-    motion = wr.flex(chain("tee", 4), search=0).warm_start.motion * np.array([[0.0], [0.3], [0.7], [1.0]])
-    before, rest = relative_pose(them, cells.a, cells.b, motion), relative_pose(them, cells.a, cells.b)
-    after = relative_pose(
-        them, cells.a, cells.b, followed(them, cells, CongruentSwap(np.array([2]), 0), motion[None])[0]
-    )
-    assert after[:2] == pytest.approx(before[:2], abs=1e-12)
-    assert after[2] - rest[2] == pytest.approx(before[0] - rest[0], abs=1e-12)
-
-
-def test_joints_in_a_loop_are_not_offered_other_ends() -> None:
-    ready = wr.prepare(wr.patterns.grid(2, 2, joint="tee", gap=0.01))
-    shaken = np.random.default_rng(0).normal(0, 0.01, (4, 3))
-    assert congruent_swaps(ready.bodies, ready.cells, shaken, 0.01) == []
-
-
-@pytest.mark.parametrize(
-    "goal",
-    [
-        Pull("b3", (math.nan, 0.0)),
-        Pull("b3", (0.0, 1.0), point=(math.inf, 0.0)),
-        Turn("b3", math.nan),
-        Pull("nobody", (0, 1)),
-    ],
-)
-def test_goals_that_make_no_sense_are_refused_by_name(goal) -> None:
-    with pytest.raises(wr.InputError, match=f"{goal.part}"):
-        wr.flex(chain("tee"), goal, search=0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import shapely
 
@@ -13,6 +14,7 @@ from tests.flex_truth import check_safe
 from tests.flexing import case_assembly, displaced, row_of
 from tests.oracle import blocks, chain, closed_forms
 from wiggleroom.assembly.build import assemble
+from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.drawing.read import write_drawing
 
 BOUNDED = {f"{k} {case.name}": case for k, case in enumerate(closed_forms.bounded())}
@@ -84,3 +86,22 @@ def drawn(joint, n):
 
 def far_away(joint, gap, n):
     return displaced(replace(drawn(joint, n), gap=gap), math.radians(37), (2500 * 0.6, 2500 * 0.8))
+
+
+WAYS = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
+
+
+@pytest.mark.parametrize("made", ["jigsaw", "swallowtails"])
+def test_no_motion_exceeds_it(made: str) -> None:
+    assembly = (
+        wr.patterns.jigsaw(3, 2, gap=0.5, pitch=40)
+        if made == "jigsaw"
+        else wr.patterns.chain(3, joint="swallowtail", gap=0.4, pitch=20)
+    )
+    most = furthest(assembly, 600_000)
+    assert most is not None
+    found = [wr.flex(assembly, wr.Pull(assembly.names[-1], way), search=0) for way in WAYS]
+    reached = max(one.objective for one in found if one.objective is not None)
+    assert 0 < reached <= most
+    assert np.isfinite(most)
+    assert most < 40 * reached

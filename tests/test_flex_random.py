@@ -14,10 +14,10 @@ from wiggleroom.assembly.build import assemble
 
 VERDICTS = ("proven", "optimal", "stationary", "unbounded", "stopped")
 FEW, MANY = (
-    [*range(20), 73, 205, 212],
-    range(40, 90),
+    [*range(8), 73, 205, 212],
+    range(40, 52),
 )  # 73: edges flat on each other; 205: virtual walls near the end; 212: turns and pulls far off weigh against each other
-SMALL = [k for k in range(25) if k % 5 in (0, 4)]  # chains of one random joint, pegs in random holes
+SMALL = [k for k in range(15) if k % 5 in (0, 4)]  # chains of one random joint, pegs in random holes
 SAME = {"mirror": (mirrored, 1.0), "hundredth": (lambda d: scaled(d, 1e-2), 1e-2), "shuffled": (shuffled, 1.0)}
 SAME["thousandfold"] = (lambda d: scaled(d, 1e3), 1e3)
 
@@ -59,7 +59,7 @@ def test_many_random_questions(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(1))
 def test_thirty_parts(seed):
     assembly = random_puzzle(seed)
     look(wr.flex(assembly, random_goals(assembly, seed, 2), search=0))

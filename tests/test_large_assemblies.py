@@ -8,7 +8,6 @@ import shapely
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
 from wiggleroom.geometry.placed_bodies import placed
-from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.row_kinds import A_EDGE
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
@@ -17,7 +16,6 @@ from wiggleroom.program.multifrontal import FrontalPlan, Multifrontal
 from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.row_operations import step_lengths
 
 
 def block_matrix(at, block, reach, rng):
@@ -107,46 +105,6 @@ def test_derivatives_of_distances(program):
     assert np.allclose(program.linearise(u).jacobian_product(v), difference, atol=1e-6)
 
 
-def test_condensed_matrix_has_the_curvature_where_it_is_convex(program):
-    """With weights that outweigh all second derivatives nothing is projected, so the matrix is J'WJ - sum lam h''."""
-    rng = np.random.default_rng(7)
-    u, v = 0.05 * rng.standard_normal((2, len(program.scale)))
-    at = program.linearise(u)
-    lam = rng.random(program.rows)
-    weight = np.full(program.rows, 1e4)
-    pattern = program.pattern
-    n = len(program.scale)
-    data = at.condensed(weight, lam, share=0.0)
-    triangle = sp.csc_matrix((data, pattern.indices, pattern.indptr), shape=(n, n)).toarray()
-    matrix = triangle + np.triu(triangle, 1).T
-    step = 1e-4
-    away = [program.linearise(u + s * step * v) for s in (1, -1)]
-    curvature = lam @ (away[0].h - 2 * at.h + away[1].h) / step**2
-    assert v @ matrix @ v == pytest.approx((weight * at.jacobian_product(v) ** 2).sum() - curvature, rel=1e-5)
-
-
-def test_listed_corners_are_all_that_are_near():
-    assembly = wr.patterns.grid(2, 2, joint="tee", gap=0.02)
-    ready = prepare_as_drawn(assembly)
-    bodies, reach = ready.bodies, 0.15
-    a, b = np.triu_indices(4, 1)
-    near = near_vertices(bodies, a, b, np.zeros((4, 3)), np.full(len(a), reach), np.full(len(a), 0.06), 0.03)
-    known = set(zip(near.pair.tolist(), near.kind.tolist(), near.edge.tolist(), near.corner.tolist(), strict=True))
-    shapes = bodies.shapes
-    pose = relative_pose(bodies, a, b)
-    for p in range(len(a)):
-        for v in range(*shapes.first[bodies.shape[b[p]] + np.arange(2)]):
-            corner = place(shapes.corner[[v]], pose[p])[0]
-            for e in range(*shapes.first[bodies.shape[a[p]] + np.arange(2)]):
-                line = shapely.LineString(shapes.corner[[e, shapes.after[e]]])
-                ahead = shapes.normal[e] @ (corner - shapes.corner[e])
-                along = np.array([-shapes.normal[e, 1], shapes.normal[e, 0]]) @ (corner - shapes.corner[e])
-                beyond = max(-along, along - shapes.length[e])
-                wanted = shapely.distance(line, shapely.Point(corner)) < reach and beyond < 0.06
-                wanted &= ahead > (0 if beyond <= 0 else -0.03)
-                assert ((p, 0, e, v) in known) == wanted
-
-
 @pytest.mark.parametrize(
     ("columns", "rows", "joint", "least"),
     [(14, 13, "tee", 1.268), (11, 12, "jigsaw", 1.297)],
@@ -198,13 +156,3 @@ def test_solutions_on_two_threads_are_those_of_the_matrix():
     assert np.allclose(dlam, (goal - lam * ds) / s)
     assert min(1.0, *(s / -ds)[ds < 0]) == pytest.approx(far)
     assert min(1.0, *(lam / -dlam)[dlam < 0]) == pytest.approx(dfar)
-
-
-def test_steps_with_shares_of_a_corrector_reach_the_nearest_bound():
-    x, dx, more = np.random.default_rng(5).standard_normal((3, 40))
-    x, shares, out = np.abs(x) + 0.5, np.array([1.0, 0.6, 0.3]), np.empty(3)
-    step_lengths(x, dx, more, shares, out)
-    for share, step in zip(shares, out, strict=True):
-        left = x + step * (dx + share * more)
-        assert 0 < step < 1
-        assert left.min() == pytest.approx(0, abs=1e-12)

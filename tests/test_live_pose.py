@@ -44,7 +44,7 @@ def overlap(assembly: Assembly, motion: np.ndarray) -> float:
     return max(a.intersection(b).area for k, a in enumerate(placed) for b in placed[:k])
 
 
-@pytest.mark.parametrize("step", [2.0, 5.0, 15.0])
+@pytest.mark.parametrize("step", [2.0, 15.0])
 def test_what_holds_a_part_stays_however_often_that_is_pulled(latch: Assembly, step: float) -> None:
     """The latch must be lifted by 5 mm; nothing lifts it while the slider is led on."""
     live = wr.Live(latch)
@@ -71,21 +71,6 @@ def test_a_drag_begins_where_the_part_before_was_left(latch: Assembly) -> None:
         assert after[LIFTED] == pytest.approx(lifted[LIFTED], abs=0.01)  # nobody asked it to move
         assert after[SLIDER] == pytest.approx(found.motion[SLIDER], abs=0.01)
         assert overlap(one.assembly, after) < 1e-3
-
-
-def test_many_tight_parts_can_be_left_wherever_a_drag_has_shown_them() -> None:
-    grid = wr.patterns.grid(16, 16, joint="tee", gap=0.01)
-    live, names = wr.Live(grid), grid.names
-    first, other = names[120], names[40]
-    at, there = grid.rest[120, :2], grid.rest[40, :2]
-    shown = [live.drag(first, tuple(at), (at[0] + 0.4, at[1] + 0.3), start="rest", seconds=0.05).motion]
-    shown += [live.drag(first, tuple(at), (at[0] + 0.4, at[1] + 0.3), seconds=0.05).motion for _ in range(2)]
-    for motion in shown:  # the hand let go there, and took another part before the pose was asked about
-        left = as_told(motion)
-        found = live.drag(
-            other, tuple(there + left[40, :2]), tuple(there + left[40, :2] + 0.05), start=left, seconds=0.3
-        )
-        assert overlap(live.assembly, found.motion) < 1e-6
 
 
 def test_parts_that_touch_may_be_left_although_rounding_lets_them_overlap(latch: Assembly) -> None:

@@ -36,30 +36,30 @@ def made_of(mesh: trimesh.Trimesh, gap: float) -> MadeSolid:
 
 def socket() -> trimesh.Trimesh:
     """A block with a round socket that is open above: its rim has slivers."""
-    ball = trimesh.creation.icosphere(subdivisions=3, radius=10)
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=10)
     return trimesh.creation.box(bounds=[(-13, -13, -13), (13, 13, 6)]).difference(ball)
 
 
-@pytest.mark.parametrize(("mesh", "gap"), [(dented(), 0.1), (socket(), 0.2)])
-def test_a_moved_mesh_goes_round_what_is_made_and_little_more(mesh: trimesh.Trimesh, gap: float) -> None:
+def test_a_moved_mesh_goes_round_what_is_made_and_little_more() -> None:
+    mesh, gap = dented(), 0.1
     made = made_of(mesh, gap)
     assert 0 < made.mostly <= made.overshoot
     assert made.mostly <= gap / 8
     triangles = np.ascontiguousarray(mesh.triangles)
     side = made.surface.vertices[made.surface.faces][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 3)
-    along = np.einsum("pe,kex->pkx", np.column_stack([np.arange(33), np.arange(33)[::-1]]) / 32, side).reshape(-1, 3)
+    along = np.einsum("pe,kex->pkx", np.column_stack([np.arange(9), np.arange(9)[::-1]]) / 8, side).reshape(-1, 3)
     shallow = surface_distances(triangles, along, np.empty_like(along)).min()
     assert shallow >= gap / 2 - made.overshoot - 1e-9
     assert shallow <= gap / 2 - 0.95 * made.overshoot
     rng = np.random.default_rng(3)
-    share = rng.dirichlet((1, 1, 1), 4000)
-    near = mesh.triangles[rng.integers(0, len(mesh.faces), 4000)]
-    points = np.einsum("kij,ki->kj", near, share) + rng.normal(scale=gap, size=(4000, 3))
+    share = rng.dirichlet((1, 1, 1), 2500)
+    near = mesh.triangles[rng.integers(0, len(mesh.faces), 2500)]
+    points = np.einsum("kij,ki->kj", near, share) + rng.normal(scale=gap, size=(2500, 3))
     deep = surface_distances(triangles, points, np.empty_like(points))
     deep = np.where(winding_numbers(triangles, points) > 0.5, deep, -deep)
     inside = winding_numbers(made.surface.vertices[made.surface.faces], points) > 0.5
     sure = deep >= 1.01 * gap / 2
-    assert sure.sum() > 300
+    assert sure.sum() > 180
     assert inside[sure].all()
     assert not inside[deep < gap / 2 - made.overshoot - 1e-6].any()
     assert inside[deep < gap / 2 - 2 * made.mostly - 1e-6].mean() < 0.01
@@ -85,9 +85,10 @@ def test_a_mesh_that_is_too_uneven_is_refused_with_the_number(monkeypatch: pytes
     )
 
 
+@pytest.mark.slow
 def test_a_ball_gains_the_gap_in_its_socket(tmp_path: Path) -> None:
     socket().export(tmp_path / "socket.stl")
-    trimesh.creation.icosphere(subdivisions=3, radius=10).export(tmp_path / "ball.stl")
+    trimesh.creation.icosphere(subdivisions=2, radius=10).export(tmp_path / "ball.stl")
     parts = [
         {"name": n, "mesh": f"{n}.stl", "fixed": n == "socket", "lock": ["rx", "ry", "rz"]} for n in ("socket", "ball")
     ]
@@ -112,12 +113,13 @@ def assembly(folder: Path, gap: float) -> wr.Assembly:
     return wr.read(folder / "a.json")
 
 
+@pytest.mark.slow
 def test_nothing_that_stops_a_cover_is_claimed_of_what_it_covers(tmp_path: Path) -> None:
     assert wr.check(assembly(tmp_path, 0.0), seconds=60).verdict is Separability.INTERLOCKED
     made = assembly(tmp_path, 0.2)
     assert made.overshoot > 0
     assert any("is covered by" in note and "larger than it is made" in note for note in made.drawing.notes)
-    assert wr.check(made, seconds=10).verdict is Separability.UNKNOWN
+    assert wr.check(made, seconds=2).verdict is Separability.UNKNOWN
     pull = wr.Pull("ball", (1, 0, 0))
     answer = wr.flex(made, pull, search=0)
     assert answer.verdict in (Verdict.STATIONARY, Verdict.STOPPED)

@@ -15,8 +15,7 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.drawing.model import Surface
-from wiggleroom.spatial.solids.convex_hulls import filled_up, hull_surface, hull_volume
-from wiggleroom.spatial.solids.file_digits import step_of_numbers
+from wiggleroom.spatial.solids.convex_hulls import hull_surface, hull_volume
 from wiggleroom.spatial.solids.fins import convex_without_fins
 from wiggleroom.spatial.solids.mesh_file import MeshFiles
 from wiggleroom.spatial.solids.mesh_pieces import CutsLeft, in_pieces, mesh_made
@@ -39,7 +38,7 @@ def inside(block: Block, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return within, ~near
 
 
-@pytest.mark.parametrize("number", [5035, 5638, 5702, 5992, 20036])
+@pytest.mark.parametrize("number", [5035, 5992, 20036])
 def test_meshes_from_rounded_files_are_cut_into_pieces_that_make_them_up(number: int, tmp_path: Path) -> None:
     _, drawn = draw_solids(number)
     assembly = wr.read(drawn.write(tmp_path))
@@ -57,18 +56,6 @@ def test_meshes_from_rounded_files_are_cut_into_pieces_that_make_them_up(number:
             said |= Delaunay(piece.corners @ part.R.T + part.at).find_simplex(points) >= 0
         assert truth[asked].sum() > 100
         assert (said == truth)[asked].all()
-
-
-def test_a_hull_keeps_all_corners_of_a_wide_cap_that_is_nearly_flat() -> None:
-    turn = np.linspace(0, 2 * np.pi, 40, endpoint=False)
-    ring = np.column_stack([10 * np.cos(turn), 10 * np.sin(turn), np.zeros(40)])
-    rng = np.random.default_rng(1)
-    cap = ring + np.array([0, 0, 4]) + rng.uniform(-1e-9, 1e-9, (40, 3))
-    whole = 0.5 * 40 * 100 * np.sin(2 * np.pi / 40) * 4
-    points = np.vstack([ring, cap])
-    assert hull_volume(points) == pytest.approx(whole, rel=1e-8)
-    assert volume_of(hull_surface(points)) == pytest.approx(whole, rel=1e-8)
-    assert hull_volume(ring) == 0.0
 
 
 def with_fin(thick: float) -> Surface:
@@ -118,8 +105,7 @@ def convex_block(kind: str, rng: np.random.Generator) -> np.ndarray:
     )
 
 
-@pytest.mark.parametrize("kind", ["pyramid", "octahedron", "stone"])
-@pytest.mark.parametrize("ending", ["obj", "stl"])
+@pytest.mark.parametrize(("kind", "ending"), [("pyramid", "obj"), ("octahedron", "stl"), ("stone", "obj")])
 @pytest.mark.parametrize("seed", [1])
 def test_blocks_are_convex_to_the_digits_of_their_file(tmp_path: Path, kind: str, ending: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -147,31 +133,6 @@ def test_blocks_are_convex_to_the_digits_of_their_file(tmp_path: Path, kind: str
         assert outside.max() < 2e-5
 
 
-@pytest.mark.parametrize(
-    ("numbers", "largest", "step"),
-    [
-        (["12.345678", "-1.000000"], 12.345678, 1e-6),
-        (["1.23456e+01", "1.234e-05"], 12.3456, 1e-4),
-        (["12.5", "7", "-3.25"], 12.5, 0.0),
-        (["1000.125", "2.5"], 1000.125, 1e-3),
-        (["1.0E2", "x", ""], 100.0, 0.0),
-    ],
-)
-def test_the_digits_of_a_file_say_how_finely_it_was_rounded(numbers: list[str], largest: float, step: float) -> None:
-    assert step_of_numbers([number.encode() for number in numbers], largest) == pytest.approx(step)
-
-
-def test_blocks_of_few_digits_stay_as_somebody_wrote_them(tmp_path: Path) -> None:
-    """A corner of a lid that lies higher by one unit in the last place is no rounding where nothing else has so many digits."""
-    block = trimesh.creation.box(bounds=[(0, 0, 0), (10, 10, 10)])
-    block.vertices[(block.vertices == 10).all(axis=1)] += (0, 0, 0.1)
-    lines = ["v {:g} {:g} {:g}".format(*v) for v in block.vertices]
-    (tmp_path / "a.obj").write_text("\n".join(lines + ["f {} {} {}".format(*f) for f in block.faces + 1]))
-    surface, notes = MeshFiles(1.0).read(tmp_path / "a.obj")
-    assert notes == []
-    assert surface.vertices.max() == pytest.approx(10.1)
-
-
 def test_a_round_mesh_of_many_faces_is_convex_to_six_decimals(tmp_path: Path) -> None:
     """Its faces of four corners are so narrow that no small shift of corners makes all of them flat."""
     ball = trimesh.creation.uv_sphere(radius=10, count=[40, 40])
@@ -189,23 +150,6 @@ def test_a_round_mesh_of_many_faces_is_convex_to_six_decimals(tmp_path: Path) ->
         touched = float(np.einsum("ij,ij->i", ball.triangles_center, ball.face_normals).max())
         volume = ConvexHull(made.pieces[0].corners).volume
         assert volume == pytest.approx(ball.volume * (1 - gap / 2 / touched) ** 3, rel=1e-5 if gap == 0 else 2e-3)
-
-
-@pytest.mark.parametrize(
-    ("wide", "deep", "filled"), [(1e-6, 1e-7, True), (1e-3, 1e-7, True), (1e-6, 0.5, False), (0.1, 1e-3, False)]
-)
-def test_a_groove_is_filled_up_where_it_is_shallow_and_not_where_it_is_narrow(
-    wide: float, deep: float, filled: bool
-) -> None:
-    """A groove across a lid: all its corners lie on the hull."""
-    ring = np.array([(0, 0), (4, 0), (4, 3), (2 + wide / 2, 3), (2, 3 - deep), (2 - wide / 2, 3), (0, 3)], dtype=float)
-    mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 5, engine="manifold")
-    surface = Surface(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
-    found = filled_up(surface, 8e-6)
-    assert (found is not None) == filled
-    if found is not None:
-        assert volume_of(found[0]) == pytest.approx(60, rel=1e-12)
-        assert deep / 3 < found[1] < 3.1 * deep
 
 
 def test_a_solid_that_needs_more_cuts_than_are_left_is_a_shell() -> None:

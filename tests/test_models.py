@@ -14,19 +14,10 @@ from tests.audit import part, reachable
 from tests.oracle.blocks import block, outline
 from tests.oracle.chain import stored
 from tests.oracle.collision import overlaps as collide
-from tests.test_program import close, slope, steps, whole
 from wiggleroom.assembly.build import assemble
-from wiggleroom.compare.approximate import approximate
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.hull import _ball, pair_hull
+from wiggleroom.freespace.models.hull import pair_hull
 from wiggleroom.freespace.slices import pair_outlines
-from wiggleroom.geometry.overlap import overlaps
-from wiggleroom.geometry.row_kinds import FACE
-from wiggleroom.program.nonlinear_program import build_program
-from wiggleroom.program.objectives import objective
-from wiggleroom.report.results.answer_words import verdict_sentence
-from wiggleroom.report.results.json_results import flex_result
 from wiggleroom.solve.linear_programming import maximise
 
 
@@ -61,26 +52,15 @@ def test_hull_of_a_square_peg_is_two_pyramids() -> None:
     assert (inside == wanted).mean() > 0.999
 
 
-def test_b_is_centred_before_it_turns() -> None:
-    ring = box(-3, -3, 3, 3) - box(-1, -1, 1, 1)
-    off = pair_hull(
-        pair_outlines(ring, shapely.affinity.translate(box(-0.9, -0.9, 0.9, 0.9), 0.06, -0.03)), wr.Hull(), 1.0
-    )
-    assert off is not None
-    # about a pivot 0.06 off the middle of the square the first corner touches earlier, but not as early as off centre
-    alone = np.arcsin(1 / (0.9 * np.sqrt(2))) - np.pi / 4
-    assert 0.9 * alone < off.ends[1] < alone
-
-
 def test_turning_about_the_joint_reaches_further() -> None:
-    for name in ("tee", "swallowtail", "hook"):
+    for name in ("tee", "hook"):
         pair = chain(name, 0.01, 2, 0.6)
         ends = [wr.free_space(pair, "b1", "b2", model=wr.Hull(about)).angles for about in ("reference", "joint")]
         whole_range = wr.free_space(pair, "b1", "b2").angles
         assert whole_range[0] < ends[1][0] < ends[0][0] < 0 < ends[0][1] < ends[1][1] < whole_range[1]
 
 
-@pytest.mark.parametrize(("joint", "angle"), [("tee", 0.7), ("hook", 0.0), ("arrow", 0.7)])
+@pytest.mark.parametrize(("joint", "angle"), [("tee", 0.7), ("hook", 0.0)])
 def test_pair_models_against_sampled_collision(joint: str, angle: float) -> None:
     pair, body, D = chain(joint, 0.01, 2, angle), block(joint, 0.01), np.array([1.0, 0.0])
     walls = wr.free_space(pair, "b1", "b2")
@@ -100,7 +80,7 @@ def test_pair_models_against_sampled_collision(joint: str, angle: float) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("joint", "gap"), [("tee", 0.02), ("swallowtail", 0.01), ("arrow", 0.01)])
+@pytest.mark.parametrize(("joint", "gap"), [("swallowtail", 0.01)])
 def test_chains_against_the_true_optimum(joint: str, gap: float) -> None:
     made, (best, _) = chain(joint, gap, 10), stored(joint, gap, 10)
     value = {
@@ -110,8 +90,7 @@ def test_chains_against_the_true_optimum(joint: str, gap: float) -> None:
     assert 0.3 < value[wr.Hull()] < value[wr.Hull("joint")] < 0.8
     assert value[wr.Hull(slices=41)] == pytest.approx(1, abs=5e-3)
     assert value[wr.Hull("joint")] + 0.1 < value[wr.Hull("joint", rounds=8)] < 1 + 1e-6
-    # chains of arrows have local optima: they end at 0.985 and 0.995 of it, stationary
-    assert value[wr.HalfPlane()] == pytest.approx(1, abs=2e-2 if joint == "arrow" else 1e-5)
+    assert value[wr.HalfPlane()] == pytest.approx(1, abs=1e-5)
 
 
 def test_a_short_chain_against_the_true_optimum() -> None:
@@ -122,12 +101,6 @@ def test_a_short_chain_against_the_true_optimum() -> None:
     ]
     assert 0.3 < share[0] < share[1] < 0.8
     assert share[2:] == pytest.approx([1, 1], abs=2e-3)
-
-
-def test_figures_of_the_paper_model_on_chains() -> None:
-    # worked out once by an independent prototype: blocks turned about their centres
-    for joint, gap, wanted in (("swallowtail", 0.01, 0.642), ("swallowtail", 0.02, 1.285), ("tee", 0.01, 0.695)):
-        assert wr.flex(chain(joint, gap, 10), model="hull").objective == pytest.approx(wanted, abs=1.5e-3)
 
 
 def test_hull_by_both_solvers() -> None:
@@ -152,79 +125,6 @@ def test_open_pair_is_followed_as_a_strip(slices: int) -> None:
     spots = np.random.default_rng(0).uniform(*np.reshape(middle.bounds, (2, 2)), (200, 2))
     moved = [shapely.affinity.translate(pair.material[1], *(0.999 * spot)) for spot in spots]
     assert not shapely.intersects(pair.material[0], moved).any()
-
-
-def test_open_slice_of_straight_fingers_is_the_whole_strip() -> None:
-    hull = wr.free_space(wr.patterns.chain(2, "finger", 0.01), "b1", "b2", model=wr.Hull("joint"))
-    middle = min(hull.slices, key=lambda s: abs(s.angle)).region
-    np.testing.assert_allclose(middle.bounds[:2], (-0.01, -0.01), atol=1e-9)  # no corner of rounding halves it
-    assert middle.bounds[3] == pytest.approx(0.01, abs=1e-9)
-
-
-def test_extension_that_takes_in_forbidden_space_is_discarded() -> None:
-    # a bar rests above a floor; a post stands in the strip over it, further away than what counts as nearby
-    floor = box(-3, -3, 3, 0) | box(0.9, 0, 1.1, 2)
-    pair = pair_outlines(floor, box(-0.5, 0.1, 0.5, 0.6))
-    hull = pair_hull(pair, wr.Hull(), reach=3.0)
-    assert hull is not None
-    middle = hull.slices[1].region
-    for x, y in shapely.get_coordinates(middle) * 0.999:
-        assert not shapely.intersects(pair.material[0], shapely.affinity.translate(pair.material[1], x, y))
-    assert np.hypot(*shapely.get_coordinates(middle).T).max() < 0.6  # the ball of Lemma 1, not the window
-
-
-@pytest.mark.parametrize("mirrored", [False, True])
-@pytest.mark.parametrize("angle", [0.0, 0.4])
-def test_ball_of_lemma_1_is_not_halved_where_a_corner_is_nearest(angle: float, mirrored: bool) -> None:
-    # the other block stands beside the first one, its lower side in line with the upper one: that line runs through rest
-    blocks = box(0, 0, 1, 1), box(1.5, 1, 2.5, 2)
-    blocks = tuple(shapely.affinity.scale(b, -1 if mirrored else 1, 1, origin=(0, 0)) for b in blocks)
-    blocks = tuple(shapely.affinity.rotate(b, angle, origin=(0, 0), use_radians=True) for b in blocks)
-    ball = _ball(pair_outlines(*blocks), 0.0, np.zeros(2), 3.0)
-    assert ball.area == pytest.approx(np.pi * 0.5**2, rel=0.01)  # all the way to the corner
-    for x, y in 0.999 * shapely.get_coordinates(ball):
-        assert not shapely.intersects(blocks[0], shapely.affinity.translate(blocks[1], x, y))
-
-
-def test_faces_in_a_program_have_exact_derivatives() -> None:
-    made = chain("hook", 0.02, 4, 0.5)
-    ready = approximate(made, wr.Hull("joint"))
-    of = build_program(ready.bodies, ready.faces, objective(made, ready.bodies, made.goals), length=ready.clearance)
-    assert (of.geometry.kind == FACE).all()
-    random = np.random.default_rng(3)
-    motion = np.zeros((4, 3))
-    motion[of.free] = random.uniform(-0.3, 0.3, (3, 3))
-    u, lam = of.variables(motion), random.uniform(0, 2, of.rows)
-    at = of.linearise(u)
-    close(at.jacobian().toarray(), slope(of.values, u, steps(of)), 1e-8)
-    curved = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam) + of.linearise(v).gradient, u, steps(of))
-    close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
-
-
-def test_half_planes_are_distances_and_their_derivatives() -> None:
-    made = chain("tee", 0.01, 2)
-    ready = approximate(made, wr.HalfPlane())
-    there = np.array([[0.0, 0, 0], [0.003, -0.002, 0.004]])
-    here = half_planes(ready.bodies, *ready.near, there, 0.05)
-    step = np.array([2e-7, -3e-7, 2e-7])
-    after = half_planes(ready.bodies, *ready.near, there + np.array([np.zeros(3), step]), 0.05)
-    assert len(here.offset) == len(after.offset) > 20
-    g = (after.rest - here.rest)[here.pair]
-    np.testing.assert_allclose(-after.offset, -here.offset - (here.normal * g).sum(1), atol=1e-12)
-    corners = outline_of(made, 1, there[1])
-    walls = shapely.LinearRing(outline_of(made, 0, there[0]))
-    nearest = min(walls.distance(shapely.Point(p)) for p in corners)
-    assert -here.offset.max() == pytest.approx(nearest, abs=1e-12)
-
-
-def outline_of(assembly: wr.Assembly, index: int, motion: np.ndarray) -> np.ndarray:
-    """Corners of a part moved about its centroid."""
-    x, y, angle = assembly.parts[index].at
-    c, s = np.cos(angle), np.sin(angle)
-    ring = assembly.parts[index].regions[0].outer @ np.array([[c, s], [-s, c]]) + (x, y)
-    middle = np.array(shapely.Polygon(ring).centroid.coords[0])
-    c, s = np.cos(motion[2]), np.sin(motion[2])
-    return (ring - middle) @ np.array([[c, s], [-s, c]]) + middle + motion[:2]
 
 
 def test_one_linear_program_at_rest_promises_what_it_cannot_keep() -> None:
@@ -253,17 +153,6 @@ def test_both_linear_solvers_agree() -> None:
     assert values[0] == pytest.approx(values[1], abs=1e-6)
 
 
-def test_answers_say_what_the_model_does_not_see() -> None:
-    answer = wr.flex(wr.patterns.grid(4, 4, gap=0.02), model=wr.HalfPlane(iterated=False), search=0)
-    record = flex_result(answer)
-    assert record.model == "halfplane"
-    assert record.verdict == "stationary"
-    assert record.collision_free is False
-    assert record.deepest_overlap == answer.deepest_overlap > 0
-    assert "only approximates" in verdict_sentence(answer)
-    assert "overlap" in verdict_sentence(answer)
-
-
 def test_a_part_that_nothing_holds_leaves_by_every_model() -> None:
     made = assemble(
         Drawing(
@@ -276,13 +165,6 @@ def test_a_part_that_nothing_holds_leaves_by_every_model() -> None:
         assert answer.verdict == "unbounded", model
         assert answer.objective is None
         assert answer.leaves == ("b",)
-
-
-def test_prepared_models_answer_many_questions() -> None:
-    ready = wr.prepare(wr.patterns.chain(4, joint="tee", gap=0.01), "hull")
-    up, down = (ready.flex(wr.Pull("b4", (0.0, y)), search=0).objective for y in (1.0, -1.0))
-    assert up == pytest.approx(down, rel=1e-5)
-    assert ready.flex(model="walls", search=0).model == "walls"
 
 
 def test_wrong_models_are_refused() -> None:
@@ -309,12 +191,6 @@ def test_sum_of_squares_leaves_rest_for_a_corner(model: str) -> None:
     answer = wr.flex(ring_and_peg(), wr.Translation(), model=model, search=0)
     assert answer.objective == pytest.approx(2 * 0.02**2, rel=1e-4)
     assert np.abs(answer.motion[1, :2]) == pytest.approx(0.02, rel=1e-4)
-
-
-@pytest.mark.parametrize("model", ["walls", "hull", "halfplane"])
-def test_concentric_parts_are_as_close_as_they_come(model: str) -> None:
-    answer = wr.flex(ring_and_peg(), wr.Closer(), model=model, search=0)
-    assert answer.objective == pytest.approx(0, abs=1e-9)
 
 
 @pytest.mark.parametrize("model", ["walls", "hull", "halfplane"])
@@ -352,17 +228,3 @@ def test_objective_of_the_whole_in_a_file(tmp_path) -> None:
     from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
     assert read_assembly(write_assembly(assembly.drawing)).goals == (wr.Translation(),)
-
-
-def test_depth_of_an_overlap_round_a_corner_is_its_thickness() -> None:
-    # an L-shaped overlap, 0.01 thick: a ring pushed over a square by 0.01 both ways
-    made = assemble(
-        Drawing(
-            (part("ring", box(-3, -3, 3, 3) - box(-1, -1, 1, 1), fixed=True), part("peg", box(-0.9, -0.9, 0.9, 0.9)))
-        )
-    )
-    ready = approximate(made, wr.HalfPlane())
-    motion = np.array([[0.0, 0, 0], [0.11, 0.11, 0]])
-    found = overlaps(ready.bodies, motion, ready.ignored).deepest
-    assert found + 1e-12 >= 0.01
-    assert found < 0.0142

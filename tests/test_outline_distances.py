@@ -22,7 +22,7 @@ def blob(rng: np.random.Generator, count: int, radius: float) -> np.ndarray:
     return np.column_stack([away * np.cos(angle), away * np.sin(angle)])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_distance_is_that_of_all_pairs_of_edges(seed: int) -> None:
     """Discs in holes, beside each other and in two pieces, with few and many corners, straight and curved."""
     rng = np.random.default_rng(seed)
@@ -50,16 +50,6 @@ def test_bodies_of_many_corners_that_meet_have_no_distance() -> None:
     beside = [shapely.affinity.translate(disc, x, 0) for x in (1.9, 9.0)]
     bodies = np.array([disc, shapely.affinity.scale(disc, 0.5, 0.5), *beside])
     assert OutlineDistances(bodies).between([0, 0, 0], [1, 2, 3]).tolist() == pytest.approx([0, 0, 7])
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_the_nearest_other_body_is_that_of_a_search_of_all(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    places = rng.uniform(0, 30, (40, 2))
-    bodies = np.array([shapely.Polygon(blob(rng, int(rng.integers(4, 30)), 0.8) + p) for p in places])
-    bodies[1] = shapely.Polygon(shapely.get_coordinates(bodies[0])[:-1][::-1])  # the same once more is no neighbour
-    _, apart = shapely.STRtree(bodies).query_nearest(bodies, exclusive=True, all_matches=False, return_distance=True)
-    assert OutlineDistances(bodies).to_nearest(np.arange(40)).tolist() == apart.tolist()
 
 
 def nested(count: int) -> np.ndarray:
