@@ -46,10 +46,8 @@ JSON_CASES = {
     "parts of wrong type": (assembly(parts={"a": 1}), "parts must be a list"),
     "unknown field": (assembly(colour="red"), '"colour" is not known'),
     "field twice": (assembly(gap=0.1).replace('"gap"', '"gap": 0.2, "gap"'), 'x.json: field "gap" is given twice'),
-    "field of a pull twice": (
-        assembly(pull=[{"part": "b", "direction": [1, 0]}]).replace('"direction"', '"direction": [0, 1], "direction"'),
-        'part "b": field "direction" is given twice',
-    ),
+    "field of a pull twice": (assembly(pull=[{"part": "b", "direction": [1, 0]}]).replace('"direction"',
+        '"direction": [0, 1], "direction"'), 'part "b": field "direction" is given twice'),
     "unit": (assembly(unit="furlong"), "mm, cm, m, in"),
     "gap below zero": (assembly(gap=-0.1), "gap is -0.1"),
     "gap as text": (assembly(gap="0.1"), "gap must be a number"),
@@ -83,11 +81,9 @@ JSON_CASES = {
     "turn sideways": (assembly(pull=[{"part": "b", "turn": "left"}]), 'must be "ccw" or "cw"'),
     "unknown objective": (assembly(objective="energy"), 'objective is "energy"; it must be "translation" or "closer"'),
     "objective of a wrong kind": (assembly(objective=3), "objective must be text, not a number"),
-    "objective besides pull": (
-        assembly(objective="closer", pull=[{"part": "b", "turn": "ccw"}]),
-        '"objective" stands in place of "pull"',
-    ),
-}
+    "objective besides pull": (assembly(objective="closer", pull=[{"part": "b", "turn": "ccw"}]),
+        '"objective" stands in place of "pull"'),
+}  # fmt: skip
 
 SVG_CASES = {
     "truncated": (svg(SQUARE)[:-9], "not well-formed XML"),
@@ -112,14 +108,10 @@ SVG_CASES = {
     "bad transform": (svg(f'<g transform="rotate(30">{SQUARE}</g>'), "transform cannot be read"),
     "unknown transform": (svg(f'<g transform="wobble(3)">{SQUARE}</g>'), '"wobble" is not known'),
     "transform of three": (svg(f'<g transform="matrix(1 0 0)">{SQUARE}</g>'), "6 finite numbers"),
-    "flat transform": (
-        svg(f'<g transform="scale(1,0)">{SQUARE}</g>'),
-        'rect "a" (line 1): is scaled to a line or a point',
-    ),
-    "transform out of range": (
-        svg(f'<g transform="scale(1e300)">{SQUARE}</g>'),
-        'rect "a" (line 1): is moved or scaled by more than',
-    ),
+    "flat transform": (svg(f'<g transform="scale(1,0)">{SQUARE}</g>'),
+        'rect "a" (line 1): is scaled to a line or a point'),
+    "transform out of range": (svg(f'<g transform="scale(1e300)">{SQUARE}</g>'),
+        'rect "a" (line 1): is moved or scaled by more than'),
     "use of nothing": (svg('<use href="#nope"/>'), '"#nope"'),
     "use of a file": (svg('<use href="other.svg#a"/>'), "other.svg#a"),
     "use of itself": (svg('<g id="g"><use href="#g"/></g>'), "holds this use itself"),
@@ -130,7 +122,7 @@ SVG_CASES = {
     "deep groups": (svg("<g>" * 5000 + SQUARE + "</g>" * 5000), "nested deeper than 200"),
     "crossing subpaths": (svg('<path id="k" d="M0 0h4v4h-4zM2 2h4v4h-4z"/>'), "two outlines cross at ("),
     "bow tie with a hole": (svg('<path d="M0 0L4 4L4 0L0 4zM1 1h1v1h-1z"/>'), "crosses itself at (2, 7) mm"),
-}
+}  # fmt: skip
 
 
 def findings_of(path, **options) -> tuple[str, ...]:

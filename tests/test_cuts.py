@@ -169,61 +169,35 @@ ONE = "1 outline across"
 
 SVGS = [
     ("specks", SHEET + SPECKS, [3200], "10 points and specks are left out"),
-    (
-        "specks in a path",
-        path_of("M10 10h80v40h-80z M20 20z M30 30l0 0z M50 20h10v10h-10z M70 20l1e-4 0z"),
-        [3100],
-        "2 points",
-    ),
+    ("specks in a path", path_of("M10 10h80v40h-80z M20 20z M30 30l0 0z M50 20h10v10h-10z M70 20l1e-4 0z"), [3100],
+        "2 points"),
     ("a closed line cuts", SHEET + path_of("M50 0V60Z"), [1600, 1600], "1 outline cut"),
     ("texts and images", SHEET + TEXTS, [3200], "1 image elements are left out"),
-    (
-        "a symbol used twice",
+    ("a symbol used twice",
         SYMBOL + '<use href="#s" width="20" height="20"/><use href="#s" x="40" width="40" height="20"/>',
-        [400 - 16 * math.pi, 400 - 16 * math.pi],
-        "2 outlines inside others are holes",
-    ),
-    (
-        "a mirrored copy",
-        f'<g id="a">{SHEET}{TAB}</g><use xlink:href="#a" transform="translate(200) scale(-1,1)"/>',
-        [3155, 3155],
-        "2 outlines across",
-    ),
+        [400 - 16 * math.pi, 400 - 16 * math.pi], "2 outlines inside others are holes"),
+    ("a mirrored copy", f'<g id="a">{SHEET}{TAB}</g><use xlink:href="#a" transform="translate(200) scale(-1,1)"/>',
+        [3155, 3155], "2 outlines across"),
     ("clipped away", f'{CLIPPED}<g clip-path="url(#c)">{SHEET}</g>{box(100, 0, 20, 20)}', [400], "1 clipped rect"),
     ("clipped in part", f'<svg x="10" y="10" width="10" height="10">{box(0, 0, 20, 20)}</svg>', [400], "read whole"),
     ("hidden", SHEET + HIDDEN, [3200], "2 hidden rect"),
     ("templates", SHEET + TEMPLATES, [3200], ""),
-    (
-        "a switch",
-        f'<switch><foreignObject requiredExtensions="http://x"/><g>{SHEET}{TAB}</g><g>{SHEET}</g></switch>',
-        [3155],
-        ONE,
-    ),
+    ("a switch",
+        f'<switch><foreignObject requiredExtensions="http://x"/><g>{SHEET}{TAB}</g><g>{SHEET}</g></switch>', [3155],
+        ONE),
     ("a slot of loose lines", SHEET + LOOSE, [3155], ONE),
     ("an open slot by name", f'{SHEET}<g id="slots">{path_of("M48 5V25H51V5")}</g>', [3155], ONE),
     ("a white slot", WHITE, [3155], ONE),
-    (
-        "a cut line beside slots",
-        SHEET + box(20, 5, 3, 20) + box(70, 5, 3, 20) + path_of("M50 10V50"),
-        [1555, 1555],
-        "2 outlines across",
-    ),
-    (
-        "a piece within cut lines",
-        SHEET + path_of("M10 30H35M65 30H90") + box(35, 20, 30, 20),
-        [1300, 1300, 600],
-        "2 faces",
-    ),
-    (
-        "a hole with a centre mark",
-        SHEET + CIRCLE + path_of("M15 30H25M20 25V35"),
-        [3200 - 9 * math.pi],
-        "4 outlines inside others are holes",
-    ),
+    ("a cut line beside slots", SHEET + box(20, 5, 3, 20) + box(70, 5, 3, 20) + path_of("M50 10V50"), [1555, 1555],
+        "2 outlines across"),
+    ("a piece within cut lines", SHEET + path_of("M10 30H35M65 30H90") + box(35, 20, 30, 20), [1300, 1300, 600],
+        "2 faces"),
+    ("a hole with a centre mark", SHEET + CIRCLE + path_of("M15 30H25M20 25V35"), [3200 - 9 * math.pi],
+        "4 outlines inside others are holes"),
     ("overcuts", SHEET + TAB + path_of("M48 25l-1 1"), [3155], OPEN),
     ("labels", LABELLED, [3155], "(1 in Lid)"),
     ("overlaps by rounding", SHEET + box(89.9999995, 10, 30, 40), [3200, 1200], "are taken to touch"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("body", "areas", "noted"), [row[1:] for row in SVGS], ids=[row[0] for row in SVGS])

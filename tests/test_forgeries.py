@@ -210,10 +210,8 @@ STATEMENTS: dict[str, tuple[Forgery, ...]] = {
     "pulled body fixed": (put("bodies", 3, "fixed", True),),
     "another body fixed too": (put("bodies", 1, lambda b: b | {"fixed": True, "low": 0.0, "high": 0.0, "far": 0.0}),),
     "fixed by the number 1": (put("bodies", 1, "fixed", 1),),
-    "another stands": (
-        put("bodies", 0, lambda b: b | {"fixed": False, "low": -1.0, "high": 1.0, "far": 1.0}),
-        put("bodies", 1, lambda b: b | {"fixed": True, "low": 0.0, "high": 0.0, "far": 0.0}),
-    ),
+    "another stands": (put("bodies", 0, lambda b: b | {"fixed": False, "low": -1.0, "high": 1.0, "far": 1.0}),
+        put("bodies", 1, lambda b: b | {"fixed": True, "low": 0.0, "high": 0.0, "far": 0.0})),
     "two bodies in one": (put("bodies", 1, "parts", ["b2", "b3"]), put("bodies", lambda b: [b[0], b[1], b[3]])),
     "a name in two bodies": (put("bodies", 1, "parts", ["b2", "b4"]),),
     "names swapped": (put("bodies", 1, "parts", ["b3"]), put("bodies", 2, "parts", ["b2"])),
@@ -223,10 +221,8 @@ STATEMENTS: dict[str, tuple[Forgery, ...]] = {
     "an empty name": (put("bodies", 3, "parts", [""]),),
     "a name that is a number": (put("bodies", 3, "parts", [4]),),
     "one more part": (put("bodies", lambda b: [*b, copy.deepcopy(b[1]) | {"parts": ["b5"]}]),),
-    "one more part in the way": (
-        put("bodies", lambda b: [*b, copy.deepcopy(b[0]) | {"parts": ["wall"]}]),
-        put("pairs", lambda p: [*p, [4, 3, *p[0][2:]]]),
-    ),
+    "one more part in the way": (put("bodies", lambda b: [*b, copy.deepcopy(b[0]) | {"parts": ["wall"]}]),
+        put("pairs", lambda p: [*p, [4, 3, *p[0][2:]]])),
     "a body left out": (put("bodies", lambda b: b[:3]), put("goal", 0, 0, 2), put("pairs", lambda p: p[:2])),
     "corners swapped": (outline(lambda r: r[[1, 0, *range(2, len(r))]]),),
     "ring reversed": (outline(lambda r: r[::-1]),),
@@ -264,7 +260,7 @@ STATEMENTS: dict[str, tuple[Forgery, ...]] = {
     "a pull of the last body from behind": (other_goal(-1, 0.0, 1.0, 3.0, 0.0, 0.0),),
     "a pull of true": (put("goal", 0, 0, True),),
     "millimetres called a turn": (put("turns", True),),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", STATEMENTS)
