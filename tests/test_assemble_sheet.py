@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -374,29 +373,3 @@ def test_a_loose_lid_is_laid_flush_on_the_walls(tmp_path: Path) -> None:
     assert judged.overlap < OVERLAP
     assert judged.size == pytest.approx((48, 60, 90), abs=0.02)
     assert {frozenset({"cover", wall}) for wall in ("front", "back", "left", "right")} <= judged.touching
-
-
-def test_the_picture_of_a_sheet_is_full_and_its_words_stand_apart(command: Callable[..., int], tmp_path: Path) -> None:
-    drawn = tmp_path / "a.svg"
-    assert (
-        command(
-            "assemble", SHEETS / "egg_crate_even.svg", "--thickness", 4, "--picture", drawn, "-o", tmp_path / "a.json"
-        )
-        == 0
-    )
-    text = drawn.read_text()
-    height = float(re.search(r'viewBox="0 0 [\d.]+ ([\d.]+)"', text).group(1))
-    paths = re.findall(r'<path d="(M[^"]*)"', text)
-    lowest = max(float(y) for path in paths for y in re.findall(r"[\d.]+[ ,]([\d.]+)", path))
-    assert lowest > 0.9 * height
-    words = re.findall(
-        r'<text x="([\d.]+)" y="([\d.]+)" font-size="([\d.]+)" text-anchor="middle"[^>]*>([^<]*)</text>', text
-    )
-    boxes = [
-        shapely.box(float(x) - w / 2, float(y) - float(s), float(x) + w / 2, float(y))
-        for x, y, s, said in words
-        for w in [0.5 * float(s) * len(said)]
-    ]
-    assert len(boxes) > 5
-    met = [(a, b) for a, b in shapely.STRtree(boxes).query(boxes, predicate="overlaps").T if a < b]
-    assert not met

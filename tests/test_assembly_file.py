@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
-from wiggleroom.drawing.outlines.rings import are_clean, clean_ring
 from wiggleroom.drawing.readers.assembly_file import read_assembly
 from wiggleroom.drawing.writers.assembly_writer import write_assembly
 from wiggleroom.errors import InputError
@@ -163,20 +162,3 @@ def test_numbers_of_numpy_are_written(tmp_path):
     assert again.parts[0].offset == 0.125
     assert again.gap == 0.25
     assert again.goals == (Pull("a", (0.0, 1.0), (2.0, 0.0), 2.0),)
-
-
-def test_outlines_looked_at_together_are_cleaned_as_each_alone():
-    random = np.random.default_rng(0)
-    rings, clockwise = [], []
-    for _ in range(3000):
-        angle = np.sort(random.random(random.integers(1, 12))) * 2 * np.pi
-        ring = (np.column_stack([np.cos(angle), np.sin(angle)]) * random.random((len(angle), 1))).round(1)
-        ring = ring * 10.0 ** random.integers(-3, 4) + random.choice([0.0, 1e6])
-        rings.append(ring[:: random.choice([1, -1])])
-        clockwise.append(bool(random.random() < 0.5))
-    clean = are_clean(rings, np.array(clockwise), 1e7)
-    kept = [np.array_equal(clean_ring(r, clockwise=c), r) for r, c in zip(rings, clockwise, strict=True)]
-    assert clean.sum() > 300
-    assert not (clean & ~np.array(kept)).any()
-    large = [len(ring) >= 3 and abs(np.ptp(ring, axis=0).prod()) > 0 for ring in rings]
-    assert clean.sum() > 0.8 * (np.array(kept) & large).sum()

@@ -76,23 +76,6 @@ def test_boxes_apart_touching_and_in_each_other():
     assert found.gap.tolist() == sorted(found.gap.tolist())
 
 
-def test_rings_round_each_other_and_a_corner_before_a_side():
-    found = wr.clearances(
-        planar(
-            ("ring", region(polygon(15), polygon(10)), ()),
-            ("disc", region(polygon(9.7)), ()),
-            ("square", region(box(-2, -2, 4, 4)), (15.4 + 2 * math.sqrt(2), 0.0, math.pi / 4)),
-        ),
-        within=1.0,
-    )
-    at = by_name(found)
-    facet = math.cos(math.pi / 96)
-    assert found.gap[at["ring", "disc"]] == pytest.approx(0.3 * facet)
-    assert found.gap[at["ring", "square"]] == pytest.approx(0.4)
-    assert found.direction[at["ring", "square"]] == pytest.approx([1, 0])
-    assert found.at[at["ring", "square"]] == pytest.approx([15.2, 0])
-
-
 @pytest.mark.parametrize("seed", range(2))
 def test_random_polygons_against_all_pairs_of_edges(seed):
     rng = np.random.default_rng(seed)

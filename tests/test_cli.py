@@ -183,30 +183,6 @@ def test_a_second_interrupt_ends(run, monkeypatch: pytest.MonkeyPatch) -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-@pytest.mark.parametrize("pressed", [True, False])
-def test_work_that_catches_the_first_interrupt_ends_all_the_same(pressed: bool) -> None:
-    from wiggleroom.cli.watch import at_once
-    from wiggleroom.deadline import Deadline
-
-    caught: list[int] = []
-
-    def work() -> None:  # as libraries that try what they import
-        for k in range(2000):
-            try:
-                if pressed and k == 0:
-                    os.kill(os.getpid(), signal.SIGINT)
-                time.sleep(0.01)
-            except KeyboardInterrupt:
-                caught.append(k)
-            if len(caught) == 2:
-                return
-
-    with at_once(Deadline(30.0 if pressed else 0.01)):
-        work()
-    assert len(caught) == 2
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
 def test_a_fault_of_ours_is_one_line_too(run, monkeypatch: pytest.MonkeyPatch) -> None:
     class Fake:
         @staticmethod

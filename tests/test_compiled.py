@@ -51,13 +51,6 @@ def test_an_edit_of_an_inner_function_reaches_the_outer_one(package: Path) -> No
     assert run(package, ASK).split() == ["33.5", "1"]
 
 
-def test_what_is_compiled_later_links_with_what_was_kept(package: Path) -> None:
-    inner = "from wiggleroom.geometry.inner import scaled\nprint(scaled(10.0), sum(scaled.stats.cache_hits.values()))\n"
-    assert run(package, inner).split() == ["20.0", "0"]
-    assert run(package, inner + ASK).split() == ["20.0", "1", "21.0", "0"]
-    assert run(package, ASK).split() == ["21.0", "1"]
-
-
 def test_what_was_kept_is_loaded_without_the_tables_of_the_compiler(package: Path) -> None:
     made = package / "wiggleroom" / "geometry" / "made.py"
     made.write_text(

@@ -34,10 +34,3 @@ def test_marks_lie_where_the_grid_lines_say(log: tuple[bool, bool]) -> None:
     assert (np.diff(marks[:, 1]) < 0).all()
     assert (marks[:, 0] > 50).all()
     assert (marks[:, 0] < 450).all()
-
-
-def test_logarithmic_axes_space_powers_evenly() -> None:
-    curve = Curve("a", np.array([1.0, 10.0, 100.0]), np.array([1.0, 2.0, 4.0]), BLUE)
-    marks = places(around(0, 0, 400, 300, [curve], (True, True)).curve(curve))
-    assert np.ptp(np.diff(marks[:, 0])) < 0.02
-    assert np.ptp(np.diff(marks[:, 1])) < 0.02

@@ -14,11 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.test_svg_reader import assert_same_geometry, material
-from wiggleroom.assembly.assembly import place
 from wiggleroom.assembly.build import read
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.drawing.writers.lettering import labels_of, lettered
 
 ezdxf = pytest.importorskip("ezdxf")
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -127,19 +125,6 @@ def test_labels_of_an_svg_are_no_parts(tmp_path):
     assert len(again.parts) == len(made.parts)
     write_drawing(made, tmp_path / "y.svg", labels=())
     assert (tmp_path / "y.svg").read_text().count("<path") == len(made.parts)
-
-
-@pytest.mark.parametrize("name", ["a", "left wing", "-0.05", "ÄÖ", "日本", "W" * 60])
-def test_names_fit_their_parts(name):
-    outer = np.array([[0.0, 0], [30, 0], [30, 8], [12, 8], [12, 20], [0, 20]])
-    part = Part(name, (Region(outer),), at=(100.0, 20.0, 0.7))
-    (label,) = labels_of([part])
-    strokes = lettered(label)
-    assert strokes
-    assert shapely.Polygon(place(outer, part.at)).contains(
-        shapely.multilinestrings([shapely.linestrings(stroke) for stroke in strokes])
-    )
-    assert all(np.ptp(stroke, axis=0).max() > 0 for stroke in strokes)
 
 
 def test_without_ezdxf(tmp_path):

@@ -116,18 +116,6 @@ def test_parts_in_turned_frames_and_glued_bodies_against_placed_shapes():
     assert lost <= MAX_LOST * free.sum()
 
 
-def test_slices_are_relative_motions_of_the_reference_point():
-    pair = tab_pair(3, gap=0.04)
-    at = (1.2, 0.3, -2.1)
-    assembly = assemble(Drawing((part("a", pair.made[0]), part("b", in_frame(pair.made[1], at), at))))
-    space = free_space(assembly, "a", "b")
-    for one in space.slices[::16]:
-        spot = shapely.get_coordinates(shapely.point_on_surface(one.region))[0]
-        assert space.contains(np.array([[*spot, one.angle]]))[0]
-        assert one.area == pytest.approx(one.region.area)
-    assert [s.angle for s in space.slices] == sorted(s.angle for s in space.slices)
-
-
 def test_square_peg_is_a_box_of_known_size():
     ring = shapely.box(-2, -2, 2, 2).difference(shapely.box(-1, -1, 1, 1))
     assembly = assemble(Drawing((part("ring", ring), part("peg", shapely.box(-0.9, -0.9, 0.9, 0.9)))))

@@ -23,7 +23,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.cli import main
 from wiggleroom.compare.monte_carlo import about_pivot, sampled_accuracy
 from wiggleroom.drawing.model import Drawing, Part
-from wiggleroom.report.free_space.space_report import space_picture, space_result, volume
+from wiggleroom.report.free_space.space_report import space_result
 from wiggleroom.report.page.pages import page_of_space
 from wiggleroom.report.results.json_results import to_json
 
@@ -80,21 +80,6 @@ def test_the_audit_finds_cells_that_lie(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(type(space), "contains", lambda self, relative: np.zeros(len(relative), dtype=bool))
     found = sampled_accuracy(space, chain, 1000)
     assert found.lost == found.free > 50
-
-
-def test_open_spaces_and_glue_are_shown_too() -> None:
-    parts = (
-        Part("a", (block(),), fixed=True),
-        Part("b", (block(),), (1.1, 0.0, 0.0)),
-        Part("c", (block(),), (2.1, 0.0, 0.0)),
-    )
-    case = assemble(Drawing(parts, glue=(("b", "c"),)), gap=0.0)
-    space = wr.free_space(case, "a", "b")
-    found = sampled_accuracy(space, case, 1000)
-    assert found.unsafe == 0
-    assert space_result(space, found, "").reach > 0
-    assert "open" in space_picture(space, found)
-    assert volume(space) > 0
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:

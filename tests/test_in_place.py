@@ -131,22 +131,6 @@ def test_outlines_that_are_copies_become_shapes_of_their_own(tmp_path: Path, com
     assert text.count('id="first"') == text.count('id="tile"') == text.count('id="original"') == 1
 
 
-def test_a_copy_that_looks_otherwise_alone_is_refused_and_other_copies_stay(
-    tmp_path: Path, command_output: Command
-) -> None:
-    head = '<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="40mm" viewBox="0 0 90 40">'
-    part = '<path id="a" fill="none" stroke="black" d="M1 1h20v20h-20z"/>'
-    mark = '<path id="m" fill="none" stroke="black" d="M30 3l4 4"/><use href="#m" x="5"/>'
-    (tmp_path / "marks.svg").write_text(f"{head}{part}{mark}</svg>")
-    assert command_output("convert", tmp_path / "marks.svg", tmp_path / "cut.svg", "--gap", "1")[0] == 0
-    assert mark in (tmp_path / "cut.svg").read_text()
-    rule = "<style>#a{stroke:#f00;stroke-width:2}</style>"  # about the original: a copy without its name would lose it
-    (tmp_path / "copies.svg").write_text(f'{head}{rule}{part}<use href="#a" x="40"/></svg>')
-    code, _, said = command_output("convert", tmp_path / "copies.svg", tmp_path / "no.svg", "--gap", "1")
-    assert code != 0
-    assert "line 1: a copy (use) of an outline depends on its link; unlink it first" in said[-1]
-
-
 def test_only_outlines_move_in_a_dxf_also_those_in_blocks(tmp_path: Path, command_output: Command) -> None:
     ezdxf = pytest.importorskip("ezdxf")
     document = ezdxf.new("R2010")

@@ -7,8 +7,6 @@ import shapely
 
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
-from wiggleroom.geometry.placed_bodies import placed
-from wiggleroom.geometry.row_kinds import A_EDGE
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
 from wiggleroom.program.distance_program import build_distances
@@ -77,32 +75,6 @@ def program(request):
     near = near_vertices(ready.bodies, a, b, np.zeros((n, 3)), *np.full((2, len(a)), 0.1), 0.05)
     goal = ready.objective(assembly.goals)
     return build_distances(ready.bodies, near, goal, length=ready.clearance)
-
-
-def test_distances_are_those_of_the_geometry(program):
-    u = 0.1 * np.random.default_rng(5).standard_normal(len(program.scale))
-    near, shapes = program.cells, program.bodies.shapes
-    pose = program.bodies.rest + program.motion(u)
-    h = program.values(u) * program.length
-    for r in range(0, len(h), 7):
-        a, b = near.a[near.pair[r]], near.b[near.pair[r]]
-        holder, other = (a, b) if near.kind[r] == A_EDGE else (b, a)
-        edge = place(shapes.corner[[near.edge[r], shapes.after[near.edge[r]]]], pose[holder])
-        corner = place(shapes.corner[[near.corner[r]]], pose[other])[0]
-        assert abs(h[r]) == pytest.approx(shapely.distance(shapely.LineString(edge), shapely.Point(corner)), abs=1e-12)
-    # the least of them is the distance of the bodies, where that is within reach
-    material = placed(program.bodies, program.motion(u))
-    for p in np.flatnonzero(np.diff(near.row)):
-        apart = shapely.distance(material[near.a[p]], material[near.b[p]])
-        assert h[near.row[p] : near.row[p + 1]].min() == pytest.approx(apart, abs=1e-12)
-
-
-def test_derivatives_of_distances(program):
-    rng = np.random.default_rng(6)
-    u, v = 0.1 * rng.standard_normal((2, len(program.scale)))
-    step = 1e-6
-    difference = (program.values(u + step * v) - program.values(u - step * v)) / (2 * step)
-    assert np.allclose(program.linearise(u).jacobian_product(v), difference, atol=1e-6)
 
 
 @pytest.mark.parametrize(

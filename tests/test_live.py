@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import wiggleroom as wr
-from tests.flexing import box, polygon_part
+from tests.flexing import box
 from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
@@ -286,22 +286,6 @@ def test_a_slider_has_one_freedom_that_goes_far():
     assert modes[0].size == pytest.approx(16, abs=0.1)  # 10 to the left, 16 to the right
     assert all(m.size < 0.2 for m in modes[1:])
     assert np.abs(modes[0].frames[0]).max() == np.abs(modes[0].frames[-1]).max() == 0
-
-
-def test_freedoms_without_an_end_are_cut_and_named():
-    parts = (
-        box("floor", 0, -2, 20, 0, fixed=True),
-        box("brick", 5, 0.1, 9, 4),
-        polygon_part("tile", rectangle(12, 0.1, 15, 3)),
-    )
-    live = wr.Live(Drawing(parts))
-    modes = live.wiggle(count=3)
-    assert modes
-    assert not all(m.ends for m in modes)
-    for mode in modes:
-        assert np.abs(mode.frames).max() < 20
-        for shown in mode.frames:
-            assert overlap(live.assembly, shown) < 1e-9
 
 
 @dataclass

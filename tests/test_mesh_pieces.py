@@ -15,11 +15,10 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.drawing.model import Surface
-from wiggleroom.spatial.solids.convex_hulls import hull_surface, hull_volume
-from wiggleroom.spatial.solids.fins import convex_without_fins
+from wiggleroom.spatial.solids.convex_hulls import hull_surface
 from wiggleroom.spatial.solids.mesh_file import MeshFiles
 from wiggleroom.spatial.solids.mesh_pieces import CutsLeft, in_pieces, mesh_made
-from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of, volume_of
+from wiggleroom.spatial.solids.solid_boolean import volume_of
 
 BORDER = 1e-3
 """Points nearer to a border are not asked about [mm]."""
@@ -56,37 +55,6 @@ def test_meshes_from_rounded_files_are_cut_into_pieces_that_make_them_up(number:
             said |= Delaunay(piece.corners @ part.R.T + part.at).find_simplex(points) >= 0
         assert truth[asked].sum() > 100
         assert (said == truth)[asked].all()
-
-
-def with_fin(thick: float) -> Surface:
-    """A box 4 x 3 x 2 and a triangle of some thickness that stands out of one edge in the plane of a face."""
-    x, y, z = 4.0, 3.0, 2.0
-    corners = [[0, 0, 0], [x, 0, 0], [x, y, 0], [0, y, 0], [0, 0, z], [x, 0, z], [x, y, z], [0, y, z]]
-    corners += [[6.0, 1.5, z - thick / 2]]
-    faces = [
-        [0, 2, 1],
-        [0, 3, 2],
-        [4, 5, 6],
-        [4, 6, 7],
-        [0, 1, 5],
-        [0, 5, 4],
-        [2, 3, 7],
-        [2, 7, 6],
-        [3, 0, 4],
-        [3, 4, 7],
-    ]
-    corners += [[x, 0, z - thick], [x, y, z - thick]]
-    faces += [[5, 8, 6], [9, 10, 8], [9, 8, 5], [10, 6, 8], [1, 2, 10], [1, 10, 9], [1, 9, 5], [2, 6, 10]]
-    return Surface(np.array(corners, dtype=float), np.array(faces, dtype=np.int64))
-
-
-def test_a_fin_of_rounding_is_left_out_and_one_of_material_is_not() -> None:
-    fin = solid_of(with_fin(1e-8))
-    assert hull_volume(surface_of(fin).vertices) > 24.5
-    corners = convex_without_fins(fin, thin=1e-6)
-    assert corners is not None
-    assert hull_volume(corners) == pytest.approx(24.0, rel=1e-7)
-    assert convex_without_fins(solid_of(with_fin(0.1)), thin=1e-6) is None
 
 
 def convex_block(kind: str, rng: np.random.Generator) -> np.ndarray:

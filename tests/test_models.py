@@ -193,22 +193,6 @@ def test_sum_of_squares_leaves_rest_for_a_corner(model: str) -> None:
     assert np.abs(answer.motion[1, :2]) == pytest.approx(0.02, rel=1e-4)
 
 
-@pytest.mark.parametrize("model", ["walls", "hull", "halfplane"])
-def test_neighbours_come_closer_by_the_gap(model: str) -> None:
-    squares = assemble(
-        Drawing(tuple(part(f"s{k}", box(-0.5, -0.5, 0.5, 0.5), (1.05 * k, 0.0, 0.0), fixed=k == 0) for k in range(3)))
-    )
-    answer = wr.flex(squares, wr.Closer(), model=model, search=0)
-    if (
-        model == "hull"
-    ):  # convex hulls that do not overlap make no pairs, as in the paper: the squares run into each other
-        assert answer.objective == pytest.approx(2 * 1.05**2, rel=1e-3)
-        assert not answer.collision_free
-    else:
-        assert answer.objective == pytest.approx(2 * (1.05**2 - 1.0), rel=1e-4)
-        assert answer.collision_free
-
-
 def test_objective_of_the_whole_in_a_file(tmp_path) -> None:
     text = {
         "format": "wiggleroom/1", "objective": "translation", "gap": 0.04,

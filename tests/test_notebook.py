@@ -107,13 +107,6 @@ def test_an_assembly_in_space_shows_itself() -> None:
     assert bundle["text/plain"].startswith(f"{len(burr.names)} parts, gap ")
 
 
-def test_a_free_space_and_a_largest_gap_are_drawn_into_files(tmp_path: Path) -> None:
-    SHOWN["free space"]().draw(tmp_path / "space.svg")
-    SHOWN["largest gap"]().draw(tmp_path / "gap.html")
-    assert "b2 turns" in (tmp_path / "space.svg").read_text()
-    assert "largest gap: no gap holds it together" in (tmp_path / "gap.html").read_text()
-
-
 def test_a_notebook_is_run_and_keeps_what_it_showed() -> None:
     nbformat = pytest.importorskip("nbformat")
     nbclient = pytest.importorskip("nbclient")
