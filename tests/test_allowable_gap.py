@@ -68,6 +68,7 @@ def test_a_chain_whose_optimum_is_known(joint: str, count: int, gap: float) -> N
     assert found.beyond >= gap * (1 - 1e-9)
 
 
+@pytest.mark.slow
 def test_a_bound_of_a_smaller_gap_is_none_of_a_larger_one() -> None:
     """Where a search falls short, what a smaller gap has shown stands in for it, but not what was proven there."""
 

@@ -145,7 +145,8 @@ def test_a_truncated_pyramid_comes_together_as_it_was_designed(
     assert all("press on each other" in doubt for doubt in found.doubts), found.doubts
 
 
+@pytest.mark.slow
 def test_a_pyramid_without_one_wall_is_not_sure(tmp_path: Path) -> None:
-    design = pyramid(4, 45.0, 20.0)
+    design = pyramid(5, 45.0, 20.0)
     del design.panels["wall 3"]
     assert not assembled(tmp_path, design).sure
