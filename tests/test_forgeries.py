@@ -260,6 +260,11 @@ STATEMENTS: dict[str, tuple[Forgery, ...]] = {
     "a pull of the last body from behind": (other_goal(-1, 0.0, 1.0, 3.0, 0.0, 0.0),),
     "a pull of true": (put("goal", 0, 0, True),),
     "millimetres called a turn": (put("turns", True),),
+    "nothing asked": (put("goal", []),),
+    "no weight": (other_goal(3, 0.0, 0.0, 3.0, 0.0, 0.0),),
+    "a unit that is a number": (put("turns", 0),),
+    "a corner twice": (outline(lambda r: np.insert(r, 3, r[3], 0)),),
+    "an outline of nothing": (put("bodies", 1, "polygons", [[]]),),
 }  # fmt: skip
 
 
@@ -407,6 +412,8 @@ FORMS: dict[str, Forgery] = {
     "a range without end": put("bodies", 2, "high", 1e12),
     "a negative shift": put("bodies", 2, "far", -1.0),
     "a fixed body with a range": put("bodies", 0, "high", 0.1),
+    "an empty loop": put("regions", 0, "loops", 1, 1, []),
+    "multipliers too few": put("proof", best([1.0, 0.0])),
 }  # fmt: skip
 
 
@@ -715,6 +722,7 @@ WINDOWS: dict[str, Forgery] = {
     "joints of another window": in_window(lambda w: w["pairs"].__setitem__(1, w["pairs"][2])),
     "fewer joints": in_window(lambda w: w.update(pairs=[p[:1] for p in w["pairs"]])),
     "a joint moved": put("pairs", 5, 3, lambda x: x + 0.01),
+    "more placements than joints": in_window(lambda w: w["placements"].append(w["placements"][0])),
 }  # fmt: skip
 
 
@@ -816,6 +824,7 @@ BASES: dict[str, Forgery] = {
     "a pair of no body": in_step(lambda s: s["base"][2].append([99] + [0] * 8)),
     "a negative weight": in_step(lambda s: [c[3].__setitem__(1, -1.0) for c in s["cuts"]]),
     "a base in a window": in_window(lambda w: w["steps"][0].update(base=NOTHING)),
+    "a pair of the base twice": in_step(lambda s: s["base"][2].append(s["base"][2][0])),
 }  # fmt: skip
 
 
