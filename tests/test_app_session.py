@@ -83,6 +83,7 @@ def test_long_work_gives_way_to_the_hand_and_begins_again(page: Visit) -> None:
     assert reply["verdict"] == wr.check(GRID).verdict
 
 
+@pytest.mark.slow
 def test_a_short_question_is_answered_while_a_study_is_under_way(page: Visit) -> None:
     page.open("grid.json", text(GRID))
     page.ask("flex")

@@ -10,7 +10,9 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import trimesh
@@ -37,6 +39,14 @@ SHOWN = {
     )
 }
 """Commands in the documentation and what they are said to print; "..." on a line of its own leaves lines out."""
+LONG = {"gaps.md-3", "python.md-2", "python.md-4", "take-apart-and-put-together.md-2"}
+"""Blocks that take more than a few seconds."""
+
+
+def marked(names: Iterable[str]) -> list[Any]:
+    return [pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in names]
+
+
 PATTERNS = {
     "02_chain_of_tees/chain.json": "chain 10 --joint tee --gap 0.01",
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
@@ -169,7 +179,7 @@ def beside_examples(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize("name", [name for name in BLOCKS if name not in ADDING])
+@pytest.mark.parametrize("name", marked(name for name in BLOCKS if name not in ADDING))
 def test_python_in_the_documentation_runs(name, beside_examples):
     assert set(re.findall(r"\bwr\.(\w+)", BLOCKS[name])) <= {*wr.__all__}
     exec(compile(BLOCKS[name], name, "exec"), {"__name__": "__main__"})
@@ -194,7 +204,7 @@ def same(said: str, found: str) -> bool:
         return said == found
 
 
-@pytest.mark.parametrize("name", SHOWN)
+@pytest.mark.parametrize("name", marked(SHOWN))
 def test_what_the_documentation_shows_is_printed(name, monkeypatch, tmp_path, capsys):
     (tmp_path / "examples").symlink_to(TOP / "examples")
     (tmp_path / "docs" / "pictures").mkdir(parents=True)

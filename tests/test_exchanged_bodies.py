@@ -149,10 +149,10 @@ def _comes_apart(drawing: dict) -> bool:
     return found.verdict is Separability.COMES_APART
 
 
-SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 11)]
+SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2, 4, 8, 9)]
 
 
-@pytest.mark.parametrize("seed", [*range(5), 38, *SLOW])
+@pytest.mark.parametrize("seed", [0, 3, 38, *SLOW])
 def test_what_slides_apart_on_a_grid_comes_apart_whatever_its_parts_are_called(seed):
     puzzle, random = _puzzle(seed), np.random.default_rng(seed)
     names = sorted(puzzle.cells)
