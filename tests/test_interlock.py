@@ -281,7 +281,7 @@ def test_parts_that_touch_at_rest(ground, verdict, certainty, who):
 @pytest.mark.slow
 @pytest.mark.parametrize(("gap", "verdict"), [(2.6201, "interlocked"), (2.6222, "comes apart")])
 def test_both_sides_of_the_border_of_the_jigsaw_are_known_to_a_thousandth(gap, verdict):
-    """Between them a corner leaves through two necks, one after the other, while others make room: half a minute that nothing smaller stands for."""
+    """Between them a corner leaves through two necks, one after the other, while others make room: nothing smaller stands for it."""
     drawing = wr.read(HERE.parent / "drawings" / "pyjigsaw_4x5.svg", gap=1.0).drawing
     assembly = assemble(drawing, gap=gap)
     found = interlock(assembly, EscapeEffort(40_000, 40), every=False, context=UNLIMITED)
