@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from tests.test_svg_reader import assert_same_geometry, material
 from wiggleroom.assembly.assembly import place
-from wiggleroom.assembly.build import read
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.drawing.writers.lettering import Label, labels_of, lettered
+from wiggleroom.questions import read
 
 ezdxf = pytest.importorskip("ezdxf")
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -7,12 +7,13 @@ import pytest
 import shapely
 
 from wiggleroom.assembly import patterns
-from wiggleroom.assembly.build import assemble, read
+from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import findings, role_findings
 from wiggleroom.assembly.overlaps import overlap_width, overlaps_at_rest
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W, Weight
 from wiggleroom.drawing.writers.glue_groups import glue_groups
 from wiggleroom.errors import InputError
+from wiggleroom.questions import read
 
 SQUARE = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
 

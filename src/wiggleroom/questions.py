@@ -12,8 +12,8 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
-from wiggleroom.drawing.model import Drawing, Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.drawing.model import Drawing, Goal, part_of
+from wiggleroom.errors import InputError, Stop, go_on
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock_result import Interlock
@@ -84,9 +84,16 @@ def read(
             "read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, hole=hole, dpi=dpi
         )
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=goals, overlapping=overlapping, stop=stop)
-    from wiggleroom.assembly.build import read as read_planar
+    from wiggleroom.assembly.build import assembly_of
+    from wiggleroom.drawing import read_drawing
+    from wiggleroom.drawing.strokes.read_options import ReadOptions
+    from wiggleroom.drawing.units import unit_of
 
-    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)
+    named = [name for goal in goals if (name := part_of(goal)) is not None]  # any of these may be a point of a part
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop, tuple(hole))
+    drawing = read_drawing(Path(path), unit=unit_of(unit, dpi), flatten=flatten, gap=gap, options=options)
+    go_on(stop)
+    return assembly_of(drawing, gap=gap, fix=fix, goals=goals, overlapping=overlapping)
 
 
 def assemble(
