@@ -114,7 +114,7 @@ def flex(
         return answer
     from wiggleroom.bound.prove import prove as proved
 
-    return proved(answer, prove, seconds=seconds, stop=stop, progress=progress)
+    return proved(answer, prove, seconds=seconds, context=context)
 
 
 def witness(

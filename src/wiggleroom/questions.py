@@ -277,14 +277,14 @@ def prove(
     >>> answer.objective <= answer.at_most <= 1.01 * answer.objective
     True
     """
+    context = Context(stop=stop, progress=progress)
     if answer.assembly.dimension == 3:
         from wiggleroom.spatial.proof.spatial_prove import prove_spatial
 
-        context = Context(stop=stop, progress=progress)
         return prove_spatial(answer, within, seconds=seconds, work=work, certify=certify, context=context)
     from wiggleroom.bound.prove import prove as prove_planar
 
-    return prove_planar(answer, within, seconds=seconds, work=work, certify=certify, stop=stop, progress=progress)
+    return prove_planar(answer, within, seconds=seconds, work=work, certify=certify, context=context)
 
 
 def check(

@@ -127,7 +127,7 @@ def _with_band(found: Sweep, within: float, seconds: float | None, context: Cont
             done = (
                 counted_bound(step.answer, within, work=PROOF_WORK, context=context.silent)
                 if seconds is None
-                else prove_bound(step.answer, within, seconds=seconds, stop=context.stop)
+                else prove_bound(step.answer, within, seconds=seconds, context=context.silent)
             )
             least = min(least, np.inf if done.at_most is None else done.at_most)
             step = replace(step, answer=done, verdict=done.verdict)
