@@ -21,7 +21,7 @@ Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 
 QUESTION = Group("Drawing and question", sort_key=1)
 RESULTS = Group("Results", sort_key=2)
-WORK = Group("Where it runs", sort_key=3)
+WORK = Group("Time and processes", sort_key=3)
 """Headings under which the help lists what many commands take; what a command alone takes comes first."""
 
 
