@@ -56,13 +56,13 @@ def prepare(
 def prepare(
     assembly: Assembly, model: str | PairModel = "walls", *, stop: Stop | None = None
 ) -> PreparedModel | ApproximateModel:
-    """Find the pairs that can meet and work out their free spaces round rest, congruent pairs once.
+    """Compute the pairs that can meet and their free spaces round rest, congruent pairs once.
 
     Parameters
     ----------
     assembly : Assembly
     model : str, Hull or HalfPlane
-        "walls", "hull" or "halfplane": what stands for the free space of a pair.
+        "walls", "hull" or "halfplane": the model of the free space of a pair.
     stop : optional
         Anything with `is_set()`, asked now and then.
 

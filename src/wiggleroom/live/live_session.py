@@ -93,14 +93,14 @@ def _key(design: GapDesign, motion: Floats) -> _Key:
 
 
 class Live:
-    """One drawing whose design is changed and whose parts are dragged, with answers at once.
+    """A session with one drawing: its design changes, its parts are dragged, with quick answers.
 
-    Every motion that it gives is free of overlap by exact geometry, and connected with rest by a chain of cells.
+    Every returned motion is free of overlap by exact geometry, and connected with rest by a chain of cells.
 
     Parameters
     ----------
     drawing : Drawing or Assembly
-        Nothing is worked out before the first question.
+        Nothing is computed before the first question.
 
     Examples
     --------
