@@ -32,7 +32,7 @@ def coupon(
 ) -> int:
     """Make a sheet to measure your kerf and choose your gap: one joint at many gaps, each engraved.
 
-    One key fits holders from tight to loose. Without a file the sheet is a comb of pockets for a joint family.
+    Try one key in holders from tight to loose. Without a file the sheet is a comb of pockets for a joint family.
 
     Example: wiggleroom coupon --joint tee -o comb.dxf
 
