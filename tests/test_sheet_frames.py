@@ -175,7 +175,8 @@ def test_an_outline_that_misses_its_end_at_the_page_does_not_cut_it() -> None:
     drawing = read_svg(
         page(rect(50, 50, 20, 20) + '<path d="M 0,10 H 40 V 40 H 0 V 10.6" fill="none" stroke="black"/>')
     )
-    assert len(drawing.parts) == 1
+    assert len(drawing.parts) == 2
+    assert not any("page" in note for note in drawing.notes)
 
 
 def test_the_box_of_one_part_is_left_out() -> None:

@@ -47,7 +47,9 @@ def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[
     rings = [ring for outline in found.outlines for ring in (outline.region.outer, *outline.region.holes)]
     ends = join_ends(corners, found.join, size, further=found.further, rings=rings)
     if ends.widest > 1e-6 * size:
-        found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
+        x, y = ends.where
+        at = f", at ({x:.6g}, {y:.6g}) mm" if ends.widest > BEAM else ""
+        found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart{at} (--join sets how far)")
     used = set()
     for loop in closed_loops(ends, [line.stroke.pool for line in lines]):
         ring = outline_of(loop, corners, ends)
