@@ -247,6 +247,8 @@ def test_labels_of_one_kind_are_no_names(tmp_path):
     named = [disc(x, 50, 8, more=f'inkscape:label="wheel {x}"') for x in (60, 100, 140)]
     assert counted(read(tmp_path, rect(0, 0, 200, 100), *screws)) == (1, 3)
     assert len(read(tmp_path, rect(0, 0, 200, 100), *named).parts) == 4
+    copied = disc(100, 50, 8, more='inkscape:label="path54-1"')  # the id of what was copied
+    assert counted(read(tmp_path, rect(0, 0, 200, 100), copied)) == (1, 1)
 
 
 def test_one_label_on_an_outline_and_what_is_in_it(tmp_path):

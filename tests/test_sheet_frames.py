@@ -71,6 +71,10 @@ def test_a_frame_is_left_out_and_may_be_kept(frame: str) -> None:
     assert max(np.ptp(part.regions[0].outer[:, 0]) for part in kept.parts) >= 290
 
 
+def test_a_rectangle_round_several_parts_with_holes_is_left_out() -> None:
+    assert count(read_svg(page(rect(3, 3, 290, 190) + PANELS + circle(40, 140, 5)))) == (4, 3)
+
+
 def test_two_sheets_beside_each_other_are_left_out() -> None:
     one = rect(0, 0, 300, 200) + PANELS
     assert count(read_svg(page(f'{one}<g transform="translate(310,0)">{one}</g>', 610))) == (8, 4)

@@ -170,12 +170,13 @@ def _gaps_of_loops(
     """
     size = label.max() + 1
     chain = components(size, label[::2], label[1::2])[label]
-    length = np.bincount(chain[::2], [np.hypot(*np.diff(line, axis=0).T).sum() for line in lines], minlength=size)
     free = np.bincount(chain, loose, minlength=size)
     plain = (free == 2) & (np.bincount(chain, np.bincount(label)[label] > 2, minlength=size) == 0)
     rows = np.flatnonzero(loose & plain[chain])
     if not len(rows):
         return []
+    drawn_length = shapely.length(drawn.geometries[: len(lines)])
+    length = np.bincount(chain[::2], drawn_length, minlength=size)
     points = shapely.points(ends[rows])
     i, j = shapely.STRtree(points).query(
         points, predicate="dwithin", distance=np.maximum(LOOP_GAP, LOOP_SHARE * length[chain[rows]])
@@ -191,9 +192,7 @@ def _gaps_of_loops(
     loop = components(size, chain[[a for a, _, _ in pairs]], chain[[b for _, b, _ in pairs]])[chain]
     gaps = np.bincount(loop[[a for a, _, _ in pairs]], [gap for *_, gap in pairs], minlength=size)
     closed = 2 * np.bincount(loop[[a for a, _, _ in pairs]], minlength=size) == np.bincount(loop, loose, minlength=size)
-    closed &= gaps <= LOOP_SHARE * np.bincount(
-        loop[::2], length[chain[::2]] / np.bincount(chain[::2], minlength=size)[chain[::2]], minlength=size
-    )
+    closed &= gaps <= LOOP_SHARE * np.bincount(loop[::2], drawn_length, minlength=size)
     free_ends = np.flatnonzero(loose)
     near = shapely.STRtree(shapely.points(ends[free_ends]))
     for a, b, gap in pairs:
@@ -286,14 +285,14 @@ def open_chains(ends: Ends, wanted: Sequence[bool]) -> list[list[tuple[int, bool
 
 def outline_of(loop: Sequence[tuple[int, bool]], lines: Sequence[Points], ends: Ends) -> Points:
     """Corners (n, 2) [mm] of a loop of lines; ends that meet become one point exactly, those further apart than a beam are bridged."""
+    rows, backward = np.array(loop, dtype=int).T
+    starts = ends.at[ends.node[rows, backward]]
+    stops = ends.at[ends.node[rows, 1 - backward]]
+    turned = [lines[line][::-1] if back else lines[line] for line, back in loop]
+    first = np.hypot(*(np.array([points[0] for points in turned]) - starts).T) <= BEAM
+    last = np.array([len(points) for points in turned])
+    last = last - (np.hypot(*(np.array([points[-1] for points in turned]) - stops).T) <= BEAM)
     pieces = []
-    for line, back in loop:
-        points = lines[line][::-1] if back else lines[line]
-        start, stop = ends.at[ends.node[line, [int(back), int(not back)]]]
-        pieces.append(start[None])
-        pieces.append(
-            points[
-                int(np.hypot(*(points[0] - start)) <= BEAM) : len(points) - int(np.hypot(*(points[-1] - stop)) <= BEAM)
-            ]
-        )
+    for points, start, low, high in zip(turned, starts[:, None], first.tolist(), last.tolist(), strict=True):
+        pieces += [start] if low >= high else [start, points[low:high]]
     return np.concatenate(pieces)
