@@ -391,11 +391,13 @@ def test_dimensions_on_panels_of_open_lines(tmp_path):
     assert said(drawing, "taken as dimensions or notes")
 
 
-@pytest.mark.parametrize(("waist", "parts"), [(10, 2), (4, 5)])
-def test_holes_across_the_seam_of_two_panels(tmp_path, waist, parts):
-    """Rectangles across a seam are cut out; butterflies hold the panels together, and are parts."""
+@pytest.mark.parametrize(("waist", "notch", "parts"), [(10, 0, 2), (10, 6, 2), (4, 0, 5)])
+def test_holes_across_the_seam_of_two_panels(tmp_path, waist, notch, parts):
+    """Rectangles across a seam are cut out, also with a notch; butterflies hold the panels together, and are parts."""
     faces = [
-        [(92, y), (92, y + 10), (100, y + 5 + waist / 2), (108, y + 10), (108, y), (100, y + 5 - waist / 2)]
+        [(92, y), (92, y + 10), (100, y + 5 + waist / 2), (108, y + 10)]
+        + [(108 - deep, y + side) for deep, side in ((0, 7), (notch, 7), (notch, 3), (0, 3)) if notch]
+        + [(108, y), (100, y + 5 - waist / 2)]
         for y in (10, 30, 50)
     ]
     ends = [0, *(y + 5 + side * waist / 2 for y in (10, 30, 50) for side in (-1, 1)), 70]
