@@ -102,7 +102,7 @@ def join_ends(
         merged[merged == merged[a]] = merged[b]
         loose[a] = loose[b] = False
         widest, where = max((widest, where), (float(apart[k]), int(first[k])))
-    if further:
+    if further and loose.any():
         drawn = [*lines, *(np.vstack([ring, ring[:1]]) for ring in rings)]
         owner = np.repeat(np.arange(len(drawn)), [len(line) for line in drawn])
         around = shapely.STRtree(shapely.linestrings(np.concatenate(drawn), indices=owner))
@@ -129,8 +129,6 @@ def _on_lines(
 ) -> NDArray[np.bool_]:
     """Labels of loose ends that lie on a closed outline or on another line."""
     rows = np.flatnonzero(loose[label])
-    if not len(rows):
-        return np.zeros(len(loose), dtype=bool)
     k, other = drawn.query(shapely.points(ends[rows]), predicate="dwithin", distance=within)
     found = np.zeros(len(loose), dtype=bool)
     found[label[rows[k[other != rows[k] // 2]]]] = True
