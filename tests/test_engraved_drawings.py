@@ -247,6 +247,8 @@ def test_labels_of_one_kind_are_no_names(tmp_path):
     named = [disc(x, 50, 8, more=f'inkscape:label="wheel {x}"') for x in (60, 100, 140)]
     assert counted(read(tmp_path, rect(0, 0, 200, 100), *screws)) == (1, 3)
     assert len(read(tmp_path, rect(0, 0, 200, 100), *named).parts) == 4
+    copied = disc(100, 50, 8, more='inkscape:label="path54-1"')  # the id of what was copied
+    assert counted(read(tmp_path, rect(0, 0, 200, 100), copied)) == (1, 1)
 
 
 def test_one_label_on_an_outline_and_what_is_in_it(tmp_path):
@@ -389,11 +391,13 @@ def test_dimensions_on_panels_of_open_lines(tmp_path):
     assert said(drawing, "taken as dimensions or notes")
 
 
-@pytest.mark.parametrize(("waist", "parts"), [(10, 2), (4, 5)])
-def test_holes_across_the_seam_of_two_panels(tmp_path, waist, parts):
-    """Rectangles across a seam are cut out; butterflies hold the panels together, and are parts."""
+@pytest.mark.parametrize(("waist", "notch", "parts"), [(10, 0, 2), (10, 6, 2), (4, 0, 5)])
+def test_holes_across_the_seam_of_two_panels(tmp_path, waist, notch, parts):
+    """Rectangles across a seam are cut out, also with a notch; butterflies hold the panels together, and are parts."""
     faces = [
-        [(92, y), (92, y + 10), (100, y + 5 + waist / 2), (108, y + 10), (108, y), (100, y + 5 - waist / 2)]
+        [(92, y), (92, y + 10), (100, y + 5 + waist / 2), (108, y + 10)]
+        + [(108 - deep, y + side) for deep, side in ((0, 7), (notch, 7), (notch, 3), (0, 3)) if notch]
+        + [(108, y), (100, y + 5 - waist / 2)]
         for y in (10, 30, 50)
     ]
     ends = [0, *(y + 5 + side * waist / 2 for y in (10, 30, 50) for side in (-1, 1)), 70]

@@ -55,9 +55,28 @@ FINDINGS = [
     Case(
         "ends_too_far.svg",
         "CAD export",
-        svg(box(50, 0, 10, 10) + f'<path d="M0 0H40V20H0V0.6" {LINE}/>'),
+        svg(box(50, 0, 10, 10) + f'<path d="M0 0H40V20H0V3.9" {LINE}/>'),
         1,
-        noted=("its ends 0.6 mm apart",),
+        noted=("its ends 3.9 mm apart",),
+    ),
+    Case(
+        "loops_with_gaps.svg",
+        "CAD export",
+        svg(
+            f'<path d="M0 0H40V20H0V3" {LINE}/>'
+            + "".join(
+                f'<path d="M{x} 0.3V20M{x + 20.3} 0V20.3M{x + 20} 20.3H{x}M{x + 20} 0H{x}" {LINE}/>' for x in (50, 80)
+            )
+        ),
+        3,
+        noted=("joined, at most 3 mm apart, at (0, ",),
+    ),
+    Case(
+        "lines_side_by_side.svg",
+        "CAD export",
+        svg(box(50, 0, 10, 10) + "".join(f'<path d="M{x} 0V60" {LINE}/>' for x in (0, 0.3, 10, 10.3, 10.6, 20, 21))),
+        1,
+        noted=("open paths are left out",),
     ),
     Case(
         "ends_joined.svg",
