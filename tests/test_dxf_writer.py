@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.test_svg_reader import assert_same_geometry, material
-from wiggleroom.assembly.build import read
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, Part, Region
+from wiggleroom.questions import read
 
 ezdxf = pytest.importorskip("ezdxf")
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -69,15 +69,9 @@ PANEL = [rect(0, 0, 200, 100), *(disc(x, y, 2) for x, y in HOLES)]
 LETTERS = "drawn as outlines or lines are taken as engraved"
 
 
-@pytest.mark.parametrize(
-    ("text", "whole", "x", "y"),
-    [
-        ("Plate A3", False, 40, 60),
-        ("Box 8 & 9", True, 220, 60),
-        ("side up", True, 40, 60),
-        ("WeMaker v1.0", False, 220, 60),
-    ],
-)
+@pytest.mark.parametrize("text", ["Plate A3", "Box 8 & 9", "side up", "WeMaker v1.0"])
+@pytest.mark.parametrize("whole", [False, True])
+@pytest.mark.parametrize(("x", "y"), [(40, 60), (220, 60)])
 def test_letters_in_and_beside_a_panel(tmp_path, text, whole, x, y):
     drawing = read(tmp_path, *PANEL, word(text, x, y, 10, whole=whole))
     assert counted(drawing) == (1, 4)
@@ -99,10 +93,15 @@ def test_stencil_letters_are_cut(tmp_path):
     assert said(drawing, "none holds an island")
 
 
+def test_a_name_that_is_the_part(tmp_path):
+    drawing = read(tmp_path, word("tapster makes robots", 10, 60, 10))
+    assert len(drawing.parts) == len("tapstermakesrobots")
+
+
 TEE = [(0, 0), (3, 0), (3, 6), (6, 6), (6, 9), (3, 9), (3, 16), (0, 16), (0, 9), (-3, 9), (-3, 6), (0, 6)]
 
 
-@pytest.mark.parametrize("pitch", [11, 16])
+@pytest.mark.parametrize("pitch", [11, 13, 16])
 def test_rows_of_holes_are_no_words(tmp_path, pitch):
     """Slots for nuts, switches and rings: thin, bent, in rows, but alike."""
     tees = [path([(40 + pitch * k + x, 20 + y) for x, y in TEE]) for k in range(8)]
@@ -179,7 +178,7 @@ def test_a_slot_drawn_twice_a_hair_apart(tmp_path, shift, holes):
     assert said(drawing, "drawn twice") == (holes == 5)
 
 
-@pytest.mark.parametrize("short", [0.0, 0.08])
+@pytest.mark.parametrize("short", [0.0, 0.04, 0.08])
 def test_panels_that_share_an_edge(tmp_path, short):
     """The lower panel ends on the edge of the upper one, a hair short of it; what both close in between them is waste."""
     upper = [(0, 0), (200, 0), (200, 50), (120, 50), (120, 44), (100, 44), (100, 50), (0, 50)]
@@ -222,6 +221,12 @@ def test_slots_by_open_lines_over_an_edge_fall_out(tmp_path):
     assert area(read(tmp_path, panel, large)) == pytest.approx([20000 - 11200, 11200])
 
 
+def test_slots_in_a_hole_stay_holes(tmp_path):
+    """A line across the corner of a hole cuts nothing off that: what it bounds is cut out of the panel, too."""
+    corner = path([(60, 40), (60, 50), (50, 50)], closed=False)
+    assert area(read(tmp_path, rect(0, 0, 200, 100), rect(50, 40, 60, 40), corner)) == pytest.approx([20000 - 2400])
+
+
 @pytest.mark.parametrize(
     ("closed", "key", "areas"),
     [(True, False, [6880, 6940]), (False, True, [120, 6940, 6940]), (False, False, [6940, 7060])],
@@ -242,6 +247,14 @@ def test_labels_of_one_kind_are_no_names(tmp_path):
     named = [disc(x, 50, 8, more=f'inkscape:label="wheel {x}"') for x in (60, 100, 140)]
     assert counted(read(tmp_path, rect(0, 0, 200, 100), *screws)) == (1, 3)
     assert len(read(tmp_path, rect(0, 0, 200, 100), *named).parts) == 4
+    copied = disc(100, 50, 8, more='inkscape:label="path54-1"')  # the id of what was copied
+    assert counted(read(tmp_path, rect(0, 0, 200, 100), copied)) == (1, 1)
+
+
+def test_one_label_on_an_outline_and_what_is_in_it(tmp_path):
+    """A label that a group of outlines shares does not make a part of the hole."""
+    label = 'inkscape:label="lid"'
+    assert counted(read(tmp_path, rect(0, 0, 200, 100, more=label), disc(100, 50, 20, more=label))) == (1, 1)
 
 
 def test_a_template_says_what_is_cut(tmp_path):
@@ -294,6 +307,13 @@ def test_a_scrap_is_said(tmp_path):
     drawing = read(tmp_path, rect(20, 20, 200, 100), rect(250, 20, 1, 2))
     assert counted(drawing) == (2, 0)
     assert any("1 part is tiny" in note for note in drawing.notes)
+
+
+def test_splinters_fall_out(tmp_path):
+    """What a line cuts off a panel and is a thousandth of it is no part; a corner of a few hundredths is."""
+    panel = rect(20, 20, 200, 100)
+    assert counted(read(tmp_path, panel, path([(20, 22), (22, 20)], closed=False)))[0] == 1
+    assert counted(read(tmp_path, panel, path([(20, 60), (60, 20)], closed=False)))[0] == 2
 
 
 def test_scraps_in_holes(tmp_path):
@@ -361,11 +381,23 @@ def test_a_sheet_that_is_round_in_pixels_is_doubted(tmp_path):
     assert not said(read(tmp_path, sheet, *panels), "pixels of")
 
 
-@pytest.mark.parametrize(("waist", "parts"), [(10, 2), (4, 5)])
-def test_holes_across_the_seam_of_two_panels(tmp_path, waist, parts):
-    """Rectangles across a seam are cut out; butterflies hold the panels together, and are parts."""
+def test_dimensions_on_panels_of_open_lines(tmp_path):
+    """Four strips between lines drawn once, and what measures them in red."""
+    black = [path([(10, y), (200, y)], closed=False) for y in range(10, 91, 20)]
+    black += [path([(x, y), (x, y + 20)], closed=False) for x in (10, 200) for y in range(10, 90, 20)]
+    red = [path([(20, 10), (20, 90)], RED, closed=False), strokes("OVERA", 24, 25, RED)]
+    drawing = read(tmp_path, *black, *red)
+    assert counted(drawing) == (4, 0)
+    assert said(drawing, "taken as dimensions or notes")
+
+
+@pytest.mark.parametrize(("waist", "notch", "parts"), [(10, 0, 2), (10, 6, 2), (4, 0, 5)])
+def test_holes_across_the_seam_of_two_panels(tmp_path, waist, notch, parts):
+    """Rectangles across a seam are cut out, also with a notch; butterflies hold the panels together, and are parts."""
     faces = [
-        [(92, y), (92, y + 10), (100, y + 5 + waist / 2), (108, y + 10), (108, y), (100, y + 5 - waist / 2)]
+        [(92, y), (92, y + 10), (100, y + 5 + waist / 2), (108, y + 10)]
+        + [(108 - deep, y + side) for deep, side in ((0, 7), (notch, 7), (notch, 3), (0, 3)) if notch]
+        + [(108, y), (100, y + 5 - waist / 2)]
         for y in (10, 30, 50)
     ]
     ends = [0, *(y + 5 + side * waist / 2 for y in (10, 30, 50) for side in (-1, 1)), 70]
@@ -392,3 +424,16 @@ def test_a_hole_a_hair_inside_the_edge_of_its_path(tmp_path):
     drawing = read(tmp_path, f'<path d="{outer}M10,10H190V90H10Z" fill="red" fill-rule="evenodd"/>')
     assert counted(drawing) == (1, 0)
     assert area(drawing) == pytest.approx([200 * 100 - 180 * 80 - 10 * 20], abs=0.1)
+
+
+def test_gears_are_no_letters(tmp_path):
+    """A row of toothed rings, not all alike, in a panel."""
+
+    def gear(x: float, teeth: int) -> str:
+        turns = np.linspace(0, 2 * np.pi, 4 * teeth, endpoint=False)
+        radius = 5 + 2 * (np.arange(4 * teeth) % 4 < 2)
+        ring = np.column_stack([x + radius * np.cos(turns), 50 + radius * np.sin(turns)])
+        return path(ring) + disc(x, 50, 4)
+
+    gears = [gear(40 + 20 * k, 9 + k % 2) for k in range(4)]
+    assert not said(read(tmp_path, rect(0, 0, 200, 100), *gears), LETTERS)

@@ -94,7 +94,7 @@ def test_the_page_of_the_protocol_names_every_request_and_what_is_of_drawings_al
         name for row in page.splitlines() if row.startswith("| `") for name in re.findall(r"`(\w+)`", row.split("|")[1])
     }
     assert table == {kind.__struct_config__.tag for kind in typing.get_args(requests.AnyRequest)}
-    assert set(re.findall(r"`(\w+)`", page.split(" are of drawings")[0].splitlines()[-1])) == set(OF_DRAWINGS)
+    assert set(re.findall(r"`(\w+)`", page.split(" are for drawings only")[0].splitlines()[-1])) == set(OF_DRAWINGS)
 
 
 def test_the_picture_of_the_architecture_shows_every_package():

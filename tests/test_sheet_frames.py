@@ -71,6 +71,10 @@ def test_a_frame_is_left_out_and_may_be_kept(frame: str) -> None:
     assert max(np.ptp(part.regions[0].outer[:, 0]) for part in kept.parts) >= 290
 
 
+def test_a_rectangle_round_several_parts_with_holes_is_left_out() -> None:
+    assert count(read_svg(page(rect(3, 3, 290, 190) + PANELS + circle(40, 140, 5)))) == (4, 3)
+
+
 def test_two_sheets_beside_each_other_are_left_out() -> None:
     one = rect(0, 0, 300, 200) + PANELS
     assert count(read_svg(page(f'{one}<g transform="translate(310,0)">{one}</g>', 610))) == (8, 4)
@@ -175,7 +179,8 @@ def test_an_outline_that_misses_its_end_at_the_page_does_not_cut_it() -> None:
     drawing = read_svg(
         page(rect(50, 50, 20, 20) + '<path d="M 0,10 H 40 V 40 H 0 V 10.6" fill="none" stroke="black"/>')
     )
-    assert len(drawing.parts) == 1
+    assert len(drawing.parts) == 2
+    assert not any("page" in note for note in drawing.notes)
 
 
 def test_the_box_of_one_part_is_left_out() -> None:

@@ -1,4 +1,4 @@
-"""How far loose interlocking parts can move, whether they come apart, and whose gap is to blame.
+"""Compute how far loose interlocking parts can move, whether they come apart, and which gap is to blame.
 
 >>> import wiggleroom as wr
 >>> assembly = wr.patterns.chain(3, joint="tee", gap=0.02)

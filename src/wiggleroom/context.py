@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from wiggleroom.deadline import GracePeriod
 from wiggleroom.errors import Stop, go_on
 
 
@@ -52,6 +53,11 @@ class Context:
     def with_stop(self, stop: Stop) -> Context:
         """The same, ended by another request: a limit on time or work, which asks the one before too."""
         return replace(self, stop=stop)
+
+    @property
+    def with_grace(self) -> Context:
+        """The same, with a little time after a request to stop: enough to check the best motion so far."""
+        return self if self.stop is None else self.with_stop(GracePeriod(self.stop))
 
     def go_on(self) -> None:
         """Raise StoppedError where the work is to end."""

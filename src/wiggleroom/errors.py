@@ -48,7 +48,7 @@ def grouped(lines: Sequence[str], most: int = 3) -> tuple[str, ...]:
 
 
 class WiggleroomError(Exception):
-    """Root of every error that wiggleroom raises on purpose."""
+    """Base class of all errors of wiggleroom."""
 
 
 class InputError(WiggleroomError):
@@ -107,7 +107,7 @@ class Stop(Protocol):
 
 
 class StoppedError(WiggleroomError):
-    """Work was asked to stop before there was anything to say."""
+    """Work was stopped before there was a result."""
 
 
 def is_asked(stop: Stop | None) -> bool:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.dual_bound import with_quick_bound, work_of_search
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop, StoppedError
+from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.program.objectives import Objective
@@ -55,30 +56,24 @@ class MotionQuery:
         An earlier answer of the same prepared assembly.
     periods : bool
         Whether it is looked whether a motion repeats without end.
-    stop, tell
-        Asked every iteration; told a `Progress`.
+    context : Context
+        Asked every iteration whether to stop; told a `Progress`.
     began : float
         When it was asked, by `time.perf_counter`.
     """
 
     goals: tuple[Goal, ...]
-    solver: str
-    search: int | None
-    start: Answer | None
-    periods: bool
-    stop: Stop | None
-    tell: Callable[[Progress], None]
-    began: float
+    solver: str = "interior-point"
+    search: int | None = 0
+    start: Answer | None = None
+    periods: bool = True
+    context: Context = UNLIMITED
+    began: float = field(default_factory=time.perf_counter)
 
     @property
     def solve(self) -> Callable[..., Solution]:
         """The solver."""
         return solver_named(self.solver)
-
-    @property
-    def stopped(self) -> bool:
-        """True where it was asked to stop."""
-        return self.stop is not None and self.stop.is_set()
 
 
 def flex_walls(ready: Prepared, query: MotionQuery) -> Answer:
@@ -109,8 +104,8 @@ def _refined(ready: Prepared, query: MotionQuery) -> Answer:
             break
         if held_back(answer) <= MAX_HELD_BACK * abs(answer.objective):
             break
-        finer = prepare_simplified(ready.assembly, places, query.stop, ready.clearance)
-        if finer is None or query.stopped:
+        finer = prepare_simplified(ready.assembly, places, query.context.stop, ready.clearance)
+        if finer is None or query.context.stopped:
             break
         again = _climbed(finer, replace(query, start=None, began=time.perf_counter()), _near_end(finer, answer))
         climbs.append(again)
@@ -163,13 +158,14 @@ def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
     frame = canonical_frame(without_separated(ready, query.goals), query.goals)
 
     def told(progress: Progress) -> None:
-        query.tell(replace(progress, objective=progress.objective / frame.worth))
+        query.context.tell(replace(progress, objective=progress.objective / frame.worth))
 
     try:
-        own = prepare_as_drawn(frame.assembly, stop=query.stop)
+        own = prepare_as_drawn(frame.assembly, stop=query.context.stop)
     except (InputError, StoppedError):
         return None
-    found = with_quick_bound(_climbed(own, replace(query, goals=frame.goals, tell=told)), query.stop)
+    there = replace(query, goals=frame.goals, context=replace(query.context, progress=told))
+    found = with_quick_bound(_climbed(own, there), query.context.stop)
     answer = frame.answer(found, ready.assembly, query.goals)
     motion = of_bodies(ready.assembly, ready.bodies, answer.waypoints[-1:])[0]
     goal = ready.objective(query.goals)
@@ -185,7 +181,7 @@ def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
 def _climbed(ready: Prepared, query: MotionQuery, near: Start | None = None) -> Answer:
     """The answer, searched for in the frame of the assembly that was prepared; where a start near an end is known, climbed from there."""
     goal, search, from_rest = ready.objective(query.goals), query.search, query.start is None
-    climb = LocalSearch(ready, goal, query.solve, THOROUGH, query.stop, query.tell)
+    climb = LocalSearch(ready, goal, query.solve, THOROUGH, query.context.stop, query.context.tell)
     climb.seconds["freespace"] += time.perf_counter() - query.began
     if near is not None:
         climb.improve(near)
@@ -293,7 +289,7 @@ def _from_several(search: LocalSearch, first: Sequence[Objective], query: Motion
         search.rounds += escape.rounds + again.rounds
         search.iterations += escape.iterations + again.iterations
         answers.append(_answer(again, query))
-        if answers[-1].objective is None or query.stopped:
+        if answers[-1].objective is None or query.context.stopped:
             break
     best = max(answers, key=lambda a: (a.objective is None, a.collision_free, a.objective))
     seconds = search.seconds | {"total": time.perf_counter() - query.began}

@@ -16,8 +16,7 @@ from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, approximate
-from wiggleroom.context import Context
-from wiggleroom.deadline import GracePeriod
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.flex_walls import MotionQuery, flex_walls
@@ -25,7 +24,7 @@ from wiggleroom.freespace.models.pair_models import PairModel, Walls, model_name
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.prepare_walls import prepare_walls
-from wiggleroom.search.progress import Progress, silent
+from wiggleroom.search.progress import Progress
 from wiggleroom.solve import solver_named
 from wiggleroom.verdict import PathState, Verdict
 
@@ -57,13 +56,13 @@ def prepare(
 def prepare(
     assembly: Assembly, model: str | PairModel = "walls", *, stop: Stop | None = None
 ) -> PreparedModel | ApproximateModel:
-    """Find the pairs that can meet and work out their free spaces round rest, congruent pairs once.
+    """Compute the pairs that can meet and their free spaces round rest, congruent pairs once.
 
     Parameters
     ----------
     assembly : Assembly
     model : str, Hull or HalfPlane
-        "walls", "hull" or "halfplane": what stands for the free space of a pair.
+        "walls", "hull" or "halfplane": the model of the free space of a pair.
     stop : optional
         Anything with `is_set()`, asked now and then.
 
@@ -107,24 +106,15 @@ def flex(
     if search is not None and search < 0:
         finding = f"search: {search} starts: it must be 0 or more"
         raise InputError(finding)
-    answer = with_quick_bound(
-        witness(
-            assembly,
-            goals,
-            model=model,
-            solver=solver,
-            start=start,
-            search=0 if search is None and start is not None else search,
-            stop=stop,
-            progress=progress,
-        ),
-        stop,
-    )
+    starts = 0 if search is None and start is not None else search
+    context = Context(stop=stop, progress=progress)
+    answer = witness(assembly, goals, model=model, solver=solver, start=start, search=starts, context=context)
+    answer = with_quick_bound(answer, stop)
     if prove is None:
         return answer
     from wiggleroom.bound.prove import prove as proved
 
-    return proved(answer, prove, seconds=seconds, stop=stop, progress=progress)
+    return proved(answer, prove, seconds=seconds, context=context)
 
 
 def witness(
@@ -135,21 +125,18 @@ def witness(
     solver: str = "interior-point",
     start: Answer | None = None,
     search: int | None = 0,
-    periods: bool = True,
-    stop: Stop | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> Answer:
     """The answer of `flex` without its quick bound, by default from rest only: for studies, which ask many questions.
 
     Parameters
     ----------
-    assembly, goals, model, solver, start, stop, progress
+    assembly, goals, model, solver, start
         As for `flex`.
     search : int, optional
         Number of starts beside the one from rest; None for as many as `flex` makes. Where a search itself proved a bound, as it
         does to end early, the answer holds it.
-    periods : bool
-        Whether it is looked if a motion repeats without end.
+    context : Context
 
     Raises
     ------
@@ -157,18 +144,17 @@ def witness(
         As for `flex`.
     """
     began = time.perf_counter()
-    stop = None if stop is None else GracePeriod(stop)
-    tell = progress or silent
+    context = context.with_grace
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
     asked = asked_goals(its.drawing, goals)
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
     solver_named(solver)  # it is there
-    tell(Progress("pairs"))
+    context.tell(Progress("pairs"))
     try:
         ready = (
             assembly
             if not isinstance(assembly, Assembly) and assembly.model == wanted
-            else prepare(its, wanted, stop=stop)
+            else prepare(its, wanted, stop=context.stop)
         )
     except StoppedError:
         rest = np.zeros((1, len(its.parts), 3))
@@ -181,5 +167,5 @@ def witness(
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         from wiggleroom.compare.flex_approximate import flex_approximate
 
-        return flex_approximate(ready, asked, solver, time.perf_counter() - began, Context(stop=stop, progress=tell))
-    return flex_walls(ready, MotionQuery(asked, solver, search, start, periods, stop, tell, began))
+        return flex_approximate(ready, asked, solver, time.perf_counter() - began, context)
+    return flex_walls(ready, MotionQuery(asked, solver, search, start, context=context, began=began))

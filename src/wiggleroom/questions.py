@@ -12,8 +12,8 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.dimension import is_spatial_file
-from wiggleroom.drawing.model import Drawing, Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.drawing.model import Drawing, Goal, part_of
+from wiggleroom.errors import InputError, Stop, go_on
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock_result import Interlock
@@ -40,7 +40,7 @@ def read(
     dpi: float | None = None,
     overlapping: bool = False,
 ) -> Assembly:
-    """Assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
+    """Read an assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
 
     Parameters
     ----------
@@ -49,22 +49,22 @@ def read(
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional
-        In place of the drawing's: mm, cm, m, in, px or pt; drawings only.
+        Replaces the drawing's: mm, cm, m, in, px or pt; drawings only.
     flatten : float, optional [mm]
-        Largest distance between a curve and the straight edges that replace it; drawings only.
+        Largest distance between a curve and its polygon; drawings only.
     fix : sequence of names
-        Parts that stand, besides those the file fixes.
+        Fixed parts, besides those of the file.
     goals : sequence of Pull or Turn
-        In place of the file's, where there are any.
+        Replaces the file's question.
     only, skip : sequence of str
-        Layers, colours or names of a drawing that alone are read, or that are left out; drawings only, as all below.
+        Layers, colours or names of a drawing to read exclusively, or to leave out; drawings only, as all below.
     join : float, optional [mm]
-        Open ends nearer than this are joined.
+        Join open ends nearer than this.
     solid, hole : sequence of str
-        Outlines inside others that are parts, not holes; outlines that are cut out of the parts around or under them: names, points as
+        Outlines inside others to read as parts, not holes; outlines to cut out of the parts around or under them: names, points as
         "@12,30" [mm], or "all".
     dpi : float, optional
-        How many units of a drawing are an inch, in place of `unit`.
+        Units of a drawing per inch, in place of `unit`.
     stop : optional
         Anything with `is_set()`.
     overlapping : bool
@@ -84,9 +84,16 @@ def read(
             "read", unit=unit, flatten=flatten, only=only, skip=skip, join=join, solid=solid, hole=hole, dpi=dpi
         )
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=goals, overlapping=overlapping, stop=stop)
-    from wiggleroom.assembly.build import read as read_planar
+    from wiggleroom.assembly.build import assembly_of
+    from wiggleroom.drawing import read_drawing
+    from wiggleroom.drawing.strokes.read_options import ReadOptions
+    from wiggleroom.drawing.units import unit_of
 
-    return read_planar(path, gap, unit, flatten, fix, goals, only, skip, join, solid, stop, hole, dpi, overlapping)
+    named = [name for goal in goals if (name := part_of(goal)) is not None]  # any of these may be a point of a part
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop, tuple(hole))
+    drawing = read_drawing(Path(path), unit=unit_of(unit, dpi), flatten=flatten, gap=gap, options=options)
+    go_on(stop)
+    return assembly_of(drawing, gap=gap, fix=fix, goals=goals, overlapping=overlapping)
 
 
 def assemble(
@@ -98,7 +105,7 @@ def assemble(
     offset: Mapping[str, float] | None = None,
     overlapping: bool = False,
 ) -> Assembly:
-    """Parts as they are made, with their roles.
+    """Make the parts of a drawing, with their roles.
 
     Parameters
     ----------
@@ -106,11 +113,11 @@ def assemble(
     gap : float, optional [mm]
         In place of the drawing's.
     fix : sequence of names
-        Parts that stand, besides those the drawing fixes.
+        Fixed parts, besides those of the drawing.
     goals : sequence of Pull, Turn and others
-        In place of the drawing's, where there are any.
+        Replaces the drawing's question.
     offset : mapping of names to float, optional [mm]
-        Added to the offsets of single parts; drawings only.
+        Extra offsets of single parts; drawings only.
     overlapping : bool
         See `read`.
 
@@ -149,46 +156,45 @@ def flex(
     stop: Stop | None = None,
     progress: Callable[..., None] | None = None,
 ) -> Answer:
-    """How far the assembly can move: the largest motion that was found and checked, and how sure it is.
+    """Find the largest motion of the goals, checked, with a verdict on its certainty.
 
     Parameters
     ----------
     assembly : Assembly or Prepared
     goals : Pull, Turn and others, or several that add up
-        By default what the assembly's file asks for. In space `Pull("lid", (0, 0, 1))` and `Turn("lid", (0, 0, 1))`: a twist about a
+        By default the question of the assembly's file. In space `Pull("lid", (0, 0, 1))` and `Turn("lid", (0, 0, 1))`: a twist about a
         direction of the world.
     model : str, Hull or HalfPlane, optional
-        Of drawings only. "walls", the exact contacts; "hull", the paper's, or "halfplane", PuzzleFlex's, to compare with: these accept
-        some overlap, which the answer tells. By default what the assembly was prepared for, else walls.
+        For drawings only. "walls", the exact contacts; for comparison "hull", the paper's, or "halfplane", PuzzleFlex's: these accept
+        some overlap, which the answer reports. By default the model of the prepared assembly, else walls.
     solver : str
         "interior-point", or "ipopt" (needs the extra `ipopt`); half-planes need neither.
     start : Answer, optional
-        Of drawings only: an earlier answer of the same prepared assembly, with walls; the search starts near its motion.
+        For drawings only: an earlier answer of the same prepared assembly, with walls; the search starts near its motion.
     search : int, optional
-        Number of starts beside the one from rest: with another objective first, then the true one; 0 for none. By default none
-        where the bound proves the first end, else as many as a fixed amount of work allows, until a better local optimum is
-        unlikely; none for more than 50 free bodies (from 100 to 1,000 the first climb is made nine times instead), for models that
-        approximate, and from an earlier answer. In space a few,
-        for at most 6 free bodies.
+        Number of starts besides rest, each with another objective first, then the true one; 0 for none. By default none if the bound
+        proves the first end, else as many as a fixed amount of work allows, until a better local optimum is unlikely; none for more than
+        50 free bodies (from 100 to 1,000 the first climb runs nine times instead), for approximate models, and from an earlier answer. In
+        space a few, for at most 6 free bodies.
     prove : float, optional
-        Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
+        Prove afterwards that no motion exceeds the answer by more than this share, see `wiggleroom.prove`.
     seconds : float, optional
-        For `prove`: time that the proof may take, instead of a fixed amount of work.
+        For `prove`: time limit of the proof, instead of a fixed amount of work.
     stop : optional
-        Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
+        Anything with `is_set()`, for example a `threading.Event`; checked every iteration.
     progress : callable, optional
-        Told a `Progress` every iteration; in space called with the number of iterations and the value.
+        Called with a `Progress` every iteration; in space with the number of iterations and the value.
 
     Returns
     -------
     Answer
-        A motion, with walls one without overlap, and how sure it is. Where that takes less work than the search, `at_most` says
-        beside it what no motion exceeds; such a quick bound is near only for small assemblies.
+        A motion, with walls one without overlap, and its verdict. If that takes less work than the search, `at_most` is a value that no
+        motion exceeds; such a quick bound is near only for small assemblies.
 
     Raises
     ------
     InputError
-        If nothing is fixed or pulled, a goal names an unknown part, or there is no such model.
+        If nothing is fixed or pulled, a goal names an unknown part, or the model is unknown.
     TouchingError
         If two parts touch at rest.
 
@@ -230,30 +236,30 @@ def prove(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """Work out a value that no motion can exceed.
+    """Prove a value that no motion can exceed.
 
     Parameters
     ----------
     answer : Answer
         From `flex`, of pulls, turns or Ws; in space of one pull or turn, where one body moves among fixed ones.
     within : float
-        Share of the answer's objective that the bound may lie above it, more than 0. Less takes longer.
+        Largest excess of the bound over the answer's objective, as a share of it, more than 0. Less takes longer.
     seconds : float, optional
-        The best bound that was found in this time is given, also where it is further away. It then depends on the speed of the machine.
+        Time limit; then the best bound so far is returned, which depends on the speed of the machine.
     work : float, optional
-        The best bound that this much counted work finds is given, about milliseconds; 60,000 where `seconds` is left out, else no limit.
+        Limit of counted work, about milliseconds; 60,000 if `seconds` is left out, else none. Then the best bound so far is returned.
     certify : bool
-        Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer. Its own `at_most` is
-        larger than that of the answer where the answer had a nearer bound already.
+        Write a proof for independent checks: `bound.certificate` is the input of `wiggleroom verify`. Takes longer. Its own `at_most` is
+        larger than that of the answer if the answer already had a nearer bound.
     stop : optional
         Anything with `is_set()`; ends it at once.
     progress : callable, optional
-        Told a `Progress`: what is being done and for how long, and the bound so far.
+        Called with a `Progress`: stage, time, and the bound so far.
 
     Returns
     -------
     Answer
-        The same, with `at_most` and `bound`. Where nothing is proven `bound.why` says why, and `at_most` is None, or what it was before.
+        The same answer, with `at_most` and `bound`. If nothing is proven, `bound.why` gives the reason, and `at_most` is unchanged.
 
     Raises
     ------
@@ -270,14 +276,14 @@ def prove(
     >>> answer.objective <= answer.at_most <= 1.01 * answer.objective
     True
     """
+    context = Context(stop=stop, progress=progress)
     if answer.assembly.dimension == 3:
         from wiggleroom.spatial.proof.spatial_prove import prove_spatial
 
-        context = Context(stop=stop, progress=progress)
         return prove_spatial(answer, within, seconds=seconds, work=work, certify=certify, context=context)
     from wiggleroom.bound.prove import prove as prove_planar
 
-    return prove_planar(answer, within, seconds=seconds, work=work, certify=certify, stop=stop, progress=progress)
+    return prove_planar(answer, within, seconds=seconds, work=work, certify=certify, context=context)
 
 
 def check(
@@ -290,9 +296,9 @@ def check(
     every: bool = True,
     seconds: float | None = None,
 ) -> Interlock:
-    """Whether some parts can be moved without limit away from the others.
+    """Decide whether some parts can move without limit away from the others.
 
-    Fixed parts stand; where none is fixed, the largest part stands. Turning in place is not coming apart.
+    Fixed parts stand; if none is fixed, the largest part stands. Turning in place is not coming apart.
 
     Parameters
     ----------
@@ -302,13 +308,13 @@ def check(
     progress : optional
         Called as it goes on; not in space.
     boxes : int, optional
-        Of drawings only: boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+        For drawings only: most boxes of motions for the only body that can leave, before largest motions are searched.
     questions : int, optional
-        Of drawings only: largest motions searched at most, each time some parts have left.
+        For drawings only: most largest motions to search, each time some parts have left.
     every : bool
-        False: the first parts that leave are enough; what of the others is not asked, nor what turns in place.
+        False: stop at the first parts that leave, without the others and without turns in place.
     seconds : float, optional
-        Time that it may take; then the verdict is what is known so far, as after a request to stop.
+        Time limit; then the verdict so far is returned, as after a request to stop.
 
     Returns
     -------
@@ -347,16 +353,16 @@ def largest_gap(
     progress: Callable[[Progress], None] | None = None,
     seconds: float | None = None,
 ) -> LargestGap:
-    """The gap of the whole assembly at which it comes apart, to 0.1 %.
+    """Find the gap of the whole assembly at which it comes apart, to 0.1 %.
 
     Parameters
     ----------
     assembly : Assembly
-        Its own gap is where the search begins. Gaps of single joints and offsets of parts stay as they are.
+        The search begins at its own gap. Gaps of single joints and offsets of parts stay as they are.
     stop : optional
         Anything with `is_set()`.
     seconds : float, optional
-        Time that it may take; then both sides are those that are known so far.
+        Time limit; then both sides are the best known so far.
     progress : optional
         Called as it goes on; not in space.
 

@@ -38,18 +38,69 @@ FINDINGS = [
         svg(box(0, 0, 60, 40) + f'<path d="M30 0V40" {LINE}/><path d="M0 20H30" {LINE}/><path d="M60 10H30" {LINE}/>'),
         4,
     ),
-    Case("crossing_lines.svg", "hand",
-        svg("".join(f'<path d="M{a} -5V65M-5 {a}H65" {LINE}/>' for a in (0, 30, 60))), 4, noted=("bound nothing",)),
-    Case("ends_apart.svg", "CAD export",
-        svg(f'<path d="M0 0H40V20.01" {LINE}/><path d="M40 20.02H0V0.01" {LINE}/>'), 1,
-        noted=("joined, at most 0.01 mm",)),
-    Case("ends_too_far.svg", "CAD export", svg(box(50, 0, 10, 10) + f'<path d="M0 0H40V20H0V0.6" {LINE}/>'), 1,
-        noted=("its ends 0.6 mm apart",)),
-    Case("ends_joined.svg", "CAD export", svg(f'<path d="M0 0H40V20H0V0.6" {LINE}/>'), 1, options=(("join", 0.7),)),
-    Case("corner_loops.svg", "boxes.py style",
-        svg(f'<path d="M0 0H40V20H20C20.1 20 20 20.1 20 20V10H0z" {LINE}/>'), 1, noted=("1 loop",)),
+    Case(
+        "crossing_lines.svg",
+        "hand",
+        svg("".join(f'<path d="M{a} -5V65M-5 {a}H65" {LINE}/>' for a in (0, 30, 60))),
+        4,
+        noted=("bound nothing",),
+    ),
+    Case(
+        "ends_apart.svg",
+        "CAD export",
+        svg(f'<path d="M0 0H40V20.01" {LINE}/><path d="M40 20.02H0V0.01" {LINE}/>'),
+        1,
+        noted=("joined, at most 0.01 mm",),
+    ),
+    Case(
+        "ends_too_far.svg",
+        "CAD export",
+        svg(box(50, 0, 10, 10) + f'<path d="M0 0H40V20H0V3.9" {LINE}/>'),
+        1,
+        noted=("its ends 3.9 mm apart",),
+    ),
+    Case(
+        "loops_with_gaps.svg",
+        "CAD export",
+        svg(
+            f'<path d="M0 0H40V20H0V3" {LINE}/>'
+            + "".join(
+                f'<path d="M{x} 0.3V20M{x + 20.3} 0V20.3M{x + 20} 20.3H{x}M{x + 20} 0H{x}" {LINE}/>' for x in (50, 80)
+            )
+        ),
+        3,
+        noted=("joined, at most 3 mm apart, at (0, ",),
+    ),
+    Case(
+        "lines_side_by_side.svg",
+        "CAD export",
+        svg(box(50, 0, 10, 10) + "".join(f'<path d="M{x} 0V60" {LINE}/>' for x in (0, 0.3, 10, 10.3, 10.6, 20, 21))),
+        1,
+        noted=("open paths are left out",),
+    ),
+    Case(
+        "ends_joined.svg",
+        "CAD export",
+        svg(f'<path d="M0 0H40V20H0V0.6" {LINE}/>'),
+        1,
+        options=(("join", 0.7),),
+    ),
+    Case(
+        "corner_loops.svg",
+        "boxes.py style",
+        svg(f'<path d="M0 0H40V20H20C20.1 20 20 20.1 20 20V10H0z" {LINE}/>'),
+        1,
+        noted=("1 loop",),
+    ),
     Case("spike.svg", "hand", svg(f'<path d="M0 0H40V10L40.010 10L40 10V20H0z" {LINE}/>'), 1, noted=("1 spike",)),
-    Case("rounding_overlap.svg", "hand", svg(box(0, 0, 30.00001, 30) + box(30, 0, 30, 30)), 2, options=(("gap", 0.1),)),
+    Case(
+        "rounding_overlap.svg",
+        "hand",
+        svg(box(0, 0, 30.00001, 30) + box(30, 0, 30, 30)),
+        2,
+        options=(("gap", 0.1),),
+    ),
+    Case("drawn_twice.svg", "LightBurn", svg(box(0, 0, 30, 30) * 2 + box(40, 0, 20, 20)), 2, noted=("drawn twice",)),
     Case(
         "labels.svg",
         "Inkscape",
@@ -61,12 +112,21 @@ FINDINGS = [
         2,
         names=("lid", "base"),
     ),
-    Case("engraving_layer.svg", "Inkscape",
-        svg(layer("Cut", box(0, 0, 60, 40)) + layer("Engrave", box(10, 10, 20, 10) + box(40, 10, 5, 5)), INKSCAPE), 1,
-        noted=('2 elements in "Engrave"',)),
-    Case("engraving_colour.svg", "laser house",
-        svg(box(0, 0, 60, 40) + box(10, 10, 5, 5, 'fill="none" stroke="blue"')), 1, noted=("(--skip)",),
-        options=(("skip", ("blue",)),)),
+    Case(
+        "engraving_layer.svg",
+        "Inkscape",
+        svg(layer("Cut", box(0, 0, 60, 40)) + layer("Engrave", box(10, 10, 20, 10) + box(40, 10, 5, 5)), INKSCAPE),
+        1,
+        noted=('2 elements in "Engrave"',),
+    ),
+    Case(
+        "engraving_colour.svg",
+        "laser house",
+        svg(box(0, 0, 60, 40) + box(10, 10, 5, 5, 'fill="none" stroke="blue"')),
+        1,
+        noted=("(--skip)",),
+        options=(("skip", ("blue",)),),
+    ),
     Case(
         "text_outlines.svg",
         "Inkscape",
@@ -77,6 +137,14 @@ FINDINGS = [
         ),
         1,
         noted=('in "text837"',),
+    ),
+    Case(
+        "circle_inside.svg",
+        "hand",
+        svg(box(0, 0, 60, 40) + f'<circle cx="20" cy="20" r="5" {LINE}/>' + box(35, 15, 15, 3)),
+        1,
+        2,
+        noted=("2 outlines inside others are holes",),
     ),
     Case(
         "openscad.svg",
@@ -90,23 +158,49 @@ FINDINGS = [
         1,
         noted=("each piece is a part",),
     ),
-    Case("pin_by_design.svg", "hand",
-        svg(box(0, 0, 40, 10, f'id="bar" {LINE}') + box(30, 5, 20, 10, f'id="other" {LINE}')), 2,
-        refused="--ignore bar,other"),
-]  # fmt: skip
+    Case(
+        "page_rectangle.svg",
+        "matplotlib style",
+        svg('<rect width="100%" height="100%" style="fill:#ffffff"/>' + PAIR),
+        2,
+        noted=("as large as the page",),
+    ),
+    Case("sheet.svg", "hand", svg("".join(box(20 * i, 30 * j, 15, 20) for i in range(3) for j in range(2))), 6),
+    Case(
+        "pin_by_design.svg",
+        "hand",
+        svg(box(0, 0, 40, 10, f'id="bar" {LINE}') + box(30, 5, 20, 10, f'id="other" {LINE}')),
+        2,
+        refused="--ignore bar,other",
+    ),
+]
 """Kinds of drawings that were once read wrong."""
 
 STYLES = [
     # Inkscape
-    Case("fixed_layer.svg", "Inkscape",
-        svg(layer("fixed", box(0, 0, 40, 40)) + layer("moving", box(40, 0, 20, 20)), INKSCAPE), 2, names=("fixed",
-        "moving")),
-    Case("titles.svg", "Inkscape",
-        svg(f'<rect id="rect1" width="20" height="20" {STYLE}><title>left</title></rect>' + box(20, 0, 20, 20),
-        INKSCAPE), 2, names=("left", "p2")),
-    Case("hidden_layer.svg", "Inkscape",
-        svg(layer("Cut", box(0, 0, 40, 40)) + layer("draft", box(0, 0, 9, 9), 'style="display:none"'), INKSCAPE), 1,
-        noted=("hidden layer",)),
+    Case(
+        "fixed_layer.svg",
+        "Inkscape",
+        svg(layer("fixed", box(0, 0, 40, 40)) + layer("moving", box(40, 0, 20, 20)), INKSCAPE),
+        2,
+        names=("fixed", "moving"),
+    ),
+    Case(
+        "titles.svg",
+        "Inkscape",
+        svg(
+            f'<rect id="rect1" width="20" height="20" {STYLE}><title>left</title></rect>' + box(20, 0, 20, 20), INKSCAPE
+        ),
+        2,
+        names=("left", "p2"),
+    ),
+    Case(
+        "hidden_layer.svg",
+        "Inkscape",
+        svg(layer("Cut", box(0, 0, 40, 40)) + layer("draft", box(0, 0, 9, 9), 'style="display:none"'), INKSCAPE),
+        1,
+        noted=("hidden layer",),
+    ),
     Case(
         "german_layers.svg",
         "Inkscape",
@@ -120,13 +214,58 @@ STYLES = [
         1,
         noted=("Gravur", "Hilfslinien", "Beschriftung"),
     ),
-    Case("chinese_layers.svg", "Inkscape",
-        svg(layer("切割", PAIR) + layer("雕刻", box(5, 5, 9, 9)) + layer("文字", box(5, 25, 9, 1)), INKSCAPE), 2,
-        noted=("雕刻", "文字")),
-    Case("russian_layers.svg", "Inkscape", svg(layer("Рез", PAIR) + layer("Гравировка", box(5, 5, 9, 9)),
-        INKSCAPE), 2, noted=("Гравировка",)),
-    Case("copied_ids.svg", "hand", svg(box(0, 0, 20, 20, f'id="a" {LINE}') + box(20, 0, 20, 20, f'id="a" {LINE}')),
-        2, names=("a", "a-2"), noted=("used more than once",)),
+    Case(
+        "french_layers.svg",
+        "Inkscape",
+        svg(layer("Découpe", PAIR) + layer("Gravure", box(5, 5, 9, 9)) + layer("Cotes", box(5, 25, 9, 1)), INKSCAPE),
+        2,
+        noted=("Gravure", "Cotes"),
+    ),
+    Case(
+        "spanish_layers.svg",
+        "Inkscape",
+        svg(layer("Corte", PAIR) + layer("Grabado", box(5, 5, 9, 9)) + layer("Guías", box(5, 25, 9, 1)), INKSCAPE),
+        2,
+        noted=("Grabado", "Guías"),
+    ),
+    Case(
+        "chinese_layers.svg",
+        "Inkscape",
+        svg(layer("切割", PAIR) + layer("雕刻", box(5, 5, 9, 9)) + layer("文字", box(5, 25, 9, 1)), INKSCAPE),
+        2,
+        noted=("雕刻", "文字"),
+    ),
+    Case(
+        "russian_layers.svg",
+        "Inkscape",
+        svg(layer("Рез", PAIR) + layer("Гравировка", box(5, 5, 9, 9)), INKSCAPE),
+        2,
+        noted=("Гравировка",),
+    ),
+    Case(
+        "chinese_names.svg",
+        "Inkscape",
+        svg(f'<rect id="rect1" inkscape:label="盖子" width="20" height="20" {STYLE}/>', INKSCAPE),
+        1,
+        names=("盖子",),
+    ),
+    Case(
+        "clones.svg",
+        "Inkscape",
+        svg(
+            f'<rect id="rect1" width="20" height="20" {STYLE}/><use href="#rect1" x="20"/><use href="#rect1" x="40"/>',
+            INKSCAPE,
+        ),
+        3,
+    ),
+    Case(
+        "copied_ids.svg",
+        "hand",
+        svg(box(0, 0, 20, 20, f'id="a" {LINE}') + box(20, 0, 20, 20, f'id="a" {LINE}')),
+        2,
+        names=("a", "a-2"),
+        noted=("used more than once",),
+    ),
     # Illustrator
     Case(
         "illustrator_classes.svg",
@@ -140,8 +279,13 @@ STYLES = [
         1,
         noted=("filled without a line",),
     ),
-    Case("illustrator_artboard.svg", "Illustrator", svg('<rect width="100" height="80" fill="none"/>' + PAIR), 2,
-        noted=("without line or fill",)),
+    Case(
+        "illustrator_artboard.svg",
+        "Illustrator",
+        svg('<rect width="100" height="80" fill="none"/>' + PAIR),
+        2,
+        noted=("without line or fill",),
+    ),
     Case(
         "illustrator_x_names.svg",
         "Illustrator",
@@ -150,6 +294,13 @@ STYLES = [
         ),
         2,
         names=("side_x5F_left",),
+    ),
+    Case(
+        "illustrator_compound.svg",
+        "Illustrator",
+        svg('<path fill="#fff" stroke="#000" d="M0 0h60v40H0V0zM10 10v5h5v-5H10zM30 10v20h10V10H30z"/>'),
+        1,
+        2,
     ),
     # Affinity, Corel, Fusion, Onshape, browsers
     Case(
@@ -193,6 +344,17 @@ STYLES = [
         1,
     ),
     Case(
+        "onshape_lines.svg",
+        "Onshape",
+        svg(
+            "".join(
+                f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}" stroke="black" stroke-width="0.1"/>'
+                for a, b, c, d in ((0, 0, 40, 0), (40, 0, 40, 30), (0, 30, 40, 30), (0, 0, 0, 30), (20, 0, 20, 30))
+            )
+        ),
+        2,
+    ),
+    Case(
         "figma_groups.svg",
         "Figma",
         svg(
@@ -202,14 +364,64 @@ STYLES = [
         2,
         names=("lid", "pin"),
     ),
-    Case("tray_of_touching_pieces.svg", "tray maker",
-        svg(box(0, 0, 60, 60) + "".join(box(10 + 20 * i, 10 + 20 * j, 20, 20) for i in (0, 1) for j in (0, 1))), 5, 1,
-        noted=("4 outlines inside others are parts",)),
-    Case("solid_by_name.svg", "hand",
-        svg(box(0, 0, 60, 60) + f'<circle id="disc" cx="30" cy="30" r="10" {LINE}/>'), 2, 1, names=("disc",),
-        options=(("solid", ("disc",)),)),
-    Case("solid_by_point.svg", "hand", svg(box(0, 0, 60, 60) + f'<circle cx="30" cy="30" r="10" {LINE}/>'), 2, 1,
-        options=(("solid", ("@30,50",)),)),
+    Case(
+        "kerf_in_one.svg",
+        "tray maker",
+        svg(box(0, 0, 60, 60) + box(5, 5, 50, 50) + box(6, 6, 48, 48)),
+        2,
+        1,
+        noted=("1 outline inside another is a hole",),
+    ),
+    Case(
+        "tray_of_touching_pieces.svg",
+        "tray maker",
+        svg(box(0, 0, 60, 60) + "".join(box(10 + 20 * i, 10 + 20 * j, 20, 20) for i in (0, 1) for j in (0, 1))),
+        5,
+        1,
+        noted=("4 outlines inside others are parts",),
+    ),
+    Case(
+        "all_in_one_path.svg",
+        "combined path",
+        svg(f'<path d="M0 0H60V60H0zM10 10H50V50H10zM15 15H45V45H15z" {LINE}/>'),
+        2,
+        1,
+    ),
+    Case(
+        "holes_in_pieces.svg",
+        "hand",
+        svg(PAIR + "".join(f'<circle cx="{x}" cy="15" r="3" {LINE}/>' for x in (10, 20, 40, 50))),
+        2,
+        4,
+    ),
+    Case(
+        "solid_by_name.svg",
+        "hand",
+        svg(box(0, 0, 60, 60) + f'<circle id="disc" cx="30" cy="30" r="10" {LINE}/>'),
+        2,
+        1,
+        names=("disc",),
+        options=(("solid", ("disc",)),),
+    ),
+    Case(
+        "solid_by_point.svg",
+        "hand",
+        svg(box(0, 0, 60, 60) + f'<circle cx="30" cy="30" r="10" {LINE}/>'),
+        2,
+        1,
+        options=(("solid", ("@30,50",)),),
+    ),
+    Case(
+        "filled_inlay.svg",
+        "hand",
+        svg(
+            box(0, 0, 60, 60, 'fill="#ddd" stroke="black"')
+            + '<circle id="inlay" cx="30" cy="30" r="10" fill="#fa0" stroke="black"/>'
+        ),
+        2,
+        1,
+        names=("inlay",),
+    ),
     Case(
         "text_names.svg",
         "hand",
@@ -220,16 +432,63 @@ STYLES = [
         2,
         names=("left", "right"),
     ),
-    Case("touches_itself.svg", "hand", svg(f'<path d="M0 0H20V10H40V20H20V10H0z" {LINE}/>'), 2,
-        noted=("touches itself",)),
-    Case("hole_by_slit.svg", "hand", svg(f'<path d="M0 0H60V40H0V20H20V30H40V10H20V20H0z" {LINE}/>'), 1, 1,
-        noted=("touches itself",)),
-    Case("overlapping_outlines.svg", "hand",
-        svg(box(0, 0, 30, 30, f'id="a" {LINE}') + box(20, 20, 30, 30, f'id="b" {LINE}')), 2, refused="--glue a,b"),
-    Case("dashed_guides.svg", "hand", svg(PAIR + f'<g class="guides"><path d="M0 15H60" {LINE}/></g>'), 2,
-        noted=('in "guides"',)),
-    Case("only_layer.svg", "Inkscape", svg(layer("A", PAIR) + layer("B", box(70, 0, 9, 9)), INKSCAPE), 1,
-        options=(("only", ("B",)),), noted=("(--only)",)),
+    Case(
+        "text_beats_automatic_id.svg",
+        "hand",
+        svg(box(0, 0, 30, 30, f'id="rect99" {LINE}') + '<text x="5" y="15" font-size="4">lid</text>'),
+        1,
+        names=("lid",),
+    ),
+    Case("reversed_points.svg", "hand", svg(f'<path d="M0 0H40H20H40V20H0z" {LINE}/>'), 1, noted=("spike",)),
+    Case("repeated_points.svg", "hand", svg(f'<path d="M0 0H40L40 0L40 0V20V20H0L0 0z" {LINE}/>'), 1),
+    Case(
+        "touches_itself.svg",
+        "hand",
+        svg(f'<path d="M0 0H20V10H40V20H20V10H0z" {LINE}/>'),
+        2,
+        noted=("touches itself",),
+    ),
+    Case(
+        "hole_by_slit.svg",
+        "hand",
+        svg(f'<path d="M0 0H60V40H0V20H20V30H40V10H20V20H0z" {LINE}/>'),
+        1,
+        1,
+        noted=("touches itself",),
+    ),
+    Case("bow_tie.svg", "hand", svg(f'<path d="M0 0L40 40L40 0L0 40z" {LINE}/>'), 1, refused="crosses itself"),
+    Case(
+        "overlapping_outlines.svg",
+        "hand",
+        svg(box(0, 0, 30, 30, f'id="a" {LINE}') + box(20, 20, 30, 30, f'id="b" {LINE}')),
+        2,
+        refused="--glue a,b",
+    ),
+    Case(
+        "overlapping_with_line.svg",
+        "hand",
+        svg(
+            box(0, 0, 30, 30, f'id="a" {LINE}') + box(20, 20, 30, 30, f'id="b" {LINE}') + f'<path d="M5 0V30" {LINE}/>'
+        ),
+        2,
+        refused="--ignore p2,b",
+    ),
+    Case("sharing_an_edge.svg", "hand", svg(PAIR + box(0, 30, 60, 10)), 3),
+    Case(
+        "dashed_guides.svg",
+        "hand",
+        svg(PAIR + f'<g class="guides"><path d="M0 15H60" {LINE}/></g>'),
+        2,
+        noted=('in "guides"',),
+    ),
+    Case(
+        "only_layer.svg",
+        "Inkscape",
+        svg(layer("A", PAIR) + layer("B", box(70, 0, 9, 9)), INKSCAPE),
+        1,
+        options=(("only", ("B",)),),
+        noted=("(--only)",),
+    ),
     Case(
         "arcs_twice_with_two_commands.svg",
         "jigsaw generator",
@@ -240,8 +499,13 @@ STYLES = [
         2,
         noted=("drawn twice",),
     ),
-    Case("inch_page.svg", "Rhino", svg(box(0, 0, 2, 1),
-        '<svg xmlns="http://www.w3.org/2000/svg" width="4in" height="3in" viewBox="0 0 4 3">'), 1),
+    Case("only_open.svg", "hand", svg(f'<path d="M0 0H40V20" {LINE}/>'), 0, refused="but 1 open"),
+    Case(
+        "inch_page.svg",
+        "Rhino",
+        svg(box(0, 0, 2, 1), '<svg xmlns="http://www.w3.org/2000/svg" width="4in" height="3in" viewBox="0 0 4 3">'),
+        1,
+    ),
     Case(
         "potrace.svg",
         "potrace",
@@ -253,7 +517,7 @@ STYLES = [
         2,
         1,
     ),
-]  # fmt: skip
+]
 
 
 def lightburn(body: str, settings: str = "") -> bytes:
@@ -275,8 +539,10 @@ PATH = (
     "<PrimList>L0 1B1 2L2 3L3 0</PrimList>"
 )
 LIGHTBURN = [
-    Case("ellipse_in_rect.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"')),
-        1, 1),
+    Case("rects.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Rect", RECT, 30)), 2),
+    Case(
+        "ellipse_in_rect.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"')), 1, 1
+    ),
     Case("path.lbrn2", "LightBurn", lightburn(shape("Path", "", inside=PATH)), 1),
     Case(
         "closed_polyline.lbrn2",
@@ -290,13 +556,32 @@ LIGHTBURN = [
         ),
         1,
     ),
-    Case("fill_layer.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=2),
-        setting(0, "Cut") + setting(2, "Logo", "Scan")), 1, noted=("filled layer",)),
-    Case("tool_layer.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Rect", RECT, 3, 3, cut=30)), 1,
-        noted=("tool layer",)),
-    Case("engrave_layer.lbrn2", "LightBurn",
-        lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=1),
-        setting(0, "C00") + setting(1, "Engrave")), 1, noted=('in "Engrave"',)),
+    Case(
+        "fill_layer.lbrn2",
+        "LightBurn",
+        lightburn(
+            shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=2),
+            setting(0, "Cut") + setting(2, "Logo", "Scan"),
+        ),
+        1,
+        noted=("filled layer",),
+    ),
+    Case(
+        "tool_layer.lbrn2",
+        "LightBurn",
+        lightburn(shape("Rect", RECT) + shape("Rect", RECT, 3, 3, cut=30)),
+        1,
+        noted=("tool layer",),
+    ),
+    Case(
+        "engrave_layer.lbrn2",
+        "LightBurn",
+        lightburn(
+            shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=1), setting(0, "C00") + setting(1, "Engrave")
+        ),
+        1,
+        noted=('in "Engrave"',),
+    ),
     Case(
         "shared_vertices.lbrn2",
         "LightBurn",
@@ -305,6 +590,13 @@ LIGHTBURN = [
             '<Shape Type="Path" CutIndex="0" VertID="0" PrimID="0"><XForm>1 0 0 1 60 0</XForm></Shape>'
         ),
         2,
+    ),
+    Case(
+        "drawn_twice.lbrn2",
+        "LightBurn",
+        lightburn(shape("Rect", RECT) * 2),
+        1,
+        noted=("drawn twice",),
     ),
     Case(
         "group_and_text.lbrn2",
@@ -326,4 +618,4 @@ LIGHTBURN = [
         ),
         1,
     ),
-]  # fmt: skip
+]

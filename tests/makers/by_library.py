@@ -170,6 +170,99 @@ def _potracer():
     return found
 
 
+@written("svgpathtools", expect("svgpathtools_paths.svg", 2), expect("svgpathtools_net.svg", 2))
+def _svgpathtools():
+    import tempfile
+    from pathlib import Path as File
+
+    from svgpathtools import Arc, CubicBezier, Path, wsvg
+    from svgpathtools import Line as Straight
+
+    square = Path(*(Straight(complex(*a), complex(*b)) for a, b in zip(SQUARE, SQUARE[1:] + SQUARE[:1], strict=True)))
+    disc = Path(Arc(50 + 10j, 8 + 8j, 0, False, True, 66 + 10j), Arc(66 + 10j, 8 + 8j, 0, False, True, 50 + 10j))
+    wave = Path(CubicBezier(15 + 0j, 20 + 5j, 10 + 15j, 15 + 20j))
+    found = []
+    for paths in ([square, disc], [square, wave]):
+        with tempfile.TemporaryDirectory() as folder:
+            name = f"{folder}/x.svg"
+            wsvg(paths, filename=name, stroke_widths=[0.1] * len(paths))
+            found.append(File(name).read_bytes())
+    return found
+
+
+@written(
+    "dxfwrite",
+    expect("dxfwrite_lines.dxf", 2),
+    expect("dxfwrite_polyline.dxf", 2, 1),
+    expect("dxfwrite_layers.dxf", 1, noted=["ENGRAVE"]),
+)
+def _dxfwrite():
+    import tempfile
+    from pathlib import Path
+
+    from dxfwrite import DXFEngine
+
+    found = []
+    for k in range(3):
+        with tempfile.TemporaryDirectory() as folder:
+            d = DXFEngine.drawing(f"{folder}/x.dxf")
+            if k == 0:
+                for a, b in (
+                    ((0, 0), (60, 0)),
+                    ((60, 0), (60, 20)),
+                    ((60, 20), (0, 20)),
+                    ((0, 20), (0, 0)),
+                    ((30, 0), (30, 20)),
+                ):
+                    d.add(DXFEngine.line(a, b))
+            elif k == 1:
+                for points in (SQUARE, moved(SQUARE, 30)):
+                    polyline = DXFEngine.polyline(points)
+                    polyline.close()
+                    d.add(polyline)
+                d.add(DXFEngine.circle(4, (10, 10)))
+            else:
+                d.add_layer("ENGRAVE", color=3)
+                polyline = DXFEngine.polyline(SQUARE)
+                polyline.close()
+                d.add(polyline)
+                d.add(DXFEngine.circle(4, (10, 10), layer="ENGRAVE"))
+            d.save()
+            found.append(Path(f"{folder}/x.dxf").read_bytes())
+    return found
+
+
+@written("gdstk", expect("gdstk_polygons.svg", 2))
+def _gdstk():
+    import tempfile
+    from pathlib import Path
+
+    import gdstk
+
+    cell = gdstk.Cell("TOP")
+    cell.add(gdstk.rectangle((0, 0), (30, 20)), gdstk.rectangle((40, 0), (60, 20)))
+    with tempfile.TemporaryDirectory() as folder:
+        cell.write_svg(f"{folder}/x.svg", scaling=1)
+        return [Path(f"{folder}/x.svg").read_bytes()]
+
+
+@written("svg", expect("svgpy_shapes.svg", 2, 1), expect("svgpy_net.svg", 3))
+def _svgpy():
+    import svg
+
+    def line(*points):
+        return svg.Path(d=[svg.M(*points[0]), *(svg.L(*p) for p in points[1:])], fill="none", stroke="black")
+
+    head = {"width": svg.mm(100), "height": svg.mm(80), "viewBox": svg.ViewBoxSpec(0, 0, 100, 80)}
+    shapes = [
+        svg.Rect(x=0, y=0, width=30, height=20, fill="none", stroke="black"),
+        svg.Circle(cx=10, cy=10, r=4, fill="none", stroke="black"),
+    ]
+    shapes.append(svg.Polygon(points=[40, 0, 60, 0, 60, 20], fill="none", stroke="black"))
+    net = [line((0, 0), (60, 0), (60, 20), (0, 20), (0, 0)), line((20, 0), (20, 20)), line((40, 20), (40, 0))]
+    return [str(svg.SVG(elements=elements, **head)).encode() for elements in (shapes, net)]
+
+
 @written("trimesh", expect("trimesh_path.dxf", 2, 1), expect("trimesh_path.svg", 2, 1))
 def _trimesh():
     import shapely
@@ -179,6 +272,32 @@ def _trimesh():
     path = trimesh.path.exchange.load.load_path(shape)
     dxf, drawn = path.export(file_type="dxf"), path.export(file_type="svg")
     return [dxf.encode() if isinstance(dxf, str) else dxf, drawn.encode()]
+
+
+@written("reportlab", expect("reportlab_shapes.svg", 3))
+def _reportlab():
+    from reportlab.graphics import renderSVG
+    from reportlab.graphics.shapes import Circle, Drawing, Polygon, Rect
+    from reportlab.lib import colors
+
+    d = Drawing(200, 100)
+    line = {"fillColor": None, "strokeColor": colors.black}
+    for thing in (
+        Rect(10, 10, 60, 40, **line),
+        Circle(110, 30, 20, **line),
+        Polygon([140, 10, 190, 10, 190, 60], **line),
+    ):
+        d.add(thing)
+    return [renderSVG.drawToString(d).encode()]
+
+
+@written("shapely", expect("shapely_svg.svg", 2, 1))
+def _shapely():
+    import shapely
+
+    shape = shapely.MultiPolygon([(SQUARE, [[(5, 5), (5, 10), (10, 10), (10, 5)]]), (moved(SQUARE, 40), [])])
+    head = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" viewBox="0 0 100 80">'
+    return [f"{head}{shape.svg(0.1)}</svg>".encode()]
 
 
 @written(

@@ -22,7 +22,7 @@ const STEP = 14; // pixels that a part is asked to go by one press
 const TURN = 0.12; // radians that the view in space turns by one press
 const AXES = "xyz";
 /** Keys for what there is of drawings alone. */
-const OF_DRAWINGS = "mlwr";
+const OF_DRAWINGS = "mlr";
 
 /** Where a part was asked to go by arrow keys so far. */
 let target: { part: string; grip: Point | Triple; at: Point | Triple } | null = null;

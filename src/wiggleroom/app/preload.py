@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 
+from wiggleroom.context import Context
 from wiggleroom.errors import Stop
 
 MODULES = (
@@ -34,7 +35,7 @@ def _solve(stop: Stop) -> None:
     from wiggleroom.assembly import patterns
     from wiggleroom.maximise import witness
 
-    witness(patterns.chain(2, gap=0.02), stop=stop)
+    witness(patterns.chain(2, gap=0.02), context=Context(stop=stop))
 
 
 def _solve_large(stop: Stop) -> None:

@@ -20,9 +20,9 @@ class Assembly(Displayable):
     Parameters
     ----------
     parts : tuple of Part
-        Material after gap and offsets, each in its own frame; same order as in the drawing. In space every one is a `MadeSolid`.
+        Material after gap and offsets, each in its own frame; in the order of the drawing. In space every one is a `MadeSolid`.
     drawing : Drawing
-        Where they came from, with the gap that was applied in `drawing.gap`.
+        The drawing, with the applied gap in `drawing.gap`.
     """
 
     parts: tuple[Part, ...]

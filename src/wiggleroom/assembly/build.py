@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from os import PathLike
-from pathlib import Path
 
 import numpy as np
 import shapely
@@ -15,11 +13,9 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.findings import examine_parts, opened_overlaps, overlap_findings
 from wiggleroom.assembly.loops import placed_loops, polygons
 from wiggleroom.assembly.statements import PartNames, unknown, with_roles
-from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, part_of
+from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
 from wiggleroom.drawing.strokes.chord_error import flattened_for
-from wiggleroom.drawing.strokes.read_options import ReadOptions
-from wiggleroom.drawing.units import unit_of
-from wiggleroom.errors import InputError, OverlapError, Stop, go_on
+from wiggleroom.errors import InputError, OverlapError
 
 FAR_REFERENCE = 1000.0
 """A reference point further from the middle of its outline than this multiple of the drawing's size is moved there."""
@@ -109,29 +105,10 @@ def with_notes(assembly: Assembly) -> Assembly:
     return Assembly(assembly.parts, replace(drawing, notes=(*drawing.notes, *opened, *lines)))
 
 
-def read(
-    path: str | PathLike[str],
-    gap: float | None = None,
-    unit: str | None = None,
-    flatten: float | None = None,
-    fix: Sequence[str] = (),
-    goals: Sequence[Goal] = (),
-    only: Sequence[str] = (),
-    skip: Sequence[str] = (),
-    join: float | None = None,
-    solid: Sequence[str] = (),
-    stop: Stop | None = None,
-    hole: Sequence[str] = (),
-    dpi: float | None = None,
-    overlapping: bool = False,
+def assembly_of(
+    drawing: Drawing, *, gap: float | None, fix: Sequence[str], goals: Sequence[Goal], overlapping: bool = False
 ) -> Assembly:
-    """Assembly in the plane from a file, see `wiggleroom.read`; `solid`, `fix` and goals may give a point of a part, as "@12,30"."""
-    from wiggleroom.drawing import read_drawing
-
-    named = [name for goal in goals if (name := part_of(goal)) is not None]
-    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop, tuple(hole))
-    drawing = read_drawing(Path(path), unit=unit_of(unit, dpi), flatten=flatten, gap=gap, options=options)
-    go_on(stop)
+    """Assembly in the plane of a drawing that was read, with notes; fixed parts may be given by a point, as "@12,30"."""
     known = PartNames(drawing)
     fixed = [known(name) for name in fix]
     if known.wrong:

@@ -31,7 +31,7 @@ class Clearances(Drawable):
     pairs : (k, 2) int64
         Indices of the parts.
     gap : (k,) float64 [mm]
-        Least distance of the two; negative where they overlap: how far they are in each other at the deepest place.
+        Least distance of the two; negative if they overlap, by the depth at the deepest place.
     direction : (k, 2) or (k, 3) float64
         Unit vector from the first part to the second at that place.
     at : (k, 2) or (k, 3) float64 [mm]
@@ -39,18 +39,18 @@ class Clearances(Drawable):
     within : float [mm]
         Pairs further apart than this are left out.
     offset : float, optional [mm]
-        The largest offset of all outlines, positive outward, at which no two parts overlap as drawn; None where there is none, see `why`.
+        The largest offset of all outlines, positive outward, at which no two parts overlap as drawn; None if there is none, see `why`.
     binding : (m, 2) int64
         Pairs that overlap at any larger offset.
     why : str
-        Why there is no offset.
+        Reason if there is no offset.
     least_xy, least_z : float, optional [mm]
-        Least distances that were asked for along the plane of the layers and across it, in space.
+        Requested least distances along the plane of the layers and across it, in space.
     xy, z : (k,) float64 [mm]
-        Least distance of two points of the parts at the same height, and of two above each other; infinite where that is more than
-        was asked for.
+        Least distance of two points of the parts at the same height, and of two above each other; infinite beyond the requested
+        distances.
     stopped : bool
-        True where it was stopped before every pair was measured.
+        True if stopped before all pairs were measured.
     """
 
     assembly: Assembly

@@ -24,6 +24,7 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
+from wiggleroom.context import Context
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError, Stop, require_extra
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
@@ -65,7 +66,7 @@ def by_model(model: PairModel) -> Method:
     """Method that asks `flex` with a pair model."""
 
     def ask(assembly: Assembly, stop: Stop | None) -> Found:
-        answer = witness(assembly, model=model, stop=stop)
+        answer = witness(assembly, model=model, context=Context(stop=stop))
         return answer.objective, 0.0 if answer.collision_free else answer.deepest_overlap
 
     return ask

@@ -13,6 +13,7 @@ import time
 from wiggleroom.assembly import patterns
 from wiggleroom.bench.large_assemblies import CASES, make_assembly
 from wiggleroom.bench.result import Record
+from wiggleroom.context import Context
 from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.maximise import prepare, witness
@@ -38,7 +39,7 @@ def main() -> None:
     ready = prepare(assembly, model)
     prepared = time.perf_counter()
     _say({"preprocess_seconds": prepared - began})
-    answer = witness(ready, solver=solver, stop=clock)
+    answer = witness(ready, solver=solver, context=Context(stop=clock))
     solved = time.perf_counter()
     _say(
         {

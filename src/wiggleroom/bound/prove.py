@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,8 +16,9 @@ from wiggleroom.bound.confined_pairs import confined_pairs
 from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, narrowed
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
+from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.deadline import Deadline, WorkBudget
-from wiggleroom.errors import InputError, Stop, WiggleroomError
+from wiggleroom.errors import InputError, WiggleroomError
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.program.objectives import PointMotion, objective
@@ -46,8 +47,7 @@ def prove(
     seconds: float | None = None,
     work: float | None = None,
     certify: bool = False,
-    stop: Stop | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    context: Context = UNLIMITED,
 ) -> Answer:
     """A value that no motion in the plane can exceed; see `wiggleroom.prove`.
 
@@ -57,7 +57,7 @@ def prove(
     if answer.model != "walls":
         finding = f"a bound is proven for the model walls only; this answer is of {answer.model}"
         raise InputError(finding)
-    clock = Deadline(seconds, stop)
+    clock = Deadline(seconds, context.stop)
     budget = proof_budget(work, clock)
     surveyed = survey(answer.assembly)
     goal = objective(answer.assembly, surveyed.bodies, answer.goals)
@@ -69,9 +69,8 @@ def prove(
     aim = within * max(abs(witness), 1e-3 * surveyed.clearance)
 
     def tell(stage: str, most: float) -> None:
-        if progress is not None:
-            shown = most if math.isfinite(most) else math.nan
-            progress(Progress(f"proof, {clock.spent:.0f} s: {stage}", 0, 0, shown))
+        shown = most if math.isfinite(most) else math.nan
+        context.tell(Progress(f"proof, {clock.spent:.0f} s: {stage}", 0, 0, shown))
 
     tell("caging surfaces" if certify else "outer regions", math.nan)
     joints, regions = outer_regions(surveyed, budget, certify)

@@ -22,16 +22,16 @@ from wiggleroom.cli.study_command import study_command
 from wiggleroom.cli.verify_command import verify
 from wiggleroom.studies.registry import QUESTIONS
 
-_HELP = """How far loose interlocking parts can move, whether they come apart, and whose gap is to blame.
+_HELP = """Compute how far loose interlocking parts can move, whether they come apart, and which gap is to blame.
 
-Say what is fixed and where it is pulled, and get the largest motion as a number and a picture:
+Give the fixed and the pulled part, and get the largest motion as a number and a picture:
 
   wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 
-wiggleroom COMMAND --help says what a command takes; with --picture most of them draw their answer.
+wiggleroom COMMAND --help lists the options of a command; most commands draw their answer with --picture.
 
 Lengths are in mm, angles in degrees; turns of --at-most and --limit in rad.
-Exit codes: 0 answered; 1 check says that it comes apart, or verify that a proof
+Exit codes: 0 answered; 1 check: it comes apart, or verify: a proof
 is not verified; 2 bad input or usage; 3 no verdict.
 """
 
@@ -75,7 +75,7 @@ def completion_of(app: App) -> Callable[..., int]:
     """The command that makes the Tab key know the commands of a program."""
 
     def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
-        """Print what makes the Tab key complete commands, options and files in your shell.
+        """Print a script that completes commands, options and files by the Tab key in your shell.
 
         Example: wiggleroom completion bash > ~/.local/share/bash-completion/completions/wiggleroom
 

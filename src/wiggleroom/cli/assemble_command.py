@@ -41,15 +41,15 @@ def assemble(
     picture: Path | None = None,
     force: Force = False,
 ) -> int:
-    """Put the parts of a flat cutting sheet together: plates in space, or without --thickness a puzzle in the plane.
+    """Assemble the parts of a flat cutting sheet: plates in space, or without --thickness a puzzle in the plane.
 
     Example: wiggleroom assemble box.svg --thickness 3 --picture box.png -o box.json
 
     Example: wiggleroom assemble puzzle.svg -o puzzle.json
 
-    Exit code 0: every panel is placed; 3: some are not, what is placed is written all the same. Whether the result is
-    sure is said: it is only where everything fits and nothing else does as well. Without --thickness parts stay in the
-    plane and are put where their outlines fit, turned and shifted, never turned over.
+    Exit code 0: every panel is placed; 3: some are not, and the file holds the others. The result is sure only if
+    everything fits in one way. Without --thickness parts stay in the plane, turned and shifted until their outlines
+    fit, never turned over.
 
     Parameters
     ----------
@@ -58,25 +58,25 @@ def assemble(
     output
         The assembly file to write (.json): plates as cut, in space.
     unit
-        Unit of the drawing, in place of the file's.
+        Unit of the drawing. Replaces the file's.
     dpi
-        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
+        Units of the drawing per inch, such as 90 or 72. Replaces the file's.
     only
-        Read these alone of a drawing: layers, colours or names, A,B. May repeat.
+        Read only these layers, colours or names of a drawing: A,B. May repeat.
     skip
-        Leave these out: layers, colours or names, A,B. May repeat.
+        Leave out these layers, colours or names: A,B. May repeat.
     join
-        Open ends nearer than this are joined [mm]. By default 0.2.
+        Join open ends nearer than this [mm]. Default: 0.2.
     solid
-        Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
+        Outlines inside others to read as parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
     hole
-        Outlines that are cut out of the parts around or under them: NAME, @x,y or all. May repeat.
+        Outlines to cut out of the parts around or under them: NAME, @x,y or all. May repeat.
     json
         Write joints, unmatched flanks and unplaced panels as JSON to this file; - is stdout, which then holds nothing else.
     picture
         The sheet with its joints coloured and named, beside the result: .svg or .png.
     force
-        Write over files that were not made by this program, or were changed since.
+        Overwrite files that this program did not make, or that were changed since.
     """
     import math
 

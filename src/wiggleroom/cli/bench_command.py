@@ -35,17 +35,17 @@ def bench(
     picture: Path | None = None,
     force: Force = False,
 ) -> int:
-    """Compare our method with the paper's and its peers on the same work, beside published figures.
+    """Compare this method with the paper's and its peers on the same work, beside published figures.
 
     accuracy: random motions of one joint judged by each model and by exact collision. speed: time and memory of large
-    assemblies. chains: displacement against gap, beside the true optimum. interlock: does it come apart. All four where none is named.
+    assemblies. chains: displacement against gap, beside the true optimum. interlock: coming apart. Default: all four.
 
     Example: wiggleroom bench accuracy --samples 20000
 
     Parameters
     ----------
     table
-        Which comparison; all of them by default.
+        Name of the comparison; all by default.
     samples
         Random motions of each pair for accuracy; by default 1,000,000.
     max_parts
@@ -55,11 +55,11 @@ def bench(
     json
         Write the figures as JSON to this file; - is stdout, which then holds nothing else.
     markdown
-        Write the tables into this page: .md. What a section of the same table held is replaced, the rest of the page stays.
+        Write the tables into this page: .md. The section of a table is replaced, the rest of the page stays.
     picture
         Draw the comparison: .svg or .png; needs the name of a table.
     force
-        Write over a picture that was not made by this program, or was changed since.
+        Overwrite a picture that this program did not make, or that was changed since.
     """
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError

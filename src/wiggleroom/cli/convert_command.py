@@ -22,14 +22,14 @@ def convert(
     file
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     out
-        .json: curves flattened for the gap, which the file carries, so that flex on it equals flex on the drawing.
-        .svg, .dxf: the outlines as they are cut, gap and offsets applied. Where FILE has the same format, all else in
-        it stays: page, units, places, layers, colours, what is engraved. Else the names stand in a layer of their own,
-        labels, to engrave or leave out. .lbrn2, .lbrn: the same where FILE is such a LightBurn project.
+        .json: curves flattened for the gap, which the file contains, so that flex on it equals flex on the drawing.
+        .svg, .dxf: the outlines as cut, gap and offsets applied. If FILE has the same format, everything else in it
+        stays: page, units, places, layers, colours, engraving. Otherwise the names are in a layer of their own, labels,
+        to engrave or leave out. .lbrn2, .lbrn: the same if FILE is such a LightBurn project.
     kerf
-        Width of the cut [mm], where the cutter follows the lines: every outline lies half of it further out.
+        Width of the cut [mm], for cutters that follow the lines: every outline moves outward by half of it.
     force
-        Write over a file that was not made by this program, or was changed since.
+        Overwrite a file that this program did not make, or that was changed since.
     """
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import write_drawing, write_in_place

@@ -30,9 +30,9 @@ def coupon(
     flatten: float | None = None,
     force: Force = False,
 ) -> int:
-    """Make a sheet to cut that tells your kerf and the gap you like: one joint at many gaps, each engraved.
+    """Make a sheet to measure your kerf and choose your gap: one joint at many gaps, each engraved.
 
-    One key is tried in holders from tight to loose. Without a file: a comb of pockets for a joint family.
+    Try one key in holders from tight to loose. Without a file the sheet is a comb of pockets for a joint family.
 
     Example: wiggleroom coupon --joint tee -o comb.dxf
 
@@ -43,17 +43,17 @@ def coupon(
     file
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json) with a joint of your own.
     holder
-        The part that is made once for every gap. May be left out, with the next, where the file has two parts.
+        The part to make once for every gap. May be left out, with the next, if the file has two parts.
     key
-        The part that is tried in all of them.
+        The part to try in all of them.
     output
-        The sheet: .svg or .dxf, names in a layer of their own to be engraved, or .json.
+        The sheet: .svg or .dxf, with names to engrave in a layer of their own, or .json.
     start
-        Tightest gap [mm]; where it is below 0 the holder is drawn smaller than the key.
+        Tightest gap [mm]; below 0 the holder is drawn smaller than the key.
     stop
         Widest gap [mm].
     step
-        From one gap to the next [mm].
+        Step from one gap to the next [mm].
     joint
         Family of the comb: tee, dovetail, swallowtail, revolute, finger or jigsaw. By default tee.
     pitch
@@ -61,13 +61,13 @@ def coupon(
     size
         One size of the joint, as a fraction of the pitch: NAME=0.2. May repeat.
     unit
-        Unit of the drawing, in place of the file's.
+        Unit of the drawing. Replaces the file's.
     dpi
-        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
+        Units of the drawing per inch, such as 90 or 72. Replaces the file's.
     flatten
-        Largest distance between a curve and the straight edges that stand for it [mm].
+        Largest distance between a curve and its polygon [mm].
     force
-        Write over a file that was not made by this program, or was changed since.
+        Overwrite a file that this program did not make, or that was changed since.
     """
     from wiggleroom.assembly import coupon as make
     from wiggleroom.assembly.inventory import size_lines

@@ -18,10 +18,9 @@ _NONE_ASKED = QuestionOptions()
 
 
 def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force: Force = False) -> int:
-    """Draw a file as it is read: parts at rest, gap applied, and what is wrong, left out or assumed.
+    """Draw a file as it is read: parts at rest, gap applied, with faults, omissions and assumptions.
 
-    It draws what there is, also where a file cannot be worked with: open ends, crossings and overlaps are marked, and
-    a table lists the parts.
+    Files with faults are drawn too: open ends, crossings and overlaps are marked, and a table lists the parts.
 
     Example: wiggleroom draw puzzle.svg parts.png --gap 0.2
 
@@ -32,7 +31,7 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     out
         The picture: .svg or .png; in space also .glb.
     force
-        Write over a file that was not made by this program, or was changed since.
+        Overwrite a file that this program did not make, or that was changed since.
     """
     from wiggleroom.assembly.inventory import size_lines
     from wiggleroom.cli.in_space import read_in_space
@@ -72,7 +71,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     json
         Write the list as JSON to this file; - is stdout, which then holds nothing else.
     force
-        Write over a file that was not made by this program, or was changed since.
+        Overwrite a file that this program did not make, or that was changed since.
     """
     from wiggleroom.assembly.inventory import size_lines, size_of
     from wiggleroom.cli.in_space import draw_in_space

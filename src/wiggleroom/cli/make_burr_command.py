@@ -19,7 +19,7 @@ def burr(
     way: int = 1,
     force: Force = False,
 ) -> int:
-    """Make a six-piece burr from the numbers of its sticks, put together.
+    """Make an assembled six-piece burr from the numbers of its sticks.
 
     Numbers are those of Kaenel and Cutler, from 1, the solid stick, to 4096.
 
@@ -30,7 +30,7 @@ def burr(
     sticks
         Six numbers.
     output
-        The assembly file that is written: .json.
+        Assembly file to write: .json.
     length
         Length of a stick, in cells: 6, 8, ...
     cell
@@ -38,9 +38,9 @@ def burr(
     gap
         Clearance between sticks [mm].
     way
-        Which of the ways to put these sticks together, where there are several.
+        Number of the way to put these sticks together, if there are several.
     force
-        Write over a file that was not made by this program, or was changed since.
+        Overwrite a file that this program did not make, or that was changed since.
     """
     from wiggleroom.assembly import patterns
     from wiggleroom.cli.make_command import write_made

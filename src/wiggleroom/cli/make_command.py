@@ -38,14 +38,14 @@ def make(
     Parameters
     ----------
     pattern
-        grid: blocks joined on all sides. chain: blocks in a row. frame: the border of a grid.
-        jigsaw: pieces whose knobs are all different.
+        grid: blocks joined on all sides. chain: blocks in a row. frame: the border of a grid. jigsaw: pieces with
+        random knobs, all different.
     nx
         Blocks in a row.
     ny
         Rows; a chain has none.
     output
-        The assembly file that is written: .json.
+        Assembly file to write: .json.
     joint
         Family of the joints: tee, dovetail, swallowtail, revolute, finger or jigsaw. By default tee.
     gap
@@ -55,7 +55,7 @@ def make(
     size
         One size of the joint, as a fraction of the pitch: NAME=0.2. May repeat.
     force
-        Write over a file that was not made by this program, or was changed since.
+        Overwrite a file that this program did not make, or that was changed since.
     """
     from wiggleroom.assembly import patterns
     from wiggleroom.errors import InputError

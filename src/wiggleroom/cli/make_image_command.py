@@ -39,14 +39,13 @@ def image(
     file
         The picture: PNG, JPEG, ... Needs the extra image.
     output
-        The assembly file that is written: .json.
+        Assembly file to write: .json.
     blocks
         Blocks in the width of the whole picture. By default one a pixel, at most 60.
     threshold
-        What is darker than this is dark: between 0 (black) and 1 (white).
+        Brightness below which a pixel is dark: between 0 (black) and 1 (white).
     islands
-        largest: blocks that do not hang together with most others are left out. all: they stay, each island with its
-        first block fixed.
+        largest: keep only the largest connected set of blocks. all: keep every island, each with its first block fixed.
     joint
         Family of the joints: tee, dovetail, swallowtail, revolute, finger or jigsaw.
     gap
@@ -56,13 +55,13 @@ def image(
     size
         One size of the joint, as a fraction of the pitch: NAME=0.2. May repeat.
     fix
-        Blocks that stand: A,B. May repeat. By default the first one, leftmost in the bottom row.
+        Fixed blocks: A,B. May repeat. Default: the first one, leftmost in the bottom row.
     pull
-        A block and the way it is pulled, as NAME:+y. May repeat; pulls add up. By default the last block in +y.
+        A block and its pull, as NAME:+y. May repeat; pulls add up. Default: the last block in +y.
     turn
-        A block that is turned: NAME:ccw or NAME:cw. May repeat.
+        A block to turn: NAME:ccw or NAME:cw. May repeat.
     force
-        Write over a file that was not made by this program, or was changed since.
+        Overwrite a file that this program did not make, or that was changed since.
     """
     from wiggleroom.assembly import patterns
     from wiggleroom.cli.asking import goals

@@ -21,7 +21,7 @@ Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 
 QUESTION = Group("Drawing and question", sort_key=1)
 RESULTS = Group("Results", sort_key=2)
-WORK = Group("Where it runs", sort_key=3)
+WORK = Group("Time and processes", sort_key=3)
 """Headings under which the help lists what many commands take; what a command alone takes comes first."""
 
 
@@ -33,38 +33,38 @@ class QuestionOptions:
     Parameters
     ----------
     gap
-        Clearance across every joint [mm]: every outline moves inward by half of it. In place of the file's.
+        Clearance across every joint [mm]: every outline moves inward by half of it. Replaces the file's gap.
     unit
-        Unit of the drawing, in place of the file's.
+        Unit of the drawing. Replaces the file's.
     dpi
-        How many units of the drawing are an inch, such as 90 or 72, in place of the file's.
+        Units of the drawing per inch, such as 90 or 72. Replaces the file's.
     flatten
-        Largest distance between a curve and the straight edges that stand for it [mm], at every gap. By default gap/50, and
-        without a gap 1e-4 of the median part.
+        Largest distance between a curve and its polygon [mm], at every gap. Default: gap/50; without a gap 1e-4 of the
+        median part size.
     fix
-        Parts that stand, by name: A,B, or by a point of the part in mm: @12,30. May repeat.
+        Fixed parts, by name: A,B, or by a point of the part in mm: @12,30. May repeat.
     pull
-        A part and the way it is pulled: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point of it NAME:+y@12,1; in space
-        NAME:+z, NAME:0,0.6,0.8, NAME:+z@12,1,3. May repeat; pulls add up.
+        A part and its pull: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point NAME:+y@12,1; in space NAME:+z,
+        NAME:0,0.6,0.8, NAME:+z@12,1,3. May repeat; pulls add up.
     turn
-        A part that is turned: NAME:ccw or NAME:cw, in space NAME:+z about a direction, right hand. May repeat; adds to
-        the pulls, in radians.
+        A part to turn: NAME:ccw or NAME:cw; in space NAME:+z, right-handed about a direction. May repeat; adds to the
+        pulls, in radians.
     objective
-        In place of pulls, about all parts: translation, the largest sum of squared translations, or closer, neighbours
-        as near each other as they come.
+        Replaces pulls. translation: the largest sum of squared translations of all parts. closer: neighbours as near
+        each other as possible.
     weight
-        In space: where weight pulls every part at its centroid, as -z. Adds to the pulls, by volume times density.
+        In space: direction of weight, such as -z. Pulls every part at its centroid by volume times density, in addition
+        to the pulls.
     only
-        Read these alone of a drawing: layers, colours or names, A,B. May repeat.
+        Read only these layers, colours or names of a drawing: A,B. May repeat.
     skip
-        Leave these out: layers, colours or names, A,B. May repeat.
+        Leave out these layers, colours or names: A,B. May repeat.
     join
-        Open ends nearer than this are joined [mm]. By default the smaller of 0.05 mm and a hundredth of the shortest
-        line.
+        Join open ends nearer than this [mm]. Default: the smaller of 0.05 mm and a hundredth of the shortest line.
     solid
-        Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
+        Outlines inside others to read as parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
     hole
-        Outlines that are cut out of the parts around or under them: NAME, @x,y or all. May repeat.
+        Outlines to cut out of the parts around or under them: NAME, @x,y or all. May repeat.
     ignore
         Two parts that never collide, such as stacked sheets: A,B. May repeat.
     glue

@@ -47,11 +47,11 @@ class PictureOutputs:
     Parameters
     ----------
     json
-        Write what was found as JSON to this file. Alone, or with -, to stdout, which then holds nothing else.
+        Write the results as JSON to this file. Alone, or with -, to stdout, which then holds nothing else.
     picture
-        Show what was found in this file: .svg or .png a picture, .html a report with all.
+        Draw the results: .svg or .png a picture, .html a full report.
     force
-        Write over files that were not made by this program, or were changed since.
+        Overwrite files that this program did not make, or that were changed since.
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = STUDIES
@@ -81,7 +81,7 @@ class TableOutputs(PictureOutputs):
     Parameters
     ----------
     csv
-        Write a table of what was found: .csv.
+        Write a table of the results: .csv.
     """
 
     csv: Path | None = None
@@ -99,7 +99,7 @@ class StudyOutputs(TableOutputs):
     Parameters
     ----------
     html
-        Make the page too, where the picture is to be something else: .html.
+        Write the page as well, beside a picture of another format: .html.
     """
 
     html: Path | None = None
@@ -117,7 +117,7 @@ class FilmOutputs(TableOutputs):
     Parameters
     ----------
     picture
-        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
+        Draw the results: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a full report.
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
@@ -132,7 +132,7 @@ class Outputs(FilmOutputs):
     Parameters
     ----------
     moved
-        Write the parts where they ended: .dxf or .svg to draw on, .json an assembly file; in space .stl, .obj or .glb.
+        Write the parts at their end: .dxf, .svg or an assembly file .json; in space .stl, .obj or .glb.
     """
 
     moved: Path | None = None

@@ -29,8 +29,8 @@ def serve(
 ) -> int:
     """Open the live page: move the gap, drag a part, see where it stops and why.
 
-    The page is for this machine alone, and what is opened in it does not leave the machine. Without a file, drop one on
-    the page. Ctrl-C ends it.
+    The page is for this machine alone, and opened files do not leave it. Without a file, drop one on the page. Ctrl-C
+    ends it.
 
     Example: wiggleroom serve puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 
@@ -39,7 +39,7 @@ def serve(
     file
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), also one in space.
     port
-        Port on this machine. By default the usual one, so that the page knows its recent files, or else one that is free.
+        Port on this machine. Default: the usual one, so that the page knows its recent files, or else a free one.
     browser
         Open the page in the browser; --no-browser prints its address only.
     """

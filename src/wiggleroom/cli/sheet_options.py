@@ -34,16 +34,16 @@ class SheetOptions:
     Parameters
     ----------
     thickness
-        Of the material [mm], for which joints are drawn: a drawing is then a cutting sheet of plates, which are put
-        together in space. NAME:2.8 gives the real thickness of one panel. May repeat.
+        Thickness of the material for which joints are drawn [mm]. The drawing is then a cutting sheet of plates,
+        assembled in space. NAME:2.8 gives the real thickness of one panel. May repeat.
     burn
-        By how much outlines are drawn larger than they come out [mm], half the width of the cut. By default what the
-        sheet itself says; else as little, up to 0.15, as lets plates of this thickness fit, which is said.
+        Enlargement of the drawn outlines [mm], half the width of the cut. Default: the value on the sheet; otherwise
+        the least, up to 0.15, that lets plates of this thickness fit, with a note.
     relieve
-        Where plates do not fit as cut, outlines may be moved inward by up to this [mm]. By default 0: it is said what is too
-        thick for which slots.
+        Largest distance by which outlines may move inward if plates do not fit as cut [mm]. Default: 0, which reports
+        the plates too thick for their slots.
     hints
-        A TOML file with what is known of plates in space: thickness, thicknesses, burn, groups, join, flush, plate, skip.
+        A TOML file with hints about the plates: thickness, thicknesses, burn, groups, join, flush, plate, skip.
     """
 
     thickness: Many = ()

@@ -26,7 +26,7 @@ def space(
     samples: int = 0,
     seed: int = 0,
 ) -> int:
-    """Show how one part can move against another, all others left out: the free space of the pair.
+    """Compute the free space of a pair: the motions of one part against another, with all others left out.
 
     Example: wiggleroom space puzzle.svg p1 p2 --gap 0.2 --samples 20000 --picture space.svg
 
@@ -35,13 +35,13 @@ def space(
     file
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     a
-        Name of the part that stands.
+        Name of the fixed part.
     b
-        Name of the part that moves against it.
+        Name of the moving part.
     samples
-        Random motions that are judged by polygon intersection too, to see how far the cells can be trusted.
+        Number of random motions to judge by polygon intersection, as a test of the cells.
     seed
-        Of these random motions.
+        Seed of these random motions.
     """
     from wiggleroom.errors import InputError
 

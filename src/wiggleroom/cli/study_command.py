@@ -164,13 +164,12 @@ def _draw(finding: Finding, place: Path, command: str) -> None:
 @Parameter(name="*", group=WORK)
 @dataclass(frozen=True, kw_only=True)
 class TimeLimit:
-    """How long it may take.
+    """Time limit of a question.
 
     Parameters
     ----------
     time
-        Seconds that the answer may take; then the best so far is given, as far as it was found or proven (exit 3 where
-        that is no whole answer).
+        Time limit [s]; then the best result so far is given (exit 3 if it is no complete answer).
     """
 
     time: float | None = None
@@ -179,14 +178,14 @@ class TimeLimit:
 @Parameter(name="*", group=WORK)
 @dataclass(frozen=True, kw_only=True)
 class Running:
-    """Where the work is done; the numbers are the same everywhere.
+    """Distribution of the work; the results are the same everywhere.
 
     Parameters
     ----------
     workers
-        Processes on this machine. By default one for each processor.
+        Processes on this machine. Default: one for each processor.
     cluster
-        Dask scheduler that gets the work instead: tcp://host:port. Needs the extra cluster.
+        Dask scheduler that takes the work: tcp://host:port. Needs the extra cluster.
     """
 
     workers: int | None = None

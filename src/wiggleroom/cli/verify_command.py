@@ -24,12 +24,12 @@ _NONE_ASKED = QuestionOptions()
 
 
 def verify(certificate: Path, file: str | None = None, /, *, asked: QuestionOptions = _NONE_ASKED) -> int:
-    """Check a certificate of flex --prove --certificate, by code that shares nothing with what wrote it.
+    """Check a certificate of flex --prove --certificate with independent code.
 
-    Every region, every range of turns and every bound is worked out again in ball arithmetic. Give the drawing too, and
-    the options that flex had: outlines, glue, fixed parts, gap and pulls must be those of the certificate. What neither
-    the drawing nor an option states is printed as stated by the certificate only. Exit code: 0 verified, 1 not
-    verified, 2 bad input. Needs the extra verify.
+    Every region, every range of turns and every bound is recomputed in ball arithmetic. Give the drawing too, with the
+    options of flex: outlines, glue, fixed parts, gap and pulls must be those of the certificate. Facts that neither the
+    drawing nor an option states are printed as stated by the certificate only. Exit code: 0 verified, 1 not verified, 2
+    bad input. Needs the extra verify.
 
     Example: wiggleroom verify proof.json puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 
@@ -38,7 +38,7 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: QuestionOpti
     certificate
         The file that flex --prove 0.01 --certificate wrote.
     file
-        The assembly file or drawing that it is about. Without it, what is verified is about the outlines in the
+        The assembly file or drawing of the certificate. Without it, the statement is about the outlines in the
         certificate.
     """
     from wiggleroom.errors import InputError, require_extra

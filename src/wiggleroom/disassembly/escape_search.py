@@ -12,11 +12,11 @@ from wiggleroom.context import UNLIMITED, Context
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import WiggleroomError
+from wiggleroom.flex_walls import MotionQuery, flex_walls
 from wiggleroom.geometry.neighbours import neighbours
 from wiggleroom.geometry.placed_bodies import placed
 from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.search.progress import Progress
@@ -154,7 +154,7 @@ def escape_by_goals(
 def answer_or_none(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, context: Context) -> Answer | None:
     """The answer to one question, or None where the engine gave up."""
     try:
-        return witness(ready, goals, start=start, periods=False, stop=context.stop)
+        return flex_walls(ready, MotionQuery(goals, start=start, periods=False, context=context.silent.with_grace))
     except WiggleroomError:
         return None
 

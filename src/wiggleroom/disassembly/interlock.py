@@ -152,7 +152,7 @@ def _spins(assembly: Assembly, held: Ints, context: Context) -> tuple[str, ...]:
         name = names[them.members[b][0]]
         if name in found or context.stopped:
             continue
-        answer = witness(ready, Turn(name), stop=context.stop)
+        answer = witness(ready, Turn(name), context=context.silent)
         if answer.path == PathState.CHECKED:
             found |= set(answer.turns)
     return tuple(n for n in names if n in found)

@@ -22,8 +22,8 @@ class Escape(Displayable):
     ----------
     parts : tuple of names
     path : (k, n, 3) float64 [mm, mm, rad], in space (k, n, 6) [mm, rad]
-        Motions of all parts about their reference points, from rest to where `parts` are beyond all others and go on straight without
-        limit; straight between. Parts of earlier escapes stay where those ended and are out of the game. Every step is checked for overlap.
+        Motions of all parts about their reference points, from rest to a place beyond all others from which `parts` go straight without
+        limit; straight between waypoints. Parts of earlier escapes stay at their ends, out of play. Every step is checked for overlap.
     """
 
     parts: tuple[str, ...]
@@ -32,36 +32,35 @@ class Escape(Displayable):
 
 @dataclass(frozen=True, eq=False)
 class Interlock(Drawable):
-    """Whether an assembly comes apart, and how sure that is.
+    """Whether an assembly comes apart, with the certainty of that verdict.
 
     Parameters
     ----------
     assembly : Assembly
     verdict : Separability
     certainty : Certainty
-        A path apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
-        together; else every planned question was asked and no path was found.
+        A path apart with every step checked is proven. Interlocked is proven if closed free spaces of pairs tie all parts together;
+        otherwise the search found no path.
     escapes : tuple of Escape
-        In the order in which they leave.
+        In the order of leaving.
     spins : tuple of names
         Parts that turn in place without limit.
     remains : tuple of names
-        Parts that are left where nothing more was found to leave; none where only what stands is left.
+        Parts that stay when nothing more leaves; empty if only the standing body remains.
     questions : int
-        Largest motions that were searched.
+        Number of searched largest motions.
     states : int
-        States to which slides of parts, and turns of single parts, led, each visited once.
+        Number of states reached by slides of parts and turns of single parts.
     turned : int
-        Of these states those in which every part was turned both ways.
+        Number of these states in which every part was turned both ways.
     whole : bool
-        True where these are all such states of the parts that are left.
+        True if these are all such states of the remaining parts.
     unanswered : int
-        Largest motions whose search found no end that is certain.
+        Number of largest motions without a certain end.
     tight : bool
-        True where parts touch at rest and their contacts alone lock them.
+        True if parts touch at rest and their contacts alone lock them.
     at_most : float or None [mm]
-        A distance that no point of any part exceeds in any motion that starts at rest, proven; None where little work found
-        none, and in space.
+        A distance that no point of any part exceeds in any motion from rest, proven; None if little work gives none, and in space.
     """
 
     assembly: Assembly

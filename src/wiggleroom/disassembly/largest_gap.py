@@ -32,14 +32,14 @@ NOT_HELD = {"comes apart", "gone"}
 
 @dataclass(frozen=True, eq=False)
 class LargestGap(Drawable):
-    """Where interlock is lost.
+    """The gap at which interlock is lost, from both sides.
 
     Parameters
     ----------
     holds : float or None [mm]
-        Largest gap that was seen to interlock; None where no gap does.
+        Largest gap known to interlock; None if no gap does.
     parts_at : float or None [mm]
-        Smallest gap at which a path apart was found; None where the parts fall to pieces before they come apart.
+        Smallest gap with a path apart; None if the parts fall to pieces before they come apart.
     interlocked, apart : Interlock or None
         The verified states on both sides.
     """

@@ -126,7 +126,7 @@ Solid = Plate | Boxes | Surface
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One rigid part: its material in a frame of its own, and where that frame lies.
+    """One rigid part: its material in its own frame, and the place of that frame.
 
     Parameters
     ----------
@@ -141,15 +141,15 @@ class Part:
     offset : float [mm]
         Extra outward displacement of this part's boundary (negative: smaller, looser); of a plate in space of its cut edges.
     aliases : tuple of str
-        What else a drawing calls it, such as its id beside a label; a question may use these too.
+        Other names of the part, such as its id beside a label; questions may use these too.
     outline_offsets : tuple of float [mm]
-        Extra offsets of single outlines, counted through the outer outlines, each followed by its holes; none where it is empty.
+        Extra offsets of single outlines, counted through the outer outlines, each followed by its holes; empty for none.
     solid : Plate, Boxes, Surface or MadeSolid, optional
         In space: material in the part's own frame, a `MadeSolid` where the part is as made.
     R : (3, 3) float64
         In space: orientation at rest.
     lock : frozenset of str
-        In space: freedoms among `AXES` that the part has not.
+        In space: locked freedoms among `AXES`.
     density : float
         In space: weight of a cubic millimetre, for `--weight`.
     """
@@ -174,7 +174,7 @@ class Part:
 
 @dataclass(frozen=True)
 class JointGap:
-    """The gap of one joint [mm], in place of the assembly's."""
+    """The gap of one joint [mm], which replaces the assembly's."""
 
     parts: tuple[str, str]
     gap: float
@@ -182,20 +182,20 @@ class JointGap:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far something may lie from where it should when it is made, as drawings of the trade say it.
+    """Allowed deviation of a part, an outline or a joint, as stated on technical drawings.
 
     Parameters
     ----------
     parts : (name,) or (name, name)
-        A part, whose outlines all lie further out or in together, or the two parts of a joint, whose gap varies.
+        A part, whose outlines all deviate alike, or the two parts of a joint, whose gap varies.
     plus, minus : float [mm]
-        Largest deviation to either side, 0 or more: an outline's out of the material (plus) or into it (minus), at right angles; a
+        Largest deviation to either side, 0 or more: of an outline out of the material (plus) or into it (minus), at right angles; of a
         joint's gap wider (plus) or narrower (minus).
     nominal : float or None [mm]
-        Where it should lie: a part's offset, a joint's gap, an outline's own offset. None: as the drawing has it.
+        Nominal value: a part's offset, a joint's gap, an outline's own offset. None: as drawn.
     outline : int, "thickness" or None
         Of a part: this outline alone, counted from 1 through its outer outlines, each followed by its holes; or the thickness of a plate,
-        whose middle stays where it is.
+        whose middle stays in place.
     """
 
     parts: tuple[str] | tuple[str, str]
@@ -214,7 +214,7 @@ class Pull:
     part : str
         Name of the pulled part.
     direction : (dx, dy), in space (dx, dy, dz)
-        Any length but zero; it is normalised where it is used.
+        Any length but zero; normalised on use.
     point : (x, y) or (x, y, z) [mm], optional
         Assembly coordinates at rest; by default the part's reference point.
     weight : float
@@ -235,7 +235,7 @@ class Turn:
     ----------
     part : str
     sense : "ccw" or "cw", in space (x, y, z)
-        In space the direction about which the part is twisted, fixed in the world, right hand.
+        In space the axis of the twist, fixed in the world, right-handed.
     weight : float
         Factor of this term in the objective.
     """
@@ -267,7 +267,7 @@ class W:
 
 @dataclass(frozen=True)
 class Translation:
-    """Ask for the largest sum of squared translations [mm2] of all parts: how much there is to wiggle at all.
+    """Ask for the largest sum of squared translations [mm2] of all parts.
 
     Source: Mind the Gap, section 4.4.
     """
@@ -342,14 +342,14 @@ class Flattening:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Everything a file says: parts as drawn, and who is fixed, glued, ignored, pulled.
+    """Content of a file: parts as drawn, and the fixed, glued, ignored and pulled ones.
 
     Parameters
     ----------
     parts : tuple of Part
         As drawn, before gap and offset.
     gap : float [mm]
-        Clearance across every joint that the file asks for; 0 means as drawn.
+        Clearance across every joint, as in the file; 0 means as drawn.
     glue : tuple of tuples of names
         Groups of parts that move as one.
     ignore : tuple of pairs of names
@@ -357,15 +357,15 @@ class Drawing:
     gaps : tuple of JointGap
         Joints with a gap of their own.
     goals : tuple of Pull, Turn, W, Towards, Translation, Closer or Weight
-        What is asked; several add up.
+        The question; several goals add up.
     source : str
         The file's name, for messages.
     notes : tuple of str
-        Things the user should know (left-out paths, assumed unit), one line each.
+        Notes for the user (omitted paths, assumed unit), one line each.
     tolerances : tuple of Tolerance
-        How exactly it is made; only questions about tolerances look at them.
+        Manufacturing tolerances, for questions about tolerances.
     flattening : Flattening or None
-        Of its curves; None where it has none, or where somebody said how finely to cut them for every gap.
+        Flattening of its curves; None without curves, or if their polygons are given for every gap.
     """
 
     parts: tuple[Part, ...]

@@ -32,19 +32,19 @@ Move = tuple[tuple[str, ...], tuple[float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Blocking(Displayable):
-    """What directional blocking graphs say about parts drawn tight.
+    """Result of the directional blocking graphs of parts drawn tight.
 
     Parameters
     ----------
     verdict : str
-        "locked": no set of parts can begin to slide. "keyed": only one part can, the key, and while it stays nothing else can.
-        "moves": other sets can begin to slide.
+        "locked": no set of parts can begin to slide. "keyed": only one part can, the key; while it stays nothing else can. "moves": other
+        sets can begin to slide.
     key : str
-        Name of the key part (of the first of its glued parts), empty where there is none.
+        Name of the key part (of the first of its glued parts), or empty.
     moves : tuple of (names, direction)
         Every smallest set without the standing body that can begin to slide, with one direction in which it can.
     directions : (m, 2) float64
-        Unit directions that decide, within half a circle.
+        Deciding unit directions, within half a circle.
     components : (m, bodies) int64
         Strongly connected component of every body in the graph of each direction.
     contacts : PointContacts
@@ -59,7 +59,7 @@ class Blocking(Displayable):
 
 
 def blocking(assembly: Assembly, within: float | None = None) -> Blocking:
-    """Which sets of parts, as drawn tight, can begin to slide.
+    """Sets of parts, as drawn tight, that can begin to slide.
 
     Parameters
     ----------

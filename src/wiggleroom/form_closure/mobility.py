@@ -47,14 +47,14 @@ class TightVerdict(Displayable):
     Parameters
     ----------
     verdict : Tightness
-        "locked": no part can move against any other, which is proven by `locks`. "moves": `motion` keeps every contact to first order;
-        most such motions go on, but some are stopped by the curvature of contacts (second-order immobility), which is not tested.
+        "locked": no part can move against any other, proven by `locks`. "moves": `motion` keeps every contact to first order; the
+        curvature of contacts may stop it (second-order immobility), which is not tested.
     motion : (parts, 3) float64 or None [mm, mm, rad]
         First-order motion of every part about its reference point, scaled so that the fastest corner moves about 1 mm.
     moving : tuple of str
         Parts that move in it.
     locks : tuple of SelfStress
-        Forces that prove which bodies are locked together, one step after the other; all of them where the verdict is "locked".
+        Forces that prove groups of bodies locked together, one step after the other; all of them if the verdict is "locked".
     contacts : PointContacts
     """
 
@@ -79,7 +79,7 @@ class TightVerdict(Displayable):
 def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdict:
     """Whether the parts, as drawn tight, are locked or can begin to move.
 
-    Fixed parts stand; where none is fixed the largest part does. An assembly with a gap is taken as it was drawn, before the gap.
+    Fixed parts stand; if none is fixed, the largest part stands. An assembly with a gap is taken as drawn, before the gap.
 
     Parameters
     ----------

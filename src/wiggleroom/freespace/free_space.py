@@ -73,7 +73,7 @@ class FreeSlices:
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace(FreeSlices, Drawable):
-    """The free space as a union of cells, each free of overlap by its walls; its slices are evenly spaced over the angles.
+    """Free space as a union of cells, each free of overlap by its walls, with slices evenly spaced over the angles.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def free_space(
     reach: float | None = None,
     stop: Stop | None = None,
 ) -> FreeSpace | Polyhedron:
-    """Free space of two parts, the others left out.
+    """Compute the free space of two parts, with all others left out.
 
     Parameters
     ----------
@@ -182,9 +182,9 @@ def free_space(
     a, b : str
         Names of two parts that are not glued to each other.
     model : str, Hull or HalfPlane
-        "walls": cells that never overlap. "hull", "halfplane": the polyhedra of the paper and of PuzzleFlex, to compare with.
+        "walls": cells that never overlap. "hull", "halfplane": the polyhedra of the paper and of PuzzleFlex, for comparison.
     reach : float, optional [mm]
-        How far walls work out an open free space; by default ten clearances, though no further than the larger part's radius.
+        Extent of an open free space, for walls; by default ten clearances, though no further than the larger part's radius.
     stop : optional
         Anything with `is_set()`, asked now and then while walls are looked for.
 

@@ -14,29 +14,29 @@ from wiggleroom.search.answer import Contact
 
 @dataclass(frozen=True, eq=False)
 class LiveResult(Displayable):
-    """A motion found in the time that there was.
+    """The best motion within a time limit.
 
     Parameters
     ----------
     motion : (n, 3) float64 [mm, mm, rad], in space (n, 6) [mm, rad]
         Pose minus rest pose of every part, about its reference point; no two parts overlap there.
     settled : bool
-        True where the search came to its end; False where time ran out, and asking again goes on from here. Also False
-        where a largest motion was followed from a larger gap, so that it is not known whether these parts get there.
+        True if the search ended; False if time ran out, and the same request continues it. Also False for a largest motion followed down
+        from a larger gap, which these parts may be unable to reach.
     seconds : float
-        What it took.
+        Time of the answer.
     contacts : tuple of Contact
-        What holds the motion. The forces of a drag are those that hold against a pull of 1 at the grip.
+        Contacts that hold the motion. Forces of a drag balance a pull of 1 at the grip.
     blocking : tuple of names
         Parts that touch the dragged one and hold it.
     objective : float or None
-        Of `flex`: sum of the goals; None where nothing stops the motion.
+        For `flex`: sum of the goals; None if nothing stops the motion.
     leaves, turns : tuple of names
         Parts that move away or turn without limit.
     reached : (x, y), (x, y, z) or None [mm]
-        Of `drag`: where the grip is now.
+        For `drag`: the present place of the grip.
     distance : float or None [mm]
-        Of `drag`: from there to the target.
+        For `drag`: distance from there to the target.
     """
 
     motion: NDArray[np.float64]
@@ -58,13 +58,13 @@ class Mode(Displayable):
     Parameters
     ----------
     size : float [mm]
-        Furthest that a corner of a part is moved, on the side where that is more.
+        Largest displacement of a corner of a part, on the larger side.
     parts : tuple of names
-        Those that move most, the furthest first.
+        The parts that move most, the furthest first.
     frames : (k, n, 3) float64 [mm, mm, rad]
         Motions of the parts: rest, one end, rest, the other end, rest; no two parts overlap in any of them.
     ends : bool
-        False where nothing stops it and the frames were cut off.
+        False if nothing stops it and the frames were cut off.
     """
 
     size: float

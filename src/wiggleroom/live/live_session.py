@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, require_planar
 from wiggleroom.assembly.findings import asked_goals
+from wiggleroom.context import Context
 from wiggleroom.drawing.model import Drawing, Goal, JointGap, Towards
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.relative_pose import relative_pose
@@ -92,14 +93,14 @@ def _key(design: GapDesign, motion: Floats) -> _Key:
 
 
 class Live:
-    """One drawing whose design is changed and whose parts are dragged, with answers at once.
+    """A session with one drawing: its design changes, its parts are dragged, with quick answers.
 
-    Every motion that it gives is free of overlap by exact geometry, and connected with rest by a chain of cells.
+    Every returned motion is free of overlap by exact geometry, and connected with rest by a chain of cells.
 
     Parameters
     ----------
     drawing : Drawing or Assembly
-        Nothing is worked out before the first question.
+        Nothing is computed before the first question.
 
     Examples
     --------
@@ -391,7 +392,7 @@ class Live:
         old, self._now = self._design, self._designs.prove(self._design, stop)
         if self._now is not old:
             self._dragged = None
-        answer = witness(self.ready, asked, stop=stop, progress=progress)
+        answer = witness(self.ready, asked, context=Context(stop=stop, progress=progress))
         found = answer.warm_start
         if found is not None and answer.objective == found.value and answer.collision_free:  # else it was cut back
             cells = found.program.cells

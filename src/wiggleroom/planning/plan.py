@@ -24,36 +24,36 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Plan(Drawable):
-    """How an assembly is taken apart, step by step; backwards it is how it is put together.
+    """A disassembly step by step; backwards it is the assembly.
 
     Parameters
     ----------
     assembly : Assembly
     targets : tuple of names
-        Parts that were to leave; empty where all were.
+        Parts to remove; empty for all.
     verdict : Separability
-        "comes apart" where all targets leave or, without targets, anything does; else what became of the parts that are left.
+        "comes apart" if all targets leave or, without targets, anything does; else the verdict on the remaining parts.
     certainty : Certainty
-        A plan is proven: every step of it was checked for overlap. Without one: what shows that the parts stay.
+        A plan is proven: every step was checked for overlap. Without one, the certainty of the verdict.
     rest : Separability
-        What became of the parts that are left.
+        Verdict on the remaining parts.
     rest_certainty : Certainty
-        What shows that.
+        Certainty of that verdict.
     steps : tuple of Step
     level : tuple of int
-        Moves up to the first removal, from there to the second, and so on: what is called the level of a burr. A move is one slide of one
-        or more parts as one, or one motion that is no slide.
+        Moves up to the first removal, from there to the second, and so on: the level of a burr. A move is one slide of one or more parts
+        as one, or one motion that is no slide.
     remains : tuple of names
-        Loose parts that were to leave and do not.
+        Loose parts that should leave and do not.
     states, turned : int
-        How far the search went: states to which slides, and turns of single parts, led, and those in which every part was turned.
+        Extent of the search: states reached by slides and by turns of single parts, and those in which every part was turned.
     questions, unanswered : int
-        Largest motions that were searched, and how many of them found no end that is certain.
+        Numbers of searched largest motions, and of those without a certain end.
     whole : bool
-        True where the states are all to which slides and such turns lead.
+        True if these are all states that slides and such turns reach.
     seconds : float
     gravity : (2,) or (3,) float or None
-        Unit vector in which loose parts fall; None where that was not looked at.
+        Unit vector in which loose parts fall; None without gravity.
     """
 
     assembly: Assembly

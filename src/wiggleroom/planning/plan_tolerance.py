@@ -27,16 +27,16 @@ RANK_SHARE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class PlanSample(Displayable):
-    """What becomes of a plan when the gap round every part varies at random.
+    """A plan under random variation of the gap round every part.
 
     Parameters
     ----------
     plan : Plan
     spread : Spread
     clearance : (d,) float64 [mm]
-        Least clearance of every draw on the paths of the plan as they are; not above 0 where it does not go together.
+        Least clearance of every draw on the unchanged paths of the plan; not above 0 for a draw that does not go together.
     failing : tuple of int
-        In how many draws each step, from the first, is the one that does not go; the last entry: where parts overlap at rest.
+        Number of draws in which each step fails, from the first; the last entry counts draws whose parts overlap at rest.
     """
 
     plan: Plan
@@ -61,7 +61,7 @@ class PlanSample(Displayable):
 
 @dataclass(frozen=True, eq=False)
 class PlanRanking(Displayable):
-    """Whose gap decides how much room a plan has.
+    """Gaps ranked by the room that they give a plan.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class PlanRanking(Displayable):
     parts : tuple of names
         The most important first.
     gain : (n,) float64 [mm per mm]
-        How much the least clearance of the plan, its paths fitted anew, grows per mm of extra gap round each of these parts.
+        Gain of the plan's least clearance, its paths fitted anew, per mm of extra gap round each of these parts.
     """
 
     plan: Plan
@@ -85,15 +85,15 @@ class SmallestGap(Displayable):
     ----------
     plan : Plan
     works_at : float [mm]
-        Smallest gap at which all steps, fitted anew, were found to be free.
+        Smallest gap at which all steps, fitted anew, are free.
     works : tuple of Step
         These steps.
     fails_at : float or None [mm]
-        Largest gap at which some step was not; None where every gap that was tried works.
+        Largest gap at which some step is not; None if every tried gap works.
     failing : int
-        That step, from 0; -1 where parts touch at rest.
+        That step, from 0; -1 if parts touch at rest.
     pair : tuple of names
-        Two parts that collide there; empty where they touch at rest.
+        Two parts that collide there; empty if they touch at rest.
     """
 
     plan: Plan

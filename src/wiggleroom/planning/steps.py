@@ -33,28 +33,29 @@ class Step(Displayable):
     Parameters
     ----------
     parts : tuple of names
-        Those that move, as one or each on its own path.
+        The moving parts, as one or each on its own path.
     path : (k, n, 3) float64 [mm, mm, rad], in space (k, n, 6)
         Motions of all parts about their reference points, since rest; straight in between.
     moves : int
-        Of how many moves it consists.
+        Number of moves.
     leaves : tuple of names
-        Those that have left at its end.
+        Parts that have left at its end.
     there : (n,) bool
-        Parts that have not left before it.
+        True for parts that have not left before it.
     clearance : float [mm]
-        Least distance along the path between what moves and all else, and between parts that move differently; in space turns are sampled.
+        Least distance along the path between moving parts and all others, and between parts that move differently; in space turns are
+        sampled.
     room : float [mm]
-        The largest error of position: shifted by up to this in any direction, what moves still passes.
+        Largest error of position, in any direction, at which the moving parts still pass.
     turn_room : float [rad]
-        An error of angle, either way, about the middle of what moves, under which it certainly still passes: no corner is carried further
-        than the clearance.
+        Error of angle, either way, about the middle of the moving parts, at which they certainly still pass: no corner moves further than
+        the clearance.
     axis : (2,) or (3,) float64
-        Unit vector along which the parts go in when they are put together: opposite to the last straight piece.
+        Unit vector along which the parts go in on assembly: opposite to the last straight piece.
     held : tuple of names
-        Loose parts that must be held, because what moves comes so near that it may drag them along.
+        Loose parts to hold because the moving parts may drag them along.
     falling : tuple of names
-        Loose parts that must be held by hand, because their weight would carry them away; none where gravity was not looked at.
+        Loose parts to hold because they would fall; empty without gravity.
     """
 
     parts: tuple[str, ...]

@@ -33,7 +33,7 @@ class Contact:
     point, normal : (x, y), in space (x, y, z) [mm], unit vector
         Assembly coordinates at the moved position.
     force : float
-        Multiplier: objective gained per mm that this contact gives way.
+        Multiplier: gain of the objective per mm that this contact gives way.
     """
 
     parts: tuple[str, str]
@@ -44,23 +44,23 @@ class Contact:
 
 @dataclass(frozen=True)
 class Bound:
-    """What was proven about the largest motion.
+    """A proven bound of the largest motion.
 
     Parameters
     ----------
     at_most : float or None
-        A value that no motion can exceed [mm] (turns in [rad]); None where nothing was proven.
+        A value that no motion can exceed [mm] (turns in [rad]); None if nothing was proven.
     within : float or None
-        How far that lies above the motion found, as a share of it.
+        Excess of that value over the motion of the answer, as a share of the motion.
     seconds : float
-        What it took.
+        Time of the proof.
     why : str
-        Why nothing was proven; empty where something was.
+        Reason if nothing was proven, else empty.
     certificate : dict, optional
-        All that somebody else needs to check it, where that was asked for.
+        The proof for `wiggleroom verify`, on request.
     kind : str
-        "proven" where it was asked for and tightened; "quick" where it stands beside the answer at no great cost: it holds as surely, but
-        may lie far above the truth.
+        "proven" for a requested, tightened bound; "quick" for the cheap bound beside an answer, which is as certain but may lie far above
+        the truth.
     """
 
     at_most: float | None
@@ -92,16 +92,16 @@ class Period:
 
 @dataclass(frozen=True, eq=False)
 class Answer(Drawable):
-    """The largest safe motion that was found.
+    """The largest safe motion of a search.
 
     Parameters
     ----------
     assembly : Assembly
     goals : tuple of goals
-        What was asked.
+        The question.
     verdict : Verdict
     objective : float or None
-        Sum of the goals [mm] (turns in [rad]); None where nothing stops the motion.
+        Sum of the goals [mm] (turns in [rad]); None if nothing stops the motion.
     motion : (n, 3) float64 [mm, mm, rad], in space (n, 6) [mm, rad]
         Pose minus rest pose of every part, about its reference point; in space the displacement of that point, and a rotation vector.
     waypoints : (k, n, 3) or (k, n, 6) float64
@@ -109,27 +109,26 @@ class Answer(Drawable):
         about one axis.
     contacts : tuple of Contact
     path : str
-        "checked" where no two parts overlap anywhere along the path, else "not checked".
+        "checked" if no two parts overlap anywhere along the path, else "not checked".
     deepest_overlap : float [mm]
         Largest overlap of any two parts at `motion`, by exact geometry.
     leaves, turns : tuple of names
         Parts that move away or turn without limit.
     period : Period or None
-        Of a motion that goes on for ever because it repeats.
+        Period of a motion that repeats without end.
     at_most : float or None
-        A value that no motion can exceed, where one was worked out; in space only where all parts move in one plane.
+        A value that no motion can exceed; None if none was computed.
     bound : Bound or None
-        How that was proven, or why not; None where none was worked out, and in space.
+        Basis of `at_most`, or the reason for its absence; None if no bound was computed.
     search : SearchEffort or None
-        What the global search came to; None where there was none.
+        Effort and result of the global search; None without one.
     search_state : SearchState
-        Whether one that is still under way, or left out, may find more.
+        Whether a search still under way, or left out, may find more.
     warm_start : Incumbent, HeldMotion or None
-        How it was found, from which another question about the same prepared assembly can start; in space the program and the forces
-        that hold the motion where it ends.
+        State from which another question about the same prepared assembly can start; in space the program and the forces that hold the
+        motion at its end.
     lead : (k, n, 6) float64 [mm, rad] or None
-        In space: first part of the path, to half way through a climb that began where a random pull led to; rest alone where it began
-        there.
+        In space: first part of the path, to half way through a climb from the end of a random pull; rest alone for a climb from rest.
     """
 
     assembly: Assembly

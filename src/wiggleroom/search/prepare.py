@@ -53,10 +53,10 @@ class Prepared(Displayable):
     cells : Cells
         One cell, grown at rest, for every pair with edges that face each other.
     corners : (k,) int64
-        Keys a * n + b of pairs that are near at a corner only. Which way they pass each other is decided when it matters, so they join the
-        program after a first round has shown where everything wants to go.
+        Keys a * n + b of pairs that are near at a corner only. They join the program after the first round, which shows on which side
+        they pass each other.
     simplified : float [mm]
-        How far the outlines of the bodies may lie outside those of the assembly's parts; never inside.
+        Largest distance of the outlines of the bodies outside those of the assembly's parts; never inside.
     """
 
     assembly: Assembly

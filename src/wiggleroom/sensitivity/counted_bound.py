@@ -24,6 +24,6 @@ def counted_bound(answer: Answer, within: float, work: float = WORK, context: Co
     context : Context, optional
     """
     try:
-        return prove(answer, within, work=work, stop=context.stop, progress=context.progress)
+        return prove(answer, within, work=work, context=context)
     except (InputError, MissingExtraError):  # sums of squares have no bound, or the extra is not there
         return answer

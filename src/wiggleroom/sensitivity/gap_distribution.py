@@ -21,7 +21,7 @@ TRUNCATION = 2.0
 
 @dataclass(frozen=True)
 class Spread:
-    """How extra gaps round parts vary.
+    """Distribution of the extra gaps round parts.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Spread:
     kind : str
         "normal", "uniform" or "truncated": normal, cut at two standard deviations.
     sheet : float
-        Correlation of the parts of a sheet: 0 each part by itself, 1 all parts alike, as when the kerf drifts.
+        Correlation of the parts of a sheet: 0 independent, 1 all alike, as with a drifting kerf.
     bias : float [mm]
         Mean of the extra gap.
 

@@ -47,7 +47,7 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class AllowableGap(Drawable):
-    """Gap that answers a maker's question.
+    """Answer of `allowable_gap`.
 
     Parameters
     ----------
@@ -61,25 +61,26 @@ class AllowableGap(Drawable):
     goals : tuple of Goal
         For "at most".
     gap : float or None [mm]
-        The answer; None where there is none, see `why`.
+        The answer; None if there is none, see `why`.
     certainty : Certainty or None
-        Proven, or searched: no larger motion, or no path apart, was found at this gap. None where there is no answer.
+        Proven, or searched: the search at this gap gave no larger motion, or no path apart. None without an answer.
     beyond : float or None [mm]
-        Nearest gap that was seen to fail, by a state that was checked; None where none was.
+        Nearest gap with a checked state that fails; None if there is none.
     searched_gap, proven_gap : float or None [mm]
-        Largest gap at which no larger motion was found, and largest at which none is possible. For "fits" both are the answer.
+        Largest gap at which a search, and largest at which a proof, excludes a larger motion. For "fits" both are the answer.
     trials : tuple of Trial
-        Everything that was tried, in order of the gap.
+        All trials, in order of the gap.
     sides : (Interlock or None) twice
-        For "holds": the states that were verified at `gap` and at `beyond`.
+        For "holds": the verified states at `gap` and at `beyond`.
     why : str
-        What a reader must know beside the number; empty where there is nothing.
+        Explanation to show beside the number; may be empty.
     stopped : bool
-        True where the time was over, or it was stopped, before both sides lay near each other.
+        True if stopped, or out of time, before both sides were near each other.
     kerf : float or None [mm]
-        Width of the cut for which an offset is wanted.
+        Width of the cut for `cut_offset`.
     fits_from : float or None [mm]
-        Of the largest gaps: the smallest at which parts as drawn, not shifted, do not overlap; None where there is none, or it was stopped.
+        For "at most" and "holds": the smallest gap at which parts as drawn, not shifted, do not overlap; None if there is none, or if
+        stopped.
     """
 
     question: Question

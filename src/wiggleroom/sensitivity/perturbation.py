@@ -105,12 +105,10 @@ def searched_answer(
 ) -> Answer:
     """The largest motion as a direct question finds it, without a bound; in assemblies of many bodies that of a climb from rest."""
     few = is_searched(question if isinstance(question, Assembly) else question.assembly)
-    answer = witness(question, goals, search=None if few else 0, stop=context.stop)
+    answer = witness(question, goals, search=None if few else 0, context=context.silent)
     if not few or answer.objective is None or answer.warm_start is not None:
         return answer
-    climb = witness(
-        question, goals, stop=context.stop
-    )  # of the other one nothing is known that a study could go on from
+    climb = witness(question, goals, context=context.silent)  # of the other one nothing is known to go on from
     return climb if climb.objective is None or climb.objective >= (1 - SAME_VALUE) * answer.objective else answer
 
 

@@ -185,7 +185,7 @@ class PlanarStudy:
         if not is_searched(self.assembly):
             return answer
         if not self.climbs:
-            self.climbs.append(witness(self._asked, self.goals, stop=context.stop))
+            self.climbs.append(witness(self._asked, self.goals, context=context.silent))
         return self.climbs[0]
 
     def is_beyond_climb(self, answer: Answer, context: Context) -> bool:
@@ -216,7 +216,7 @@ class PlanarStudy:
         made = varied(self.assembly, inward)
         if self.is_beyond_climb(answer, context):
             return searched_answer(made, answer.goals, context)
-        return witness(made, answer.goals, stop=context.stop)
+        return witness(made, answer.goals, context=context.silent)
 
     def draws(self, answer: Answer, context: Context) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""

@@ -47,7 +47,7 @@ DEPENDENT = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Ranking(Drawable):
-    """What gaps are worth to the motion of an answer.
+    """Effect of gaps on the motion of an answer.
 
     Extra gap e round a part means that its outline alone moves inward by e/2; extra gap e in a joint, that both
     outlines do so where they face each other.
@@ -58,20 +58,20 @@ class Ranking(Drawable):
     by : str
         "duals" or "differences".
     looser, tighter : (n,) float64
-        Objective gained for each mm of extra gap round a part, and lost for each mm of gap less; they differ where
-        the forces that hold the motion are not unique.
+        Gain of the objective per mm of extra gap round a part, and loss per mm of gap less; they differ if the holding forces are not
+        unique.
     unique : (n,) bool
-        True where both sides agree.
+        True if both sides agree.
     by_duals : (n,) float64
-        The same from the multipliers in the middle of all that are possible; equals `looser` where that is unique.
+        The same from the middle of all possible multipliers; equal to `looser` if unique.
     joints : (m, 2) int64
         Pairs of parts that hold each other.
     joint_looser, joint_tighter, joint_unique : (m,)
         The same for the gap of each joint.
     ends : str
-        "whole" where ranges are the true ends of what is possible, "sampled" where they are at least so wide.
+        "whole" if ranges are exact, "sampled" if they are at least so wide.
     virtual : float
-        Share of the force that is held by walls nothing touches: the ranking cannot be surer than that.
+        Share of the force held by walls without contact, which limits the certainty of the ranking.
     """
 
     answer: Any

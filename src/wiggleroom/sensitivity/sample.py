@@ -34,23 +34,22 @@ class Sample(Drawable):
     extra : (draws, n) float64 [mm]
         Extra gap round every part.
     value : (draws,) float64
-        Objective; infinity where nothing stops the motion, nan where parts do not fit beside each other.
+        Objective; infinity if nothing stops the motion, nan if parts do not fit beside each other.
     cut_short : int
-        Draws whose value is only a safe motion, not an optimum.
+        Number of draws whose value is only a safe motion, not an optimum.
     limit : float or None
-        Largest motion that is wanted.
+        Largest motion of a good assembly.
     checked : (k, 3) float64
-        Of draws that were searched as a direct question is: number of the draw, what its climbs found, and what the search did.
+        For fully searched draws: number of the draw, value of its climbs, value of the search.
     tightest, loosest : float or None
-        Largest motion, searched, with every part as tight and as loose as in any draw: it bounds all draws; infinity where nothing stops
-        it, nan where the parts do not fit, None where it was not searched.
+        Largest motion, searched, with every part as tight and as loose as in any draw, which bounds all draws; infinity if nothing stops
+        it, nan if the parts do not fit, None if not searched.
     undecided : (draws,) bool
-        Draws that were only climbed where a looser state, searched, moves further than its own climb, so that they may be low: further
-        than the limit, where there is one.
+        Climbed draws whose value may be low: a looser, searched state moves further (with a limit, further than the limit).
     ranking : Ranking
-        Of the answer; says which parts contribute to the spread.
+        Ranking of the answer, for the contributions of parts to the spread.
     asked : int
-        Draws that were wanted; fewer are there where it was stopped.
+        Requested draws; a stopped study has fewer.
     """
 
     answer: Any

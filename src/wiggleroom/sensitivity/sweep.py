@@ -67,10 +67,10 @@ class Sweep(Drawable):
     steps : tuple of SweepStep
         Gaps in order of size.
     lost : (float, float) or None [mm]
-        At the first gap a search found an end of the motion, at the second nothing stops it, along a path that was checked; None where
-        no gap of the sweep is so large. A search may miss a narrow way out, so the first is no proof.
+        At the first gap a search found an end of the motion; at the second a checked path is unbounded. None if no gap of the sweep is so
+        large. A search may miss a narrow way out, so the first is no proof.
     stopped : bool
-        True where it was stopped before all of that was known.
+        True if stopped before all of that was known.
     """
 
     assembly: Any
@@ -127,7 +127,7 @@ def _with_band(found: Sweep, within: float, seconds: float | None, context: Cont
             done = (
                 counted_bound(step.answer, within, work=PROOF_WORK, context=context.silent)
                 if seconds is None
-                else prove_bound(step.answer, within, seconds=seconds, stop=context.stop)
+                else prove_bound(step.answer, within, seconds=seconds, context=context.silent)
             )
             least = min(least, np.inf if done.at_most is None else done.at_most)
             step = replace(step, answer=done, verdict=done.verdict)

@@ -55,25 +55,24 @@ SETTINGS = TighteningSettings()
 
 @dataclass(frozen=True, eq=False)
 class Tightening(Drawable):
-    """Parts to make tighter, and what it brings.
+    """Parts to make tighter, and the resulting motion.
 
     Parameters
     ----------
     before, after : Answer
-        As it is, and with the chosen parts tightened.
+        The motion without change, and with the chosen parts tightened.
     chosen : tuple of names
-        In the order they were chosen, those that were not chosen by rank in that of the assembly.
+        In the order of choice; parts not chosen by rank in the order of the assembly.
     gap : float [mm]
-        What is left of the gap that a tightened part gives to its joints.
+        Remaining gap that a tightened part gives to its joints.
     limit : float or None
-        The wanted largest motion.
+        Limit of the motion.
     random : (draws,) float64
-        Objective with as many parts chosen at random, or with every choice of as many where these are no more; nan where they do not fit.
+        Objective of each random choice of as many parts, or of every choice if there are no more; nan if the parts do not fit.
     chosen_by : str
-        "rank": a few at a time, by their rank. "draws": the best of the choices at random, where that is better. "all": the best of
-        every choice.
+        "rank": by rank, a few at a time. "draws": the best random choice, if better. "all": the best of every choice.
     stopped : bool
-        True where it was stopped before all choices were tried.
+        True if stopped before all choices were tried.
     """
 
     before: Any

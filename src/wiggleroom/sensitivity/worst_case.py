@@ -55,19 +55,19 @@ class WorstCase(Drawable):
     Parameters
     ----------
     nominal : Answer
-        Everything where it should be.
+        Everything at its nominal value.
     loosest : Answer
         Every outline as far in, and every joint as wide, as allowed: the worst case.
     tightest : Answer or None
-        Every outline as far out, and every joint as narrow; None where parts then do not fit beside each other, see `misfit`.
+        Every outline as far out, and every joint as narrow, as allowed; None if parts then do not fit beside each other, see `misfit`.
     misfit : str
-        Why they do not fit.
+        Reason if they do not fit.
     contributions : tuple of Contribution
-        Of the tolerances, the largest first.
+        Contributions of the tolerances, the largest first.
     limit : float or None
         Largest motion that is wanted.
     stopped : bool
-        True where not everything was worked out in time.
+        True if stopped before everything was computed.
     """
 
     nominal: Answer

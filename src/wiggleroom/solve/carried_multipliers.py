@@ -1,7 +1,11 @@
-"""Multipliers to begin with where rows have changed: their forces on each pair of bodies stay as nearly as can be what they were.
+"""Initial multipliers for changed rows: the forces on each pair of bodies stay as near as possible to the previous ones.
 
-A point is near the central path where products of slack and multiplier are even and forces are in balance. New rows of a pair begin
-with even products, and are then changed as little as can be, relative to what they are, until their wrench is that of the old rows.
+A point is near the central path if the products of slack and multiplier are even and forces balance. New rows of a pair begin with even
+products, lam0 = mu / h, changed as little as possible in the metric 1 / lam until the wrench of the pair is that of the old rows:
+
+    lam = lam0 + diag(lam0)^2 D (D^T diag(lam0)^2 D)^-1 (w - D^T lam0),    w = D_old^T lam_old,
+
+a 3 x 3 system per pair.
 """
 
 from __future__ import annotations

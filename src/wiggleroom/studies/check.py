@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckQuestion(Question):
-    """Say whether it comes apart: whether some parts can be moved without limit away from the others.
+    """Check whether an assembly comes apart: whether some parts can move without limit away from the others.
 
-    Says which parts leave, alone or together, in which order and along which path, every step checked for overlap; or
-    that they interlock, proven or searched. Fixed parts stand; where none is fixed, the largest part stands. Turning in
-    place is not coming apart. Exit code: 0 interlocked, 1 comes apart, 3 unknown.
+    Reports the parts that leave, alone or together, their order and their paths, every step checked for overlap; or
+    that the parts interlock, proven or searched. Fixed parts stand; if none is fixed, the largest part stands. Turning
+    in place is not coming apart. Exit code: 0 interlocked, 1 comes apart, 3 unknown.
 
     Example: wiggleroom check puzzle.svg --gap 0.2 --picture apart.gif
 
@@ -28,7 +28,7 @@ class CheckQuestion(Question):
     ----------
     largest_gap
         Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides; wiggleroom gap --holds
-        asks that alone.
+        does only that.
     """
 
     name: ClassVar[str] = "check"

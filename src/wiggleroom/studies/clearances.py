@@ -66,10 +66,10 @@ def clearances(
 
 @dataclass(frozen=True, kw_only=True)
 class ClearancesQuestion(Question):
-    """Say how near parts are to each other, or how deep in each other, and where.
+    """Measure how near parts are to each other, or how deep they overlap, and where.
 
-    Parts may overlap as drawn. The least gap of every near pair is negative where it overlaps. The answer also says by how much all
-    outlines must be moved for all parts to fit, as a width of cut. Exit code: 0, also where parts do not fit or are too near.
+    Parts may overlap as drawn; the gap of an overlapping pair is negative. The answer includes the offset of all
+    outlines at which all parts fit, as a width of cut. Exit code: 0, also if parts do not fit or are too near.
 
     Example: wiggleroom clearances box.svg --gap 0
 

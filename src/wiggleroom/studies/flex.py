@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 class FlexQuestion(Question):
     """Find the largest motion of the pulled parts.
 
-    Parts are rigid and, with walls, never overlap. The answer is a motion that was found and checked by exact geometry,
-    with a verdict on how sure it is. Ctrl-C stops early and reports the best safe motion so far (exit 3).
+    Parts are rigid and, with walls, never overlap. The answer is a motion checked by exact geometry, with a verdict on
+    its certainty. Ctrl-C stops early and reports the best safe motion so far (exit 3).
 
-    With --thickness a drawing is a cutting sheet: its plates are put together in space first, as wiggleroom assemble
-    does, and the question is answered only where that is sure (else exit 3).
+    With --thickness the drawing is a cutting sheet: its plates are first assembled in space, as by wiggleroom assemble,
+    and the question is answered only if that assembly is sure (else exit 3).
 
     Example: wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture moved.svg
 
@@ -35,29 +35,29 @@ class FlexQuestion(Question):
     Parameters
     ----------
     model
-        How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
-        of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.
+        Model of the free space of each pair. walls: the exact contacts. For comparison, hull: the convex hulls of "Mind
+        the Gap"; halfplane: the linear programs of PuzzleFlex. Motions of these two may overlap, which is reported.
     about
-        For hull: the point that a part turns about to find the angles of its slices. By default reference.
+        For hull: the point about which a part turns to determine the angles of its slices. Default: reference.
     slices
-        For hull: number of slices. By default 3, as in the paper.
+        For hull: number of slices. Default: 3, as in the paper.
     rounds
-        For hull: so often the hulls are worked out, from the second time on round the motion found. By default 1.
+        For hull: number of times the hulls are computed, from the second time on round the last motion. Default: 1.
     solver
-        interior-point is this program's own; ipopt needs the extra ipopt.
+        interior-point is built in; ipopt needs the extra ipopt.
     search
-        So many starts beside the one from rest: each climbs with another objective for a while and then with the true
-        one; 0 for none. By default as many as a fixed amount of work allows, the same on every machine; none for more
-        than 50 free parts (from 100 to 1,000 the first climb is made nine times instead). In space by default at most six,
-        and none for more than six free parts.
+        Number of starts besides rest, 0 for none. Each climbs with another objective for a while and then with the true
+        one. Default: as many as a fixed amount of work allows, the same on every machine; none for more than 50 free
+        parts (from 100 to 1,000 the first climb runs nine times instead). In space at most six, and none for more than
+        six free parts.
     prove
-        Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
-        extra prove. The proof may take a fixed amount of work, about a minute, or else the time that --time leaves;
-        then the best bound so far is given.
+        Prove that no motion exceeds the answer by more than this share; 0.01 is one per cent. Needs the extra prove.
+        The proof takes at most a fixed amount of work, about a minute, or the time that --time leaves; then the best
+        bound so far is given.
     certificate
-        For --prove: file for the proof, which wiggleroom verify checks.
+        For --prove: file for the proof, to be checked by wiggleroom verify.
     arrays
-        Write motions, waypoints and contacts as numpy arrays to this file: .npz. Of drawings only.
+        Write motions, waypoints and contacts as numpy arrays to this file: .npz. For drawings only.
     """
 
     name: ClassVar[str] = "flex"

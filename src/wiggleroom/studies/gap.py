@@ -31,23 +31,23 @@ def allowable_gap(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> AllowableGap:
-    """Gap at which a motion stays below a limit, parts interlock, or parts that were cut too large still fit.
+    """Largest gap for a motion limit or for interlocking parts, or smallest gap at which parts cut too large still fit.
 
     Parameters
     ----------
     assembly : Assembly
-        Its own gap is where the search begins. Gaps of single joints and offsets of parts stay as they are.
+        The search begins at its own gap. Gaps of single joints and offsets of parts stay as they are.
     goals : Pull, Turn and others, or several that add up
-        For `at_most`; by default what the assembly's file asks for.
+        For `at_most`; by default the question of the assembly's file.
     at_most : float, optional [mm]
-        Ask for the largest gap at which the largest motion is no more than this (turns in [rad]).
+        Find the largest gap at which the largest motion is no more than this (turns in [rad]).
     holds : bool
-        Ask for the largest gap at which the parts interlock.
+        Find the largest gap at which the parts interlock.
     fits : float, optional [mm]
-        Ask for the smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline, in space
-        every face, lies up to so much further out. The assembly may be read with `overlapping`.
+        Find the smallest gap at which the parts, as drawn and not shifted, do not overlap when every outline, in space
+        every face, lies this much further out. The assembly may be read with `overlapping`.
     seconds : float, optional [s]
-        When this time is over, the best so far is given.
+        Time limit; then the best result so far is returned.
     stop, progress : optional
         As for `flex`.
 
@@ -58,7 +58,7 @@ def allowable_gap(
     Raises
     ------
     InputError
-        If not one question is asked, a number makes no sense, or nothing is fixed or pulled.
+        If not exactly one question is asked, a number makes no sense, or nothing is fixed or pulled.
 
     Examples
     --------
@@ -116,11 +116,11 @@ def _largest(
 
 @dataclass(frozen=True, kw_only=True)
 class GapQuestion(Question):
-    """Find the gap to draw: the largest that keeps a motion small or the parts together, or the smallest that fits.
+    """Find the gap to draw: the largest that limits a motion or holds the parts together, or the smallest that fits.
 
-    Answers one of --at-most, --holds and --fits, with a state that was checked on either side: the answer and the
-    nearest gap that fails lie no more than one per cent apart. Proven is an answer that a bound vouches for, else it is
-    searched. Exit code: 0 answered, 3 no such gap, or the time was over before both sides lay near each other.
+    Answers one of --at-most, --holds and --fits, with a checked state on either side: the answer and the nearest gap
+    that fails lie no more than one per cent apart. An answer with a bound is proven, otherwise it is searched. Exit
+    code: 0 answered; 3 no such gap, or the time ended first.
 
     Example: wiggleroom gap box.svg --fix box --pull lid:+x --at-most 0.5
 
@@ -128,19 +128,20 @@ class GapQuestion(Question):
 
     Example: wiggleroom gap puzzle.svg --fits 0.1 --kerf 0.15
 
-    --fits is about the parts where they are drawn, not shifted; they may overlap there. The others say from which gap on they fit, too.
+    --fits treats the parts as drawn, not shifted; they may overlap there. The others also report the gap from which
+    parts fit.
 
     Parameters
     ----------
     at_most
-        The largest gap at which the motion asked for is no more than this [mm, turns in rad].
+        The largest gap at which the motion is no more than this [mm, turns in rad].
     holds
         The largest gap at which the parts interlock.
     fits
-        The smallest gap at which the parts, where they are drawn and not shifted, do not overlap when every outline, in space
-        every face, lies up to so much further out [mm]; 0: as drawn.
+        The smallest gap at which the parts, as drawn and not shifted, do not overlap when every outline, in space every
+        face, lies this much further out [mm]; 0: as drawn.
     kerf
-        Width of the cut [mm]: the answer is also given as the offset to set at the cutter.
+        Width of the cut [mm]; adds the offset to set at the cutter to the answer.
     """
 
     name: ClassVar[str] = "gap"

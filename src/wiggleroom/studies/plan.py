@@ -32,24 +32,24 @@ def plan(
     progress: Callable[[Progress], None] | None = None,
     seconds: float | None = None,
 ) -> Plan:
-    """Plan how an assembly is taken apart: which parts leave, in which order, along which paths.
+    """Plan the disassembly of an assembly: the parts that leave, their order and their paths.
 
-    Fixed parts stand; where none is fixed, the largest part stands.
+    Fixed parts stand; if none is fixed, the largest part stands.
 
     Parameters
     ----------
     assembly : Assembly
     targets : sequence of names, optional
-        Only these are to leave; others leave only where they must.
+        Parts to remove; others leave only if they must.
     gravity : (x, y) or (x, y, z), optional
-        Direction in which loose parts fall: every step then says whom to hold so that none does, and in the plane of the parts that could
-        leave straight those leave first after which the fewest must be held.
+        Direction in which loose parts fall. Every step then lists the parts to hold so that none falls; in the plane,
+        of the parts that could leave straight, those leave first after which the fewest must be held.
     stop : optional
-        Anything with `is_set()`; then the plan goes as far as was found.
+        Anything with `is_set()`; once set, the plan so far is returned.
     progress : callable, optional
-        Told a `Progress` now and then.
+        Called with a `Progress` from time to time.
     seconds : float, optional
-        Time that it may take; then the same.
+        Time limit; then the plan so far is returned.
 
     Raises
     ------
@@ -76,16 +76,16 @@ def plan(
 
 
 def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, stop: Stop | None = None) -> PlanSample:
-    """How often parts whose gaps vary go together along the paths of a plan.
+    """Share of assemblies with random gaps that go together along the paths of a plan.
 
     Parameters
     ----------
     plan : Plan
     spread : Spread
-        Of the extra gap round every part: its boundary moves inward by half of it.
+        Distribution of the extra gap round every part, whose boundary moves inward by half of it.
     draws, seed : int
     stop : optional
-        Asked before every draw; then those so far are given.
+        Checked before every draw; once set, the draws so far are returned.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, 
 
 
 def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
-    """Which gap to enlarge so that a plan has more room: extra gap round one part after the other.
+    """Rank the gaps by the room that a plan gains from extra gap round each part.
 
     In the plane paths are fitted anew.
 
@@ -154,9 +154,9 @@ def _geometry_of(standing: Assembly) -> PlanGeometry:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanQuestion(Question):
-    """Plan how it is taken apart and, backwards, put together: who moves when, along which path, with how much room.
+    """Plan disassembly and, backwards, assembly: the order of parts, their paths and their clearance.
 
-    Parts may move aside and come back, alone, as one or several at once. Fixed parts stand; where none is fixed, the
+    Parts may move aside and come back, alone, as one or several at once. Fixed parts stand; if none is fixed, the
     largest part stands. Every step is checked for overlap. Exit code: 0 a plan, or nothing leaves; 3 unknown.
 
     Example: wiggleroom plan puzzle.svg --gap 0.2 --picture steps.html
@@ -168,21 +168,23 @@ class PlanQuestion(Question):
     Parameters
     ----------
     target
-        Parts that are to leave: A,B. May repeat. By default all that can.
+        Parts to remove: A,B. May repeat. Default: all that can leave.
     gravity
-        Where loose parts fall, as -y or 0.6,-0.8, in space -z: every step then says whom to hold by hand so that none does.
+        Direction in which loose parts fall, such as -y or 0.6,-0.8, in space -z. Every step then lists the parts to
+        hold so that none falls.
     sample
-        Also say how many draws go together when the gap round every part varies by this standard deviation [mm].
+        Also report the share of random draws that go together if the gap round every part varies by this standard
+        deviation [mm].
     draws
-        Of --sample: assemblies drawn at random.
+        For --sample: number of random assemblies.
     seed
-        Of --sample: same seed, same draws.
+        For --sample: the same seed gives the same draws.
     rank
-        Also say whose gap gives the narrowest steps more room.
+        Also rank the gaps by the room that they give the narrowest steps.
     smallest_gap
-        Also find the smallest gap at which the plan works, to one per cent, with what fails below it.
+        Also find the smallest gap at which the plan works, to one per cent, and the failure below it.
     stills
-        A folder for numbered pictures, one of every step: step_01.svg and so on.
+        Folder for numbered pictures, one of every step: step_01.svg and so on.
     """
 
     name: ClassVar[str] = "plan"

@@ -29,25 +29,25 @@ def rank(
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Ranking:
-    """Importance of every part's gap, and of every joint's, for the largest motion.
+    """Rank the gap of every part, and of every joint, by its effect on the largest motion.
 
     Parameters
     ----------
     question : Assembly, Prepared or Answer
-        An answer is ranked as it is; else the motion is looked for first.
+        An answer is ranked as it is; otherwise the motion is computed first.
     goals : Pull, Turn and others, or several that add up
-        By default what the assembly's file asks for.
+        By default the question of the assembly's file.
     by : str
-        "duals": all parts from the multipliers of one solve. "differences": solved again for each part with a gap a
-        thousandth larger, and one smaller, as in the paper.
+        "duals": all parts from the multipliers of one solve. "differences": one solve per part with a gap a thousandth
+        larger, and one smaller, as in the paper.
     exact : bool
         Solve again for the parts whose derivative is not unique.
     workers : int, optional
         Processes on this machine; by default one for each processor.
     cluster : str, optional
-        Address of a Dask scheduler, tcp://host:port, that gets the work instead (extra `cluster`).
+        Address of a Dask scheduler, tcp://host:port, that takes the work (extra `cluster`).
     stop, progress : optional
-        Anything with `is_set()`; told how many differences are done, and how many there are.
+        Anything with `is_set()`; called with the numbers of finished and of all differences.
 
     Returns
     -------
@@ -74,18 +74,18 @@ def rank(
 
 @dataclass(frozen=True, kw_only=True)
 class RankQuestion(Question):
-    """Say which parts' gaps, and which joints', matter most for the motion.
+    """Rank the gaps of parts and of joints by their effect on the motion.
 
-    Importance is mm of motion for each mm of extra gap round one part: its outline alone moves inward by half of it.
+    Importance is mm of motion per mm of extra gap round one part, whose outline alone moves inward by half of it.
 
     Example: wiggleroom rank puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture blame.svg
 
     Parameters
     ----------
     by
-        duals: all parts from the forces of one solve. differences: solved again for every part, as a check.
+        duals: all parts from the forces of one solve. differences: one more solve for every part, as a check.
     exact
-        Solve again for the parts whose importance the forces leave open.
+        Solve again for the parts whose importance is not unique.
     """
 
     name: ClassVar[str] = "rank"

@@ -36,22 +36,22 @@ def sample(
     Parameters
     ----------
     assembly : Assembly or Answer
-        An answer is studied as it is; else the motion is looked for first.
+        An answer is used as it is; otherwise the motion is computed first.
     spread : Spread or float [mm]
-        Distribution of the extra gap round a part; a number is the standard deviation of a normal one. Extra gap e
-        moves the part's boundary inward by e/2, in space all its faces.
+        Distribution of the extra gap round a part; a number is the standard deviation of a normal distribution. Extra
+        gap e moves the part's boundary inward by e/2, in space all its faces.
     goals : Pull, Turn and others, or several that add up
-        By default what the assembly's file asks for.
+        By default the question of the assembly's file.
     draws, seed : int
-        Same seed, same draws.
+        The same seed gives the same draws.
     limit : float, optional
-        Largest motion that is wanted.
+        Largest motion of a good assembly.
     workers : int, optional
         Processes on this machine; by default one for each processor.
     cluster : str, optional
-        Address of a Dask scheduler, tcp://host:port, that gets the work instead (extra `cluster`).
+        Address of a Dask scheduler, tcp://host:port, that takes the work (extra `cluster`).
     stop, progress : optional
-        Anything with `is_set()`; told how many draws and searches are done, and how many there are.
+        Anything with `is_set()`; called with the numbers of finished and of all draws and searches.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def sample(
 class SampleQuestion(Question):
     """Find the motion when the gap round every part varies at random.
 
-    Says mean, quantiles, worst case, which parts contribute, and how many keep a limit.
+    Reports mean, quantiles, worst case, the contribution of each part, and the share that keeps a limit.
 
     Example: wiggleroom sample puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --spread 0.02 --limit 5
         --picture draws.svg
@@ -88,19 +88,19 @@ class SampleQuestion(Question):
     Parameters
     ----------
     spread
-        How much the gap round one part varies [mm]: standard deviation; half of the range where it is uniform.
+        Variation of the gap round one part [mm]: the standard deviation; for uniform half of the range.
     kind
         Distribution: normal, uniform, or truncated (normal, cut at two standard deviations).
     sheet
-        Correlation of all parts, as when the kerf of a sheet drifts: 0 each by itself, 1 all alike.
+        Correlation of all parts, as with a drifting kerf of a sheet: 0 independent, 1 all alike.
     bias
         Mean of the extra gap [mm].
     draws
-        Assemblies drawn at random.
+        Number of random assemblies.
     seed
-        Same seed, same draws.
+        The same seed gives the same draws.
     limit
-        Largest motion that is wanted [mm, turns in rad].
+        Largest motion of a good assembly [mm, turns in rad].
     """
 
     name: ClassVar[str] = "sample"

@@ -33,26 +33,28 @@ def sweep(
 ) -> Sweep:
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
-    Every gap is searched as a direct question is. What is free at one gap is free at every larger one, because all parts
-    have become smaller: so where a search finds less than that of a smaller gap, that motion counts, and the curve never falls.
-    Where nothing stops the motion, the smallest gap at which that is so is looked for as well.
+    Every gap is searched like a single question. A motion free at one gap is free at every larger one, because all
+    parts become smaller; a motion at a smaller gap therefore counts at larger ones, and the curve never falls. The
+    smallest gap at which nothing stops the motion is bracketed as well.
 
     Parameters
     ----------
     assembly : Assembly
     gaps : sequence of float, optional [mm]
-        In place of the file's gap, in any order; by default nine from a quarter of it to twice it.
+        Replaces the file's gap, in any order; by default nine from a quarter of it to twice it.
     goals : Pull, Turn and others, or several that add up
-        By default what the assembly's file asks for.
+        By default the question of the assembly's file.
     prove : float, optional
-        Of drawings only: prove a bound for every gap, at most this share above the motion, and so a band round the whole curve.
+        For drawings only: prove a bound for every gap, at most this share above the motion, for a band round the whole
+        curve.
     seconds : float, optional
-        The longest that the proof of one gap may take; by default a counted amount of work. Then the best bound so far is given.
+        Time limit for the proof of one gap; by default a fixed amount of work. Then the best bound so far is used.
     stop, progress : optional
-        Asked between gaps and within; told how many gaps are done, and how many there are. Proofs count once more.
+        Anything with `is_set()`; called with the numbers of finished and of all gaps. Proofs count once more.
     each : callable, optional
-        Told every gap's step when it is found, and the motion of the parts there (n, 3) [mm, mm, rad], in space (n, 6),
-        None where the motion does not end. Where the motion loses its end is found last, and may make larger gaps unbounded.
+        Called with the step of every gap and the motion of the parts there (n, 3) [mm, mm, rad], in space (n, 6), None
+        if the motion is unbounded. The gap at which the motion becomes unbounded comes last, and may make larger gaps
+        unbounded.
 
     Returns
     -------
@@ -61,7 +63,7 @@ def sweep(
     Raises
     ------
     InputError
-        If a gap makes no sense, nothing is fixed or pulled, or what is asked has no bound.
+        If a gap makes no sense, nothing is fixed or pulled, or the objective has no bound.
     MissingExtraError
         If `prove` needs the extra of that name.
 
@@ -92,11 +94,11 @@ class SweepQuestion(Question):
     Parameters
     ----------
     gaps
-        Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
-        gap to twice it.
+        Gaps in mm: a list 0.1,0.2,0.5, or first, last and number as 0.1:1:10. Default: nine, from a quarter of the gap
+        to twice it.
     prove
-        Prove a bound at every gap: that no motion is worth more than this share above the one found; 0.01 is one per
-        cent. So the curve gets a band that the truth lies in. Needs the extra prove. A gap's proof takes at most 60 seconds.
+        Prove at every gap that no motion exceeds the answer by more than this share, for a band round the curve; 0.01
+        is one per cent. Needs the extra prove. The proof of a gap takes at most a fixed amount of work.
     """
 
     name: ClassVar[str] = "sweep"

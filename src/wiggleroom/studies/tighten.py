@@ -31,36 +31,36 @@ def tighten(
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Tightening:
-    """Which parts to make tighter for the least motion, or the fewest for a wanted limit.
+    """Choose the parts to make tighter for the least motion, or the fewest that keep it below a limit.
 
-    A tightened part is made larger: every joint's gap is half its own and half its neighbour's share, and its own share
-    shrinks until `gap` would be left if the neighbour did the same. It grows alike everywhere: a joint with a larger gap of
-    its own keeps what that is more, one with a smaller gap limits both its parts. Parts are chosen by their rank, some at a
-    time, and ranked again as the others tighten. Choices of as many parts at random are tried beside that, all of them where they are no
-    more than `draws`; the best choice that was seen is taken, and `Tightening.chosen_by` says where it comes from. Unless all were
-    tried, it is a good one, not provably the best.
+    A tightened part is made larger. Each part contributes half of every joint's gap, and a tightened part grows evenly
+    until its half is that of a joint with the gap `gap`. A joint with a larger gap of its own keeps the difference, one
+    with a smaller gap limits both its parts. Parts are chosen by rank, some at a time, and ranked again as the others
+    tighten. Random choices of as many parts are tried as well, all of them if there are no more than `draws`. The best
+    choice is taken, with its origin in `Tightening.chosen_by`. Unless all were tried, it is not provably the best.
 
     Parameters
     ----------
     assembly : Assembly or Answer
-        An answer is studied as it is; else the motion is looked for first.
+        An answer is used as it is; otherwise the motion is computed first.
     goals : Pull, Turn and others, or several that add up
-        By default what the assembly's file asks for.
+        By default the question of the assembly's file.
     parts : int
-        How many to choose. Or:
+        Number of parts to choose. Or:
     limit : float [mm]
-        Choose as few as bring the motion down to this.
+        Choose the fewest parts that bring the motion down to this.
     gap : float, optional [mm]
-        What a tightened part aims at; by default a tenth of the gap. The paper (section 6.2) does not say what it took.
+        Gap that a tightened part aims at; by default a tenth of the gap. The paper (section 6.2) does not state its
+        value.
     draws : int
-        Choices at random.
+        Number of random choices.
     seed : int
     workers : int, optional
         Processes on this machine; by default one for each processor.
     cluster : str, optional
-        Address of a Dask scheduler, tcp://host:port, that gets the work instead (extra `cluster`).
+        Address of a Dask scheduler, tcp://host:port, that takes the work (extra `cluster`).
     stop, progress : optional
-        Anything with `is_set()`; told how many choices are done, and how many there are.
+        Anything with `is_set()`; called with the numbers of finished and of all choices.
 
     Returns
     -------
@@ -88,23 +88,23 @@ def tighten(
 
 @dataclass(frozen=True, kw_only=True)
 class TightenQuestion(Question):
-    """Say which parts to make tighter for the least motion, or the fewest that keep it below a limit.
+    """Choose the parts to make tighter for the least motion, or the fewest that keep it below a limit.
 
     Example: wiggleroom tighten frame.json --parts 11 --picture tighter.svg
 
     Parameters
     ----------
     parts
-        How many parts to choose.
+        Number of parts to choose.
     limit
-        Or: choose as few as keep the motion below this [mm, turns in rad].
+        Or choose the fewest parts that keep the motion below this [mm, turns in rad].
     to
-        Gap that a tightened part aims at [mm]: it is made larger until its own half of the gap is half of this. By
-        default a tenth of the gap. Joints with a larger gap of their own keep what theirs is more.
+        Gap that a tightened part aims at [mm]: it grows until its half of the gap is half of this. Default: a tenth of
+        the gap. Joints with a larger gap of their own keep the difference.
     draws
-        Choices at random to compare with.
+        Number of random choices for comparison.
     seed
-        Same seed, same choices at random.
+        The same seed gives the same random choices.
     """
 
     name: ClassVar[str] = "tighten"

@@ -28,7 +28,7 @@ def worst_case(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> WorstCase:
-    """Largest and smallest motion within tolerances, each solved at its corner, and what every tolerance contributes.
+    """Largest and smallest motion within tolerances, each solved at its corner, and the contribution of every tolerance.
 
     Parameters
     ----------
@@ -36,16 +36,17 @@ def worst_case(
     tolerances : sequence of Tolerance, optional
         By default those of the assembly's file.
     goals : Pull, Turn and others, or several that add up
-        By default what the assembly's file asks for.
+        By default the question of the assembly's file.
     limit : float, optional
-        Largest motion that is wanted.
+        Largest acceptable motion.
     workers, stop, progress : optional
-        Where single outlines are solved, and what stops it.
+        As for `rank`; the processes solve for single outlines.
 
     Raises
     ------
     InputError
-        If there are no tolerances, a name is unknown, parts do not fit even where they should be, or nothing stops the motion there.
+        If there are no tolerances, a name is unknown, parts do not fit even at their nominal sizes, or nothing stops
+        the motion there.
 
     Examples
     --------
@@ -64,11 +65,11 @@ def worst_case(
 
 @dataclass(frozen=True, kw_only=True)
 class TolerancesQuestion(Question):
-    """Find the worst and the best case within tolerances, and what each of them contributes.
+    """Find the worst and the best case within tolerances, and the contribution of each tolerance.
 
-    A tolerance says how far the outlines of a part (in space the cut edges of a plate, all faces of another solid), one
-    outline, the thickness of a plate, or the gap of a joint may lie from where it should. The worst case is where
-    everything is as loose as allowed, and is solved there; --csv lists who contributes how much.
+    A tolerance limits the deviation of the outlines of a part (in space the cut edges of a plate, all faces of another
+    solid), of one outline, of the thickness of a plate, or of the gap of a joint. In the worst case everything is as
+    loose as allowed; the motion is solved there. --csv lists the contributors.
 
     Example: wiggleroom tolerances box.svg --gap 0.2 --fix box --pull lid:+x --tolerances sheet.csv --limit 0.5
         --csv contributors.csv
@@ -76,10 +77,10 @@ class TolerancesQuestion(Question):
     Parameters
     ----------
     tolerances
-        Table with the columns part, other, outline (a number, or thickness), nominal, plus, minus [mm]: .csv. In place
-        of the file's.
+        Table with the columns part, other, outline (a number, or thickness), nominal, plus, minus [mm]: .csv. Replaces
+        the file's.
     limit
-        Largest motion that is wanted [mm, turns in rad].
+        Largest acceptable motion [mm, turns in rad].
     """
 
     name: ClassVar[str] = "tolerances"

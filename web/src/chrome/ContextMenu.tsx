@@ -25,11 +25,11 @@ function entries(part: string | null): Entry[] {
     { words: pulledNames.value.has(part) ? "Do not pull it" : "Pull", key: "P", does: () => togglePull(part) },
     { words: groupOf(part) ? "Unglue" : "Glue to another part", key: "G", does: () => glueOrNot(part) },
     { words: pinned.value.has(part) ? "Unpin" : "Pin", key: "N", does: () => togglePinned(part), not: stands },
+    { words: "Wiggle", key: "W", does: () => askModes(part), not: stands },
     ...(inSpace() ? [
       { words: goals.value.some((goal) => goal.part === part && isTwist(goal)) ? "Do not twist it" : "Twist", key: "T", does: () => toggleTwist(part) },
       { words: outlined.value.has(part) ? "Fill it again" : "See past it", key: "H", does: () => seePast(part) },
     ] : [
-      { words: "Wiggle", key: "W", does: () => askModes(part), not: stands },
       { words: "Where it can be brought", key: "R", does: () => askReach(part), not: stands },
     ]),
   ];

@@ -23,7 +23,7 @@ const KEYS: Row[] = [
 const SPACE_KEYS: Row[] = [
   ["← ↑ → ↓", "turn the view"], ["X Y Z", "look along an axis; again from its other side"], ["Shift ← ↑ → ↓", "drag the chosen part a step, in the plane of the picture"], [", .", "choose the part before or after"],
   ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"], ["T", "twist the chosen part, or stop"], ["G", "glue the chosen part to another one"],
-  ["H", "outline the chosen part alone, to see past it"], ["Space", "play or pause the path"], ["+ −", "nearer, further"], ["0", "the whole assembly"], ["[ ]", "gap smaller or larger by a step"],
+  ["H", "outline the chosen part alone, to see past it"], ["W", "wiggle: show every freedom that is left"], ["Space", "play or pause the path"], ["+ −", "nearer, further"], ["0", "the whole assembly"], ["[ ]", "gap smaller or larger by a step"],
   ["N", "pin the chosen part for the moment: it stands while others are dragged"], ["Home", "bring all parts back to rest"],
   ["Ctrl Z", "undo, also a drag; Ctrl Y redo"], ["O, Ctrl O", "open a file"], ["S, Ctrl S", "save"], ["Esc", "cancel work, back to the answer, let the part go"], ["?", "this list"],
 ];

@@ -74,6 +74,7 @@ function InSpace({ name }: { name: string }) {
       <Button icon="twist" label="Twist this part" keyName="T" onClick={() => toggleTwist(name)} pressed={twisted}>Twist</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
       <Button icon="needle" label="Pin: it stands while others are dragged" keyName="N" onClick={() => togglePinned(name)} disabled={fixedNames.value.has(name)} pressed={pinned.value.has(name)}>Pin</Button>
+      <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => askModes(name)} disabled={fixedNames.value.has(name)}>Wiggle</Button>
       <Button icon="see" label="Outline it alone, to see past it" keyName="H" onClick={() => seePast(name)} pressed={outlined.value.has(name)}>See past</Button>
       <ExtraGap name={name} />
     </div>

@@ -185,7 +185,7 @@ def without_engraved_styles(
         styles[row] for row in range(len(polygons)) if large[row] and not ((layered or several) and row in parents)
     }
     if not (layered or bounding):
-        bounding = {style for style in of_lines if _has_large_face(drawn[[o == style for o in of_lines]], least)}
+        bounding = {style for style in {*of_lines} if _has_large_face(drawn[[o == style for o in of_lines]], least)}
     pictures = _pictures(found.outlines, polygons, parents, styles, told, several) if layered else set()
     scores = _scores(kept, drawn, polygons, of_lines, bounding) if several else set()
     gone: set[_Style] = set()

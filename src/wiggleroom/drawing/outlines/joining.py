@@ -21,10 +21,10 @@ JOIN_SHARE = 0.01
 """... and nearer than this share of the shortest line."""
 BEAM, PAIR_SHARE = 0.1, 0.02
 """An end with one other alone near is joined over the width of a beam [mm], and this share of the shorter of their lines."""
-CLOSING_SHARE = 1e-3
-"""The two ends of one line nearer than this share of its size are one, if no other end is near; ..."""
 ALONE = 3.0
-"""... that is nearer than so many times their distance."""
+"""Another end is near if it is nearer than so many times their distance."""
+LOOP_SHARE, LOOP_GAP = 0.03, 0.5
+"""Lines whose nearest ends make one loop are closed over gaps of this share of it together, each of several no wider than that [mm]."""
 COINCIDENCE_TOLERANCE = 1e-9
 """Ends nearer than this share of the drawing's size are one."""
 
@@ -41,11 +41,14 @@ class Ends:
         Where each numbered point lies.
     widest : float [mm]
         The largest distance that was closed.
+    where : (x, y) [mm]
+        One of the two ends there.
     """
 
     node: Ints
     at: Points
     widest: float
+    where: tuple[float, float] = (0.0, 0.0)
 
 
 def join_ends(
@@ -64,7 +67,7 @@ def join_ends(
         Of the drawing.
     further : bool
         Whether two ends with no other one near are joined over more than `tolerance`: up to `BEAM` and `PAIR_SHARE` of
-        the shorter of their lines, the two ends of one line up to `CLOSING_SHARE` of its size.
+        the shorter of their lines; those of lines that make one loop so up to `LOOP_SHARE` of it, several up to `LOOP_GAP`.
     rings : sequence of (n, 2) float64 [mm]
         Closed outlines; an end that lies on one of them, or on another line, is not joined further.
 
@@ -83,7 +86,7 @@ def join_ends(
     label = components(len(ends), first, second)
     count = np.bincount(label)
     loose = count == 1
-    widest = 0.0
+    widest, where = 0.0, 0
     rows = np.flatnonzero(loose[label])
     first, second = tree.query(points[rows], predicate="dwithin", distance=tolerance)
     first = rows[first]
@@ -98,13 +101,19 @@ def join_ends(
             continue  # a line so short joins others, not itself
         merged[merged == merged[a]] = merged[b]
         loose[a] = loose[b] = False
-        widest = max(widest, float(apart[k]))
-    if further:
-        lengths = np.repeat(sizes, 2)
-        loose &= ~_on_lines(ends, label, loose, lines, rings, COINCIDENCE_TOLERANCE * size)
-        for a, b, apart_here in _pairs_alone(ends, label, loose, lengths, tree):
-            merged[merged == merged[a]] = merged[b]
-            widest = max(widest, apart_here)
+        widest, where = max((widest, where), (float(apart[k]), int(first[k])))
+    if further and loose.any():
+        drawn = [*lines, *(np.vstack([ring, ring[:1]]) for ring in rings)]
+        owner = np.repeat(np.arange(len(drawn)), [len(line) for line in drawn])
+        around = shapely.STRtree(shapely.linestrings(np.concatenate(drawn), indices=owner))
+        loose &= ~_on_lines(ends, label, loose, around, COINCIDENCE_TOLERANCE * size)
+        for a, b, gap in _pairs_alone(ends, label, loose, np.repeat(sizes, 2), tree):
+            loose[label[[a, b]]] = False
+            merged[merged == merged[label[a]]] = merged[label[b]]
+            widest, where = max((widest, where), (gap, a))
+        for a, b, gap in _gaps_of_loops(ends, merged[label], loose[label], lines, around):
+            merged[merged == merged[label[a]]] = merged[label[b]]
+            widest, where = max((widest, where), (gap, a))
     label = merged[label]
     kept, node = np.unique(label, return_inverse=True)
     at = np.empty((len(kept), 2))
@@ -112,20 +121,15 @@ def join_ends(
     order = np.argsort(np.unique(node, return_index=True)[1], kind="stable")
     rank = np.empty(len(kept), dtype=np.int64)
     rank[order] = np.arange(len(kept))
-    return Ends(rank[node].reshape(-1, 2), at[order], widest)
+    return Ends(rank[node].reshape(-1, 2), at[order], widest, (float(ends[where, 0]), float(ends[where, 1])))
 
 
 def _on_lines(
-    ends: Points, label: Ints, loose: NDArray[np.bool_], lines: Sequence[Points], rings: Sequence[Points], within: float
+    ends: Points, label: Ints, loose: NDArray[np.bool_], drawn: shapely.STRtree, within: float
 ) -> NDArray[np.bool_]:
     """Labels of loose ends that lie on a closed outline or on another line."""
     rows = np.flatnonzero(loose[label])
-    if not len(rows):
-        return np.zeros(len(loose), dtype=bool)
-    drawn = [*lines, *(np.vstack([ring, ring[:1]]) for ring in rings)]
-    owner = np.repeat(np.arange(len(drawn)), [len(line) for line in drawn])
-    tree = shapely.STRtree(shapely.linestrings(np.concatenate(drawn), indices=owner))
-    k, other = tree.query(shapely.points(ends[rows]), predicate="dwithin", distance=within)
+    k, other = drawn.query(shapely.points(ends[rows]), predicate="dwithin", distance=within)
     found = np.zeros(len(loose), dtype=bool)
     found[label[rows[k[other != rows[k] // 2]]]] = True
     return found
@@ -134,10 +138,9 @@ def _on_lines(
 def _pairs_alone(
     ends: Points, label: Ints, loose: NDArray[np.bool_], lengths: NDArray[np.float64], tree: shapely.STRtree
 ) -> list[tuple[int, int, float]]:
-    """Labels of two loose ends with no other end near, and how far they are apart [mm]."""
+    """Pairs of loose ends of two lines with no other end near, and how far they are apart [mm]."""
     rows = np.flatnonzero(loose[label])
-    reach = np.maximum(BEAM, CLOSING_SHARE * lengths)[rows]
-    k, there = tree.query(shapely.points(ends[rows]), predicate="dwithin", distance=ALONE * reach)
+    k, there = tree.query(shapely.points(ends[rows]), predicate="dwithin", distance=ALONE * BEAM)
     away = np.hypot(*(ends[there] - ends[rows[k]]).T)
     order = np.lexsort((there, away, k))
     there, away = there[order], away[order]
@@ -145,17 +148,59 @@ def _pairs_alone(
     found = []
     for row, start, stop in zip(rows.tolist(), [0, *stops], stops, strict=False):
         near = there[start:stop]
-        if len(near) < 2 or near[1] < row or not loose[label[near[1]]]:
+        if len(near) < 2 or near[1] < row or not loose[label[near[1]]] or near[1] // 2 == row // 2:
             continue
         other, gap = int(near[1]), float(away[start + 1])
-        closing = other // 2 == row // 2
-        most = CLOSING_SHARE * lengths[row] if closing else min(BEAM, PAIR_SHARE * lengths[[row, other]].min())
         third = (
             np.hypot(*(ends[near[2:], None] - ends[[row, other]]).transpose(2, 0, 1)).min() if len(near) > 2 else np.inf
         )
-        if gap <= most and third > ALONE * gap:
-            found.append((int(label[row]), int(label[other]), gap))
+        if gap <= min(BEAM, PAIR_SHARE * lengths[[row, other]].min()) and third > ALONE * gap:
+            found.append((row, other, gap))
     return found
+
+
+def _gaps_of_loops(
+    ends: Points, label: Ints, loose: NDArray[np.bool_], lines: Sequence[Points], drawn: shapely.STRtree
+) -> list[tuple[int, int, float]]:
+    """Pairs of loose ends, each the nearest of the other, that close chains of lines to loops, and how far they are apart [mm].
+
+    No loose end of other lines is near, nor any other line nearer than half the gap, so that there is one way to close them.
+    """
+    size = label.max() + 1
+    chain = components(size, label[::2], label[1::2])[label]
+    free = np.bincount(chain, loose, minlength=size)
+    plain = (free == 2) & (np.bincount(chain, np.bincount(label)[label] > 2, minlength=size) == 0)
+    rows = np.flatnonzero(loose & plain[chain])
+    if not len(rows):
+        return []
+    drawn_length = shapely.length(drawn.geometries[: len(lines)])
+    length = np.bincount(chain[::2], drawn_length, minlength=size)
+    points = shapely.points(ends[rows])
+    i, j = shapely.STRtree(points).query(
+        points, predicate="dwithin", distance=np.maximum(LOOP_GAP, LOOP_SHARE * length[chain[rows]])
+    )
+    i, j = rows[i], rows[j]
+    apart = np.hypot(*(ends[i] - ends[j]).T)
+    may = (i != j) & (apart <= np.where(chain[i] == chain[j], LOOP_SHARE * length[chain[i]], LOOP_GAP))
+    nearest: dict[int, tuple[int, float]] = {}
+    for k in np.lexsort((j, apart)):
+        if may[k]:
+            nearest.setdefault(int(i[k]), (int(j[k]), float(apart[k])))
+    pairs = [(a, b, gap) for a, (b, gap) in nearest.items() if a < b and nearest.get(b, (-1, 0.0))[0] == a]
+    loop = components(size, chain[[a for a, _, _ in pairs]], chain[[b for _, b, _ in pairs]])[chain]
+    gaps = np.bincount(loop[[a for a, _, _ in pairs]], [gap for *_, gap in pairs], minlength=size)
+    closed = 2 * np.bincount(loop[[a for a, _, _ in pairs]], minlength=size) == np.bincount(loop, loose, minlength=size)
+    closed &= gaps <= LOOP_SHARE * np.bincount(loop[::2], drawn_length, minlength=size)
+    free_ends = np.flatnonzero(loose)
+    near = shapely.STRtree(shapely.points(ends[free_ends]))
+    for a, b, gap in pairs:
+        around = free_ends[near.query(shapely.points(ends[[a, b]]), predicate="dwithin", distance=ALONE * gap)[1]]
+        beside = drawn.query(shapely.points(ends[[a, b]]), predicate="dwithin", distance=gap / 2)[1]
+        own = beside < len(lines)
+        closed[loop[a]] &= bool(
+            own.all() and (loop[2 * beside[own]] == loop[a]).all() and (loop[around] == loop[a]).all()
+        )
+    return [(a, b, gap) for a, b, gap in pairs if closed[loop[a]]]
 
 
 def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bool]]]:
@@ -237,10 +282,15 @@ def open_chains(ends: Ends, wanted: Sequence[bool]) -> list[list[tuple[int, bool
 
 
 def outline_of(loop: Sequence[tuple[int, bool]], lines: Sequence[Points], ends: Ends) -> Points:
-    """Corners (n, 2) [mm] of a loop of lines; ends that meet become one point exactly."""
-    starts = ends.at[ends.node[[line for line, _ in loop], [int(back) for _, back in loop]]]
+    """Corners (n, 2) [mm] of a loop of lines; ends that meet become one point exactly, those further apart than a beam are bridged."""
+    rows, backward = np.array(loop, dtype=int).T
+    starts = ends.at[ends.node[rows, backward]]
+    stops = ends.at[ends.node[rows, 1 - backward]]
+    turned = [lines[line][::-1] if back else lines[line] for line, back in loop]
+    first = np.hypot(*(np.array([points[0] for points in turned]) - starts).T) <= BEAM
+    last = np.array([len(points) for points in turned])
+    last = last - (np.hypot(*(np.array([points[-1] for points in turned]) - stops).T) <= BEAM)
     pieces = []
-    for (line, back), start in zip(loop, starts[:, None], strict=True):
-        points = lines[line][::-1] if back else lines[line]
-        pieces += [start] if len(points) == 2 else [start, points[1:-1]]
+    for points, start, low, high in zip(turned, starts[:, None], first.tolist(), last.tolist(), strict=True):
+        pieces += [start] if low >= high else [start, points[low:high]]
     return np.concatenate(pieces)

@@ -31,7 +31,9 @@ _SET_IN, _FINGERS = 0.5, 3
 _GAP, _CLOSED_IN = 0.1, 0.6
 """A face between parts is a gap where it is smaller than this share of two beside it, with which it shares this share of its edge."""
 _CONVEX = 0.9
-"""A gap that fills this share of its hull holds no parts together: a hole across the seam of two, and no key."""
+"""A gap that fills this share of its hull holds no parts together: a hole across the seam of two, and no key; ..."""
+_WIDER = 0.01
+"""... nor does one that is nowhere wider than at the seam, but for this share."""
 
 
 def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[OpenLine]:
@@ -47,7 +49,9 @@ def joined_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> list[
     rings = [ring for outline in found.outlines for ring in (outline.region.outer, *outline.region.holes)]
     ends = join_ends(corners, found.join, size, further=found.further, rings=rings)
     if ends.widest > 1e-6 * size:
-        found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
+        x, y = ends.where
+        at = f", at ({x:.6g}, {y:.6g}) mm" if ends.widest > BEAM else ""
+        found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart{at} (--join sets how far)")
     used = set()
     for loop in closed_loops(ends, [line.stroke.pool for line in lines]):
         ring = outline_of(loop, corners, ends)
@@ -226,9 +230,9 @@ def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collecti
     large = area[first] <= _GAP * area[second]
     gaps = np.bincount(first[large], part[large], minlength=len(faces)) >= _CLOSED_IN
     gaps &= np.bincount(first[large], minlength=len(faces)) > 1
-    small = area[first] <= SMALL * area[second]
-    seams = (met == 2) & (np.bincount(first, part * small, minlength=len(faces)) > 1 - 1e-6)
-    seams &= area >= _CONVEX * shapely.area(shapely.convex_hull(faces))
+    seams = (met == 2) & (np.bincount(first, part, minlength=len(faces)) > 1 - 1e-6)
+    seams &= area <= SMALL * np.bincount(first, area[second], minlength=len(faces))
+    seams[[f for f in np.flatnonzero(seams) if not _holds_nothing(faces[f], border[first == f])]] = False
     if (met[slots] > 1).sum() + seams.sum() < _FINGERS:
         seams[:] = False
         gaps &= np.bincount(first[large], np.isin(second[large], list(closed)), minlength=len(faces)) > 0
@@ -236,6 +240,18 @@ def _waste(faces: NDArray[np.object_], closed: Collection[int], nested: Collecti
     gaps |= seams
     waste = {*splinters.tolist(), *slots.tolist(), *np.flatnonzero(gaps).tolist()}
     return waste, set(np.flatnonzero(seams).tolist())
+
+
+def _holds_nothing(face: shapely.Polygon, borders: NDArray[np.object_]) -> bool:
+    """Whether a face is no key between two others: it fills its hull, or is nowhere wider than where their seam meets it."""
+    if face.area >= _CONVEX * face.convex_hull.area:
+        return True
+    ends = shapely.get_coordinates(shapely.intersection(*borders))
+    if len(ends) < 2:
+        return False
+    along = ends[-1] - ends[0]
+    reach = (shapely.get_coordinates(face) - ends[0]) @ along / (along @ along)
+    return bool(reach.min() >= -_WIDER and reach.max() <= 1 + _WIDER)
 
 
 def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None) -> list[Outline]:

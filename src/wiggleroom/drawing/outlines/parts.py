@@ -23,7 +23,7 @@ from wiggleroom.drawing.outlines.traced_outlines import Outline, Remark, Traced
 from wiggleroom.drawing.strokes.colours import is_light
 from wiggleroom.drawing.strokes.elements import NO_SIZE, Artwork, Stroke
 from wiggleroom.drawing.strokes.flatten import Curved
-from wiggleroom.drawing.strokes.layers import PAGE, cut_by, cut_strokes, has_own_name, is_outline_name
+from wiggleroom.drawing.strokes.layers import PAGE, cut_by, cut_strokes, has_own_name, is_outline_name, is_own_label
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import go_on
 
@@ -250,7 +250,8 @@ def _claims(
         # One label on an outline and on what is in it says nothing, nor does a text in both.
         named = inside[i] and parent is not None and given[around[i]] not in ("", given[i])
         filled = stroke.fill and not white and i not in hollow and (stroke.styled or has_own_name(stroke))
-        labelled = stroke.label and around.get(i) not in kinds and (parent is None or stroke.label != parent.label)
+        labelled = is_own_label(stroke.label) and around.get(i) not in kinds
+        labelled = labelled and (parent is None or stroke.label != parent.label)
         words = {word.casefold() for word in (given[i], stroke.name) if word}
         marks = {word.casefold() for word in (stroke.label, stroke.name, stroke.layer, *_group_marks(stroke)) if word}
         unknown -= words | marks

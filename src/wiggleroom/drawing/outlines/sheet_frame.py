@@ -31,8 +31,8 @@ _COVERED = 0.3
 """Holes leave more of a panel than parts leave of a sheet: they cover less than this share of it."""
 _THIN = 0.3
 """Walls thinner than this [mm] between holes are the lines of a laser rather than material."""
-_OPENED = 0.5
-"""A part has holes that cover less than this share of it; a ring round another part has one that covers more."""
+_OPENED, _SEVERAL = 0.5, 3
+"""A part has holes that cover less than this share of it, a ring round another part one that covers more; so many parts are on a sheet."""
 _MOST_FRAMES = 4
 """Frames inside each other."""
 _NEARLY_CLOSED = 0.1
@@ -171,7 +171,7 @@ class _Evidence:
     panels : bool
         Outlines inside have holes of their own, so that they are parts.
     all_open : bool
-        All of them have.
+        All of them have, or several.
     covered : bool
         What is inside covers more of it than holes do of a panel.
     apart : bool
@@ -248,7 +248,7 @@ class _Sheet:
         if len(rows) > 1 and seen.panels:
             return rows, "all of one size, what is in them has holes"
         if seen.panels and seen.all_open:
-            return rows, "all that is in it has holes"
+            return rows, "what is in it has holes"
         return set(), ""
 
     def doubt(self) -> None:
@@ -362,7 +362,7 @@ class _Sheet:
             own=f"drawn alone as {strokes[0].line_type}" if dashed else own,
             drawn_aside=dashed or bool(colour and all(is_grey(c) or is_light(c) for c in colour)),
             panels=len(inner) > 1 and covered >= _COVERED and bool(opened),
-            all_open=len(opened) == len(inner),
+            all_open=len(opened) == len(inner) or len(opened) >= _SEVERAL,
             covered=len(inner) > 1 and covered >= _COVERED,
             apart=bool((first == second).all()),
             outside=all(is_outside_layer(outlines[row].stroke.layer) for row in inner)

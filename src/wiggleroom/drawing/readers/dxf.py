@@ -38,9 +38,16 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
 
 def walked_dxf(file: DxfFile, unit: str | None = None, stop: Stop | None = None) -> tuple[DxfWalk, Artwork]:
     """The same with the entity that every stroke comes from; see `dxf_artwork`."""
-    scale, assumed = scale_of(file, unit, lambda: _sizes(_walked(file, 1.0, stop).strokes))
+    in_units: list[DxfWalk] = []
+
+    def sizes() -> list[float]:
+        if not in_units:
+            in_units.append(_walked(file, 1.0, stop))
+        return _sizes(in_units[0].strokes)
+
+    scale, assumed = scale_of(file, unit, sizes)
     go_on(stop)
-    walk = _walked(file, scale, stop)
+    walk = in_units[0] if in_units and scale == 1.0 else _walked(file, scale, stop)
     notes = [*assumed, *file.notes]
     if walk.hidden:
         notes.append(f"{file.name}: layers that are off or frozen are left out: {', '.join(sorted(walk.hidden))}")

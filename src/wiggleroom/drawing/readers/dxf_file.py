@@ -157,8 +157,10 @@ def scale_of(file: DxfFile, unit: str | None, sizes: Callable[[], Sequence[float
     imperial = "that it is imperial ($MEASUREMENT 0)" if file.imperial else ""
     if file.unit in _UNITS:
         scale = _UNITS[file.unit]
+        if scale == UNITS["mm"]:
+            return scale, ()
         size = scale * sizes()[0]
-        if scale == UNITS["mm"] or _CUTTABLE[0] <= size <= _CUTTABLE[1]:
+        if _CUTTABLE[0] <= size <= _CUTTABLE[1]:
             return scale, ()
         long = f"{size:.3g} mm" if size < _CUTTABLE[0] else f"{size / 1000:.3g} m"
         which = f"would be {long} large in its unit ($INSUNITS {file.unit}), which is taken as none"

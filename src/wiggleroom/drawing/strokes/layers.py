@@ -530,6 +530,20 @@ def has_own_name(stroke: Stroke) -> bool:
     return not _AUTOMATIC.fullmatch(stroke.name)
 
 
+_BY_PROGRAM = re.compile(r"(?:path|rect|circle|ellipse|polygon|polyline|line|use|g)\d+(?:-\d+)*")
+
+
+def is_own_label(label: str) -> bool:
+    """Whether a person gave a label: one that is the id of a copied element is none.
+
+    Examples
+    --------
+    >>> is_own_label("lid"), is_own_label("7"), is_own_label("path54-1")
+    (True, True, False)
+    """
+    return bool(label) and not _BY_PROGRAM.fullmatch(label)
+
+
 def _box(stroke: Stroke) -> shapely.Polygon:
     points = np.array([point for path in stroke.paths for point in trace(path, 4)] or [0j])
     return shapely.box(points.real.min(), points.imag.min(), points.real.max(), points.imag.max())

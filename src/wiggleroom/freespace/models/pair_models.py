@@ -25,11 +25,11 @@ class Hull:
     Parameters
     ----------
     about : str
-        The point that B turns about in place until it touches: its "reference" point or one in the "joint". The paper does not say which.
+        The point about which B turns in place until it touches: its "reference" point or one in the "joint". The paper leaves it open.
     slices : int
         3, as in the paper, or more: then evenly spaced over all angles that B can reach, shifting as it turns.
     rounds : int
-        Number of times the hulls are worked out; from the second time on round the motion found before (the paper's outlook).
+        Number of times the hulls are computed; from the second time on round the last motion (the paper's outlook).
     """
 
     about: str = "reference"
@@ -59,8 +59,8 @@ class HalfPlane:
     Parameters
     ----------
     iterated : bool
-        True: small steps, linearised again after each and put right, until nothing is gained. False: one linear program at rest, which
-        promises too much where parts turn.
+        True: small steps, linearised and corrected after each, until nothing is gained. False: one linear program at rest, which
+        overestimates motions with turns.
     """
 
     iterated: bool = True

@@ -29,11 +29,11 @@ class Polyhedron(Displayable):
     normal, offset : (m, 3) float64, (m,) float64 [mm]
         N g + D <= 0, g the motion of `pivot` in part a's frame and the turn of b.
     slices : tuple of Slice [mm]
-        What a hull is the hull of, as motions of the pivot; none for half-planes.
+        Slices whose hull it is, as motions of the pivot; none for half-planes.
     angles : (low, high) [rad]
         nc and pc of a hull; the range of turns of half-planes at the pivot's place at rest.
     closed : bool
-        True where nothing had to be cut off to make it bounded.
+        True if it is bounded without a cut.
     pivot : (2,) float64 [mm]
         Point of b, from b's reference point, in the axes of a's frame at rest.
     """

@@ -54,9 +54,9 @@ def film(
     goals : tuple of Pull, Turn or W
         Drawn as arrows; their parts are blue.
     pulled : str
-        What the legend calls these parts.
+        Name of these parts in the legend.
     title, facts, command : str, tuple of str, str
-        Said above and below.
+        Texts above and below.
     back : bool
         True: the film returns to rest the same path before it begins again.
     magnify : float, optional
@@ -64,7 +64,7 @@ def film(
     least_seconds : float
         Least time of the path.
     progress : callable, optional
-        Told after every frame how many of how many are drawn.
+        Called after every frame with the numbers of finished and of all frames.
 
     Raises
     ------
