@@ -229,3 +229,9 @@ def test_the_command_answers_in_the_offset_of_the_cutter(
     assert command("gap", tmp_path / "peg.json", "--fits", 0.1, "--picture", places[3]) == 0
     assert command("gap", tmp_path / "peg.json") == 2
     assert "ask one question" in capfd.readouterr().err
+
+
+def test_a_drawn_clearance_that_keeps_the_limit_without_any_gap() -> None:
+    found = wr.allowable_gap(assemble(peg_in_slot(right=3.0, side=0.2), gap=1.0), at_most=3.05)
+    assert found.gap is not None
+    assert found.gap <= 0.05 < (found.beyond or math.inf)

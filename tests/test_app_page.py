@@ -397,3 +397,24 @@ def test_the_sample_of_a_cutting_sheet_is_a_box(page: Visit) -> None:
     assert reply["certainty"] == "sure"
     assert {panel["state"] for panel in reply["panels"]} == {"placed"}
     assert len(reply["joints"]) == 8
+
+
+def test_the_state_of_a_pair_lies_in_its_free_space(page: Visit) -> None:
+    page.open("chain.json", chain())
+    page.ask("flex")
+    reply = page.ask("space", a="b2", b="b3")
+    x, y, turn = reply["state"]
+    near = min(reply["slices"], key=lambda s: abs(s["angle_deg"] - turn))
+    region = shapely.union_all([shapely.Polygon(r) for r in near["rings"]])
+    assert region.buffer(0.05 * np.sqrt(region.area)).contains(shapely.Point(x, y))
+    assert np.hypot(x, y) > 0 or turn != 0
+
+
+def test_a_saved_cut_is_the_outline_with_the_gap_applied(page: Visit, tmp_path: Path) -> None:
+    page.open("peg.svg", PEG.encode())
+    page.design = {"gap": 0.4, "extra": {"peg": 0.1}}
+    reply = page.ask("save", what="cut-svg")
+    (tmp_path / "cut.svg").write_bytes(base64.b64decode(reply["data"]))
+    back = wr.read(tmp_path / "cut.svg")
+    peg = back.parts[back.names.index("peg")].regions[0]
+    assert shapely.Polygon(peg.outer).area == pytest.approx(9.5**2)

@@ -346,3 +346,30 @@ def test_pages_begin_with_gaps_of_joints_and_pairs_to_ignore(tmp_path: Path, spa
         assert json.loads(saved.read_text())["gaps"][1]["gap"] == pytest.approx(0.07)
     else:
         assert reply["objective"] == pytest.approx(wr.flex(wr.read(file, gap=0.03), wr.Pull(part, (1, 0))).objective)
+
+
+def test_files_that_a_file_names_are_read_again_when_they_change(tmp_path: Path) -> None:
+    file, sheet = tmp_path / "tray.json", tmp_path / "sheet.svg"
+    panel = {"name": "panel", "outline": "sheet.svg#panel", "thickness": 3, "at": [0, 0, 9]}
+    plain = {"name": "ground", "boxes": [[0, 0, 0, 9, 9, 3]], "fixed": True}
+    file.write_text(json.dumps({"format": "wiggleroom/2", "parts": [plain, panel]}))
+    drawn = (
+        "<svg xmlns='http://www.w3.org/2000/svg' width='90mm' height='90mm' viewBox='0 0 90 90'>"
+        "<rect id='panel' width='{}' height='9'/></svg>"
+    )
+    sheet.write_text(drawn.format(9))
+    first = FirstRequest(str(file), QuestionOptions())
+    before = first()
+    assert first() is before
+    sheet.write_text(drawn.format(10))
+    (now,) = json.loads(first())["beside"].values()
+    assert base64.b64decode(now) == sheet.read_bytes()
+    sheet.unlink()
+    with pytest.raises(wr.InputError, match=r"sheet\.svg"):
+        first()
+
+
+def test_only_the_files_of_the_page_are_there(served: Served) -> None:
+    folder = Path(wr.__file__).parent / "report" / "web"
+    for file in folder.iterdir():
+        assert get(served, f"/{file.name}").body == file.read_bytes()

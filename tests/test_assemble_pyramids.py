@@ -9,6 +9,8 @@ import pytest
 import shapely
 from scipy.spatial.distance import pdist
 
+from wiggleroom.mating.joint_angles import FingeredCorner, trihedral_angles
+
 pytest.importorskip("manifold3d")
 
 from benchmarks.sheet_drawings import Design
@@ -150,3 +152,11 @@ def test_a_pyramid_without_one_wall_is_not_sure(tmp_path: Path) -> None:
     design = pyramid(5, 45.0, 20.0)
     del design.panels["wall 3"]
     assert not assembled(tmp_path, design).sure
+
+
+def test_corners_whose_fingers_are_made_for_other_angles_say_nothing() -> None:
+    upright = FingeredCorner(90.0, (8, 1.0), (8, 0.8))
+    assert not list(trihedral_angles([FingeredCorner(120.0, (8, 1.0), (8, 1.0)), upright]))
+    upright = FingeredCorner(90.0, (8, 1.0), (8, 0.87))
+    found = list(trihedral_angles([FingeredCorner(120.0, (8, 1.0), (8, 1.0)), upright]))
+    assert np.abs(np.array(found) - 60.0).min() < 1e-9

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 import shapely
 
+from wiggleroom.mating.joint_angles import plates_of
+
 pytest.importorskip("manifold3d")
 
 from benchmarks.sheet_drawings import Design, box, designs, egg_crate, shelf, stool
@@ -373,3 +375,48 @@ def test_a_loose_lid_is_laid_flush_on_the_walls(tmp_path: Path) -> None:
     assert judged.overlap < OVERLAP
     assert judged.size == pytest.approx((48, 60, 90), abs=0.02)
     assert {frozenset({"cover", wall}) for wall in ("front", "back", "left", "right")} <= judged.touching
+
+
+def test_a_hair_on_an_outline_is_no_flank(tmp_path: Path) -> None:
+    """A spike without width, as long as the plate is thick, goes on from an edge: it holds nothing."""
+    design = stool("stool", 60, 50, 3)
+    before = {plate.name: len(plate.length) for plate in assemble_sheet(sheet_of(tmp_path, design.svg()), 3).plates}
+    leg = design.panels["leg a"]
+    x, y, *_ = leg.bounds
+    hair = shapely.Polygon([(x, y), (x, y + 0.001), (x - 3, y)])
+    design.panels["leg a"] = leg.union(hair)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    assert {plate.name: len(plate.length) for plate in found.plates} == before
+    assert len(found.joints) == 3
+
+
+def test_an_outline_that_almost_closes_is_a_panel(tmp_path: Path) -> None:
+    """Cutting programs leave outlines open by a tenth of a millimetre; that is joined, and said."""
+    head, leg, rest = stool("stool", 60, 50, 3).svg().partition('<path id="leg a" d="M')
+    points, _, rest = rest.partition(" Z")
+    x, y = points.split(" ", 1)[0].split(",")
+    sheet = sheet_of(tmp_path, f"{head}{leg}{points} L{float(x) + 0.1:.3f},{y}{rest}")
+    assert len(sheet.panels) == 3
+    assert any("open ends were joined" in note for note in sheet.notes)
+
+
+def test_notches_for_two_plates_on_each_other_hold_both() -> None:
+    comb = shapely.box(0, 0, 60, 30)
+    for x in (9.0, 21.0, 33.0, 45.0):
+        comb = comb.difference(shapely.box(x, 24, x + 6, 31))
+    (plate,) = plates_of(["comb"], [comb], [3.0], 0.0)
+    assert sorted(round(float(y), 6) for y in set((plate.middle[:, 1] + plate.centre[1]).round(6))) == [25.5, 28.5]
+    assert np.allclose(plate.length, 3.0)
+    assert len(plate.length) == 16
+    assert not plate.needed.any()
+
+
+def test_a_panel_without_joints_is_left_out_and_the_rest_is_written(
+    command: Callable[..., int], tmp_path: Path
+) -> None:
+    design = stool("stool", 60, 50, 3)
+    design.panels["plain"] = shapely.box(0, 0, 50, 40)
+    sheet, out = tmp_path / "sheet.svg", tmp_path / "out.json"
+    sheet.write_text(design.svg())
+    assert command("assemble", sheet, "--thickness", 3, "-o", out) == 3
+    assert len(judge(out).names) == 3

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
 from wiggleroom.drawing.readers.assembly_file import read_assembly
-from wiggleroom.drawing.writers.assembly_writer import write_assembly
+from wiggleroom.drawing.writers.assembly_writer import degrees, write_assembly
 from wiggleroom.errors import InputError
 
 CONTRACT = """
@@ -162,3 +162,15 @@ def test_numbers_of_numpy_are_written(tmp_path):
     assert again.parts[0].offset == 0.125
     assert again.gap == 0.25
     assert again.goals == (Pull("a", (0.0, 1.0), (2.0, 0.0), 2.0),)
+
+
+def test_outlines_are_cleaned():
+    corners = [[0, 0], [0, 0], [2, 0], [4, 0], [4, 4], [0, 4], [0, 2], [0, 0]]
+    text = json.dumps({"format": "wiggleroom/1", "parts": [{"name": "a", "outline": corners}]})
+    assert read_assembly(text).parts[0].regions[0].outer.tolist() == [[0, 0], [4, 0], [4, 4], [0, 4]]
+
+
+@pytest.mark.parametrize("turn", [0, 90, -90, 180, 45, 33.3, 1e-3, 359.999, 720, 0.1 + 0.2])
+def test_degrees_come_back(turn):
+    assert math.radians(degrees(math.radians(turn))) == math.radians(turn)
+    assert len(repr(degrees(math.radians(turn)))) <= len(repr(float(turn)))

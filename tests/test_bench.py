@@ -6,6 +6,7 @@ import json
 import sys
 import threading
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ import shapely
 import wiggleroom as wr
 from tests.audit import polygon
 from tests.oracle import chain as oracle_chain
-from tests.oracle.collision import overlaps
+from tests.oracle.collision import overlaps, pose_depth
 from wiggleroom.bench import accuracy, chains, published, speed
 from wiggleroom.bench import interlock_table as interlock
 from wiggleroom.bench import large_assemblies as large
@@ -25,6 +26,13 @@ from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.render import bench_markdown, with_section
 from wiggleroom.bench.result import Bench, Column, ResultTable
 from wiggleroom.cli import main
+
+
+def _placed(points: np.ndarray, at: tuple[float, float, float]) -> np.ndarray:
+    from tests.oracle.geometry import turn
+
+    return points @ turn(at[2]).T + at[:2]
+
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 needs_ipopt = pytest.mark.skipif(find_spec("casadi") is None, reason="needs the extra bench")
@@ -229,3 +237,25 @@ def test_bad_words_end_with_one_line(words, said, monkeypatch, capsys, tmp_path)
     wrong = capsys.readouterr().err
     assert said in wrong
     assert len(wrong.strip().splitlines()) == 1
+
+
+def test_square_peg_touches_at_the_angle_of_the_closed_form() -> None:
+    plate, peg = shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9)
+    end = 0.5 * np.arcsin((1 / 0.9) ** 2 - 1)  # 0.9 (cos + sin) = 1
+    turns = np.array([[0, 0, s * end * f] for s in (1, -1) for f in (0.999999, 1.000001)])
+    assert overlapping(plate, peg, turns).tolist() == [False, True, False, True]
+
+
+@pytest.mark.parametrize("puzzle", [p for p in PUZZLES if p.truth == APART], ids=lambda p: p.name)
+def test_what_comes_apart_does_so_along_a_path_without_overlap(puzzle) -> None:
+    assembly = puzzle.assembly()
+    ready = wr.prepare(assembly)
+    answers = (ready.flex(goal) for goal in interlock._goals(assembly))
+    answer = next(a for a in answers if a.verdict == "unbounded" and a.leaves)
+    parts = [[shapely.transform(polygon(p), lambda q, p=p: _placed(q, p.at)) for _ in (0,)] for p in assembly.parts]
+    path = answer.waypoints
+    for first, last in pairwise(path):
+        for share in np.linspace(0, 1, 5):
+            assert pose_depth(parts, assembly.rest[:, :2], first + share * (last - first)) <= 1e-7 * assembly.size
+    gone = [assembly.names.index(name) for name in answer.leaves]
+    assert np.hypot(*(path[-1, gone, :2]).T).max() > 0.5 * assembly.size

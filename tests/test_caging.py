@@ -107,3 +107,16 @@ def test_who_passes_the_walls_is_not_caged():
     drawn = {"format": "wiggleroom/2", "gap": 0.1, "parts": [crate(5.0), BLOCK], "ignore": [["crate", "block"]]}
     found = check_spatial(assemble_spatial(read_spatial(json.dumps(drawn))))
     assert found.verdict is Separability.COMES_APART
+
+
+def test_pieces_that_are_apart_hold_no_ball():
+    one, other = (cuboid(np.array([x, 0.0, 0.0]), np.array([x + 1, 1.0, 1.0])) for x in (0.0, 3.0))
+    assert inscribed_ball(one, other)[1] == pytest.approx(-1.0)
+
+
+def test_some_random_cages_are_closed():
+    draw = np.random.default_rng(5)
+    towards = draw.normal(size=(80, 3))
+    boxes = [cuboid(m - 1.5, m + 1.5) for m in 4.5 * towards / np.linalg.norm(towards, axis=1)[:, None]]
+    assert ball_stays(boxes, np.zeros(3), 1.2)
+    assert not ball_stays(boxes[:10], np.zeros(3), 1.2)

@@ -52,3 +52,29 @@ def poses_inside(them, cells, clearance):
             one, other = placed(them, motion)
             assert shapely.intersection(one, other).area < 1e-12
     return inside
+
+
+@pytest.mark.parametrize("tilt", [0.0, 2.0])
+def test_a_block_in_a_thin_bracket_has_a_cell_that_holds_no_overlap(tilt):
+    # the back of the thin leg is nearer to the block than the arm is, and only leg and arm together part it from the block
+    bracket = [
+        (5.136, 4.243),
+        (5.553, 4.284),
+        (5.568, 4.378),
+        (5.234, 4.603),
+        (5.088, 4.622),
+        (5.147, 3.765),
+        (5.282, 3.817),
+    ]
+    block = [(5.439, 3.895), (5.487, 4.211), (5.174, 4.178), (5.293, 3.838)]
+    turned = [
+        affinity.rotate(shapely.Polygon(ring), tilt, origin=(0, 0), use_radians=True) for ring in (bracket, block)
+    ]
+    parts = polygon_part("bracket", turned[0], fixed=True), polygon_part("block", turned[1])
+    them = bodies(assemble(Drawing(parts, gap=0.0)))
+    clearance = turned[0].distance(turned[1])
+    a, b = np.array([0]), np.array([1])
+    cells, good = grow_cells(them, a, b, relative_pose(them, a, b), np.full(1, clearance))
+    assert good.all()
+    assert cells.ends[0, 1] - cells.ends[0, 0] > 0.01
+    assert poses_inside(them, cells, clearance) > 30

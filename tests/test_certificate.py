@@ -15,6 +15,7 @@ import wiggleroom as wr
 from tests.flexing import random_chain, row_of
 from tests.oracle import blocks, chain
 from wiggleroom.assembly.build import assemble
+from wiggleroom.verify.caging_check import check_caging_surface
 
 pytest.importorskip("highspy")
 pytest.importorskip("flint")
@@ -246,3 +247,56 @@ def test_of_a_dxf_drawing(tmp_path, command, capsys):
     assert command("verify", proof, SLIDER, *options) == 0
     assert "13.05" in capsys.readouterr().out
     assert command("verify", proof, SLIDER, "--gap", 0.3, "--pull", "slider:+x") == 1
+
+
+def test_a_skin_with_a_hole_is_refused(proven):
+    region = proven[1]["regions"][0]
+    check_caging_surface(region)
+    middle = len(region["loops"]) // 2
+    for share in (0.9, -1.0):  # inside the walls
+        bad = copy.deepcopy(region)
+        bad["loops"][middle][1][0] = [share * v for v in bad["loops"][middle][1][0]]
+        with pytest.raises(Refused):
+            check_caging_surface(bad)
+    bad = copy.deepcopy(region)
+    del bad["loops"][middle], bad["seams"][middle]
+    with pytest.raises(Refused):
+        check_caging_surface(bad)
+    bad = copy.deepcopy(region)  # moved away from rest as a whole
+    for loop in bad["loops"]:
+        loop[1] = [[x + 1, y] for x, y in loop[1]]
+    with pytest.raises(Refused):
+        check_caging_surface(bad)
+
+
+def test_multipliers_count(proven):
+    """All multipliers halved: the bound that they prove is another."""
+    content = copy.deepcopy(proven[1])
+
+    def halve(step):
+        for row in [step["best"]] if "best" in step else [cut[3] for cut in step["cuts"]]:
+            row[0] /= 2
+        for then in step.get("then", []):
+            halve(then)
+
+    halve(content["proof"])
+    assert not verify(sealed(content)).proven
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.999])
+def test_less_than_was_proven_is_refused(proven, share):
+    answer, content = proven
+    assert not verify(changed(content, ("at_most",), share * answer.objective)).proven
+    low = changed(content, ("at_most",), share * answer.objective)
+    assert not verify(changed(low, ("worth",), share * answer.objective)).proven
+
+
+def test_smaller_parts_are_refused(proven):
+    """Chords that stick out of the outlines prove nothing."""
+    content = copy.deepcopy(proven[1])
+    body = content["bodies"][1]
+    middle = np.mean(body["polygons"][0][0], axis=0)
+    body["polygons"] = [
+        [(middle + 0.99 * (np.array(ring) - middle)).tolist() for ring in rings] for rings in body["polygons"]
+    ]
+    assert not verify(sealed(content)).proven

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
-from wiggleroom.drawing.model import Boxes, Drawing, Part, Region, Surface
+from wiggleroom.drawing.model import Boxes, Drawing, Part, Plate, Region, Surface
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solids.solid_boolean import surface_of
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
@@ -278,3 +279,58 @@ def test_the_command(command_output, tmp_path, monkeypatch):
     assert command_output("clearances", "slot.json", "--xy", "0.3")[0] == 2
     code, _, err = command_output("clearances", "slot.json", "--within", "-1")
     assert (code, err) == (2, ["--within -1: it must be a length in mm, 0 or more"])
+
+
+def test_a_grid_of_all_alike_parts_binds_everywhere():
+    found = wr.clearances(wr.patterns.grid(12, 12, joint="tee", gap=0.02))
+    sides = 2 * 12 * 11
+    assert (np.abs(found.gap - 0.02) < 1e-9).sum() >= sides
+    assert found.offset == pytest.approx(0.01)
+    assert len(found.binding) >= sides
+
+
+def test_a_strip_with_a_notch_in_its_end_is_as_deep_as_it_is_wide():
+    strip = region([(0, 0), (10, 0), (10, 1), (0, 1), (4, 0.5)])
+    found = wr.clearances(planar(("strip", strip, ()), ("plate", region(box(-5, -5, 20, 20)), ())))
+    assert found.gap == pytest.approx([-1])
+
+
+def test_bars_that_cross_edge_on_edge_are_as_deep_as_their_edges_are():
+    """Bars of 10 mm lie on their edges, one across the other, 1 mm in each other: no face is across that."""
+    bar = np.array([[-20.0, -5, -5], [20, 5, 5]])[None]
+    low = Part("low", solid=Boxes(bar), R=Rotation.from_euler("x", 45, degrees=True).as_matrix())
+    across = Rotation.from_euler("z", 90, degrees=True) * Rotation.from_euler("x", 45, degrees=True)
+    high = Part("high", solid=Boxes(bar), R=across.as_matrix(), at=(0, 0, 10 * math.sqrt(2) - 1))
+    found = wr.clearances(assemble_spatial(Drawing((low, high)), overlapping=True))
+    assert found.gap == pytest.approx([-1])
+    assert found.direction[0] == pytest.approx([0, 0, 1])
+
+
+@pytest.mark.parametrize(("thick", "offset"), [(3.2, -0.1), (2.8, 0.1)])
+def test_plates_of_another_thickness_in_their_slots(thick, offset):
+    one = region([(0, 0), (40, 0), (40, 20), (21.6, 20), (21.6, 10), (18.4, 10), (18.4, 20), (0, 20)])
+    other = region([(0, 0), (18.5, 0), (18.5, 10.5), (21.5, 10.5), (21.5, 0), (40, 0), (40, 20), (0, 20)])
+    across = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+    parts = (
+        Part("one", (), solid=Plate((one,), thick), at=np.zeros(3), R=np.eye(3)),
+        Part("other", (), solid=Plate((other,), 3.0), at=np.array([18.5, 0.0, 20 + thick / 2]), R=across),
+    )
+    found = wr.clearances(assemble_spatial(Drawing(parts)), within=0.3)
+    assert found.offset == pytest.approx(offset, abs=1e-6)
+
+
+def test_rings_round_each_other_and_a_corner_before_a_side():
+    found = wr.clearances(
+        planar(
+            ("ring", region(polygon(15), polygon(10)), ()),
+            ("disc", region(polygon(9.7)), ()),
+            ("square", region(box(-2, -2, 4, 4)), (15.4 + 2 * math.sqrt(2), 0.0, math.pi / 4)),
+        ),
+        within=1.0,
+    )
+    at = by_name(found)
+    facet = math.cos(math.pi / 96)
+    assert found.gap[at["ring", "disc"]] == pytest.approx(0.3 * facet)
+    assert found.gap[at["ring", "square"]] == pytest.approx(0.4)
+    assert found.direction[at["ring", "square"]] == pytest.approx([1, 0])
+    assert found.at[at["ring", "square"]] == pytest.approx([15.2, 0])

@@ -301,3 +301,13 @@ def test_flex_says_what_other_starts_came_to(run, folder: Path) -> None:
     assert "search" not in json.loads(out)
     code, _, err = run("flex", "peg.json", "--pull", "peg:+y", "--search", "-1")
     assert (code, len(err)) == (2, 1)
+
+
+def test_help_imports_nothing_heavy() -> None:
+    heavy = "{'numpy', 'scipy', 'shapely', 'numba', 'msgspec', 'svgelements', 'resvg_py', 'casadi'}"
+    code = (
+        "import sys; sys.argv = ['wiggleroom', '--help']\n"
+        f"from wiggleroom.cli import main; main(); print({heavy} & set(sys.modules), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "set()"

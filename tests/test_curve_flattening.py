@@ -133,3 +133,23 @@ def test_arc_flags(large, sweep):
 )
 def test_path_commands(data, same):
     np.testing.assert_allclose(corners(data), corners(same), atol=1e-13)
+
+
+def test_circle_drawn_in_halves_and_quarters():
+    whole = corners("M5 0A5 5 0 0 1 -5 0A5 5 0 0 1 5 0z")[:-1]
+    quarters = corners("M5 0A5 5 0 0 1 0 5A5 5 0 0 1 -5 0A5 5 0 0 1 0 -5A5 5 0 0 1 5 0z")[:-1]
+    np.testing.assert_allclose(whole, quarters, atol=1e-13)
+
+
+def test_radii_too_small_grow():
+    np.testing.assert_allclose(corners("M0 0A1 1 0 0 1 10 0z"), corners("M0 0A5 5 0 0 1 10 0z"), atol=1e-14)
+
+
+def test_subpath_after_close_starts_where_the_last_one_did():
+    first, second = parse_path("M1 1h4v4zl-1 0 0-1z")
+    assert second.start == first.start == 1 + 1j
+
+
+def test_there_and_back_reaches_the_turning_point():
+    inner = flatten_cubics(np.array([[0, 10, 10, 0]], dtype=complex), 0.01)[0]
+    assert inner.real.max() == pytest.approx(7.5, abs=0.01)

@@ -218,3 +218,29 @@ def test_specks_do_not_change_the_chord_error(tmp_path):
     among.write_text(f"{HEAD}{disc_}{SPECKS}</svg>")
     first, second = (reading(path).drawing for path in (alone, among))
     assert len(first.parts[0].regions[0].outer) == len(second.parts[0].regions[0].outer)
+
+
+def test_mirrored_and_stretched_blocks(tmp_path):
+    """A panel with a slot over its edge and a hole, 756 mm2 and more by the scale."""
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    block, space = document.blocks.new("side"), document.modelspace()
+    for line in (rect(0, 0, 40, 20), rect(10, 15, 3, 8)):
+        block.add_lwpolyline(line.corners, close=True)
+    block.add_circle((30, 10), 3)
+    scales = [(1, 1, 0), (-1, 1, 0), (2, 0.5, 0), (-1, 2, 30)]
+    for k, (x, y, turn) in enumerate(scales):
+        space.add_blockref("side", (200 * k, 0), dxfattribs={"xscale": x, "yscale": y, "rotation": turn})
+    space.add_point((0, 0))
+    space.add_text("a note", dxfattribs={"insert": (0, 90)})
+    document.saveas(tmp_path / "x.dxf")
+    found = reading(tmp_path / "x.dxf", flatten=1e-4)
+    true = 800 - 15 - 9 * math.pi
+    assert sorted(shape.area for shape in polygons(found.drawing)) == pytest.approx(
+        [true, true, true, 2 * true], rel=1e-4
+    )
+    notes = " ".join(found.drawing.notes)
+    assert "4 outlines across the edges of parts cut them" in notes
+    assert "1 point or speck is left out" in notes
+    assert "1 text elements are left out" in notes

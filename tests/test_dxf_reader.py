@@ -652,3 +652,137 @@ def test_centre_lines_and_hidden_edges_cut_nothing(tmp_path, line):
     drawing = read_drawing(_with_centre_line(tmp_path, **line))
     assert len(drawing.parts) == 1
     assert any("drawn with line type" in note for note in drawing.notes)
+
+
+def test_a_drawing_of_centre_lines_alone_is_read(tmp_path):
+    document = ezdxf.new("R2000", units=4, setup=True)
+    square = [(0, 0), (60, 0), (60, 40), (0, 40)]
+    document.modelspace().add_lwpolyline(square, close=True, dxfattribs={"linetype": "CENTER"})
+    document.saveas(tmp_path / "part.dxf")
+    assert len(read_drawing(tmp_path / "part.dxf").parts) == 1
+
+
+def test_a_hole_in_nothing_is_an_error(sheet):
+    sheet.space.add_lwpolyline(SQUARE, close=True)
+    sheet.space.add_circle((40, 4), 2, dxfattribs={"layer": "holes"})
+    with pytest.raises(InputError, match="lies in no part"):
+        sheet.read()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_jigsaw_of_shared_curves(tmp_path, seed):
+    """Four pieces whose inner lines, of lines and arcs, are each drawn once."""
+    lot = random.Random(seed)
+    sheet = Sheet(tmp_path)
+    rim = [(0, 0), (20, 0), (40, 0), (40, 20), (40, 40), (20, 40), (0, 40), (0, 20)]
+    knobs = [((20, 0), (20, 20)), ((20, 20), (20, 40)), ((0, 20), (20, 20)), ((20, 20), (40, 20))]
+    calls = [lambda a=rim[i], b=rim[(i + 1) % 8]: sheet.space.add_line(a, b) for i in range(8)]
+    for a, b in knobs:
+        along = (np.array(b) - a) / 20
+        first, second = (tuple(a + along * d) for d in (7, 13))
+        calls.append(lambda a=a, b=first: sheet.space.add_line(b, a))
+        calls.append(lambda a=b, b=second: sheet.space.add_line(b, a))
+        calls.append(lambda a=first, b=second: sheet.space.add_lwpolyline([(*a, 1.0), (*b, 0.0)], format="xyb"))
+    lot.shuffle(calls)
+    for call in calls:
+        call()
+    drawing = sheet.read(flatten=1e-5)
+    knob = math.pi * 9 / 2
+    # seen along its line every knob bulges to the right: from the left pieces, the lower ones take, and so on
+    assert sorted(area(drawing, i) for i in range(4)) == pytest.approx(
+        sorted([400 + knob - knob, 400 - knob - knob, 400 + knob + knob, 400 - knob + knob]), rel=1e-4
+    )
+    shapes = [material(part) for part in drawing.parts]
+    assert shapely.union_all(shapes).area == pytest.approx(1600, abs=1e-9)
+    assert drawing.notes == ("x.dxf: 4 faces of open lines taken as parts",)
+
+
+def test_edges_may_lie_on_one_another_in_part_in_any_order(sheet):
+    lines(sheet.space, [(0, 0), (20, 0), (20, 10), (0, 10)], order=[2, 0, 3, 1])
+    lines(sheet.space, [(0, 0), (10, 0), (10, -10), (0, -10)], order=[1, 3, 0, 2])
+    drawing = sheet.read()
+    assert [area(drawing, i) for i in range(2)] == pytest.approx([200, 100])
+
+
+def test_filled_areas_beside_outlines_are_left_out_and_said(sheet):
+    hatched(sheet.space, 0)
+    sheet.space.add_lwpolyline(SQUARE, close=True)
+    drawing = sheet.read()
+    assert len(drawing.parts) == 1
+    assert 'x.dxf: 1 HATCH (filled, on layer "fill") elements are left out; only outlines are parts' in drawing.notes
+
+
+def test_holes_pegs_and_trays(sheet):
+    def box(half, layer="cut"):
+        points = [(-half, -half), (half, -half), (half, half), (-half, half)]
+        sheet.space.add_lwpolyline(points, close=True, dxfattribs={"layer": layer})
+
+    box(50)
+    box(20, "holes")
+    box(19)
+    box(5, "Hole_small")
+    drawing = sheet.read()
+    assert [area(drawing, i) for i in range(2)] == pytest.approx([100**2 - 40**2, 38**2 - 10**2])
+    assert not drawing.notes
+    box(2)
+    drawing = sheet.read()
+    assert area(drawing, 2) == pytest.approx(16)
+    assert not drawing.notes
+
+
+@pytest.mark.parametrize("name", ["base_origin", "Design_Template"])
+def test_layers_beside_the_parts(sheet, name):
+    lines(sheet.space, SQUARE, layer="base")
+    lines(sheet.space, [(1, 1), (3, 1), (3, 3), (1, 3)], layer=name)
+    assert len(sheet.read().parts[0].regions[0].holes) == 0
+
+
+def test_lines_without_gaps_cut(tmp_path):
+    assert len(read_drawing(_with_centre_line(tmp_path)).parts) == 2
+
+
+def test_parts_drawn_one_after_the_other_may_lie_on_one_another_in_part(sheet):
+    """A brick bond: edges of neighbours overlap along part of their length."""
+    for x, y in ((0, 0), (20, 0), (10, 10)):
+        lines(sheet.space, [(x, y), (x + 20, y), (x + 20, y + 10), (x, y + 10)])
+    drawing = sheet.read()
+    assert [area(drawing, i) for i in range(3)] == pytest.approx([200] * 3)
+
+
+def test_polylines_without_classes(tmp_path):
+    """OpenJSCAD writes newer polylines without the classes that these name."""
+    corners = "".join(f"10\n{x}\n20\n{y}\n" for x, y in SQUARE)
+    body = "0\nSECTION\n2\nHEADER\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
+    body += f"  0\nLWPOLYLINE\n  8\nOpenJsCad\n  90\n4\n  70\n1\n{corners}  0\nENDSEC\n  0\nEOF\n"
+    (tmp_path / "x.dxf").write_text(body)
+    drawing = read_drawing(tmp_path / "x.dxf")
+    assert area(drawing) == pytest.approx(16)
+    assert names(drawing) == ["OpenJsCad"]
+
+
+def test_tangent_curves_are_told_apart(sheet):
+    """Two lenses whose arcs leave a point along one tangent, drawn in a mixed order."""
+    sheet.space.add_arc((0, 5), 5, 270, 90)
+    sheet.space.add_arc((0, 8), 8, 270, 90)
+    sheet.space.add_line((0, 10), (0, 16))
+    sheet.space.add_line((0, 0), (0, 10))
+    drawing = sheet.read(flatten=1e-4)
+    assert sorted(area(drawing, i) for i in range(2)) == pytest.approx(
+        [math.pi * 12.5, math.pi * (64 - 25) / 2], rel=1e-3
+    )
+
+
+def test_the_same_outline_twice(sheet):
+    for _ in range(2):
+        sheet.space.add_lwpolyline(SQUARE, close=True)
+        sheet.space.add_circle((20, 0), 3)
+    drawing = sheet.read()
+    assert len(drawing.parts) == 2
+    assert "2 lines or outlines are drawn twice" in drawing.notes[0]
+
+
+def test_unevenly_scaled_circle_and_bulge(sheet):
+    block = sheet.block("b", None)
+    block.add_lwpolyline([(0, 0, 1), (4, 0, 0)], format="xyb", close=True)
+    sheet.space.add_blockref("b", (0, 0), dxfattribs={"xscale": 3, "yscale": 0.5, "rotation": 33})
+    assert area(sheet.read(flatten=1e-6)) == pytest.approx(2 * math.pi * 1.5, rel=1e-6)

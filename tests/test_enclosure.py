@@ -18,6 +18,15 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.disassembly.enclosure import cages
 from wiggleroom.drawing.model import Drawing
 
+
+def tangram(**more: shapely.Geometry) -> dict[str, shapely.Geometry]:
+    corners = [
+        [(0, 0), (4, 0), (2, 2)], [(0, 0), (2, 2), (0, 4)], [(4, 0), (4, 2), (3, 1)], [(3, 1), (4, 2), (3, 3), (2, 2)],
+        [(2, 2), (3, 3), (1, 3)], [(0, 4), (1, 3), (3, 3), (2, 4)], [(4, 2), (4, 4), (2, 4)],
+    ]  # fmt: skip
+    return {f"t{k}": shapely.Polygon(25 * np.array(c)) for k, c in enumerate(corners)} | more
+
+
 box = shapely.box
 INNER = box(0, 0, 100, 100)
 
@@ -192,3 +201,26 @@ def test_a_ring_does_not_leave_what_stands_in_it():
         assemble(Drawing((part_at("ring", ring), part_at("post", post, fixed=True), part_at("cross", cross))))
     )
     assert (found.verdict, found.certainty, found.states) == ("interlocked", "proven", 0)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.5])
+def test_a_tangram_in_a_tray_says_how_far_at_most(gap):
+    found = wr.check(made(gap, **tangram(tray=TRAY)))
+    assert (found.verdict, found.certainty) == ("interlocked", "proven")
+    if gap:
+        assert found.at_most <= 100 * np.sqrt(2) + 1e-9
+
+
+def test_fixed_parts_that_are_left_are_not_called_interlocked_with_each_other():
+    bases = {f"base{k}": box(40 * k, 0, 40 * k + 20, 10) for k in range(5)}
+    found = wr.check(made(0.2, "base", **bases, lid=box(0, 10, 60, 20)))
+    assert [e.parts for e in found.escapes] == [("lid",)]
+    assert found.remains == ()
+
+
+def test_rings_in_rings_that_all_move():
+    ring = [
+        shapely.Point(0, 0).buffer(r + 4, quad_segs=4) - shapely.Point(0, 0).buffer(r, quad_segs=4) for r in (5, 12, 20)
+    ]
+    found = wr.check(made(0.2, a=ring[0], b=ring[1], c=ring[2], peg=box(-2, -2, 2, 2)), every=False)
+    assert (found.verdict, found.certainty) == ("interlocked", "proven")

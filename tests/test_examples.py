@@ -10,9 +10,7 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import pytest
 import trimesh
@@ -39,14 +37,6 @@ SHOWN = {
     )
 }
 """Commands in the documentation and what they are said to print; "..." on a line of its own leaves lines out."""
-LONG = {"gaps.md-3", "python.md-2", "python.md-4", "take-apart-and-put-together.md-2"}
-"""Blocks that take more than a few seconds."""
-
-
-def marked(names: Iterable[str]) -> list[Any]:
-    return [pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in names]
-
-
 PATTERNS = {
     "02_chain_of_tees/chain.json": "chain 10 --joint tee --gap 0.01",
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
@@ -58,11 +48,9 @@ PATTERNS = {
 }
 
 SLOW = (
-    "04_jigsaw", "05_panels", "06_frame", "14_shelf", "15_grid", "16_chain_sweeps", "19_space_divider", "20_elephant", "22_fasteners",
-    "23_mechanisms", "41_drawer_in_a_case", "44_six_piece_burr", "46_plans", "50_three_piece_burr", "51_hinge",
+    "04_jigsaw", "05_panels", "06_frame", "14_shelf", "15_grid", "16_chain_sweeps", "18_grid_of_4096", "19_space_divider", "20_elephant",
+    "21_butterfly", "22_fasteners", "23_mechanisms", "41_drawer_in_a_case", "44_six_piece_burr", "46_plans", "50_three_piece_burr", "51_hinge",
 )  # fmt: skip
-UNASKED = ("18_grid_of_4096", "21_butterfly")
-"""Examples that take a minute, or ask on a larger scale what 15_grid and 20_elephant ask."""
 LIVE = {shlex.join(words[:-2]): f"{name}.html" for name, words in live_pages.commands().items()}
 """Live pages of the site, by the commands that they show."""
 DRAWN = ("14_shelf", "19_space_divider", "23_mechanisms")
@@ -90,12 +78,7 @@ def inside(record: object, path: str) -> object:
 
 
 @pytest.mark.parametrize(
-    "folder",
-    [
-        pytest.param(f, id=f.name, marks=[pytest.mark.slow] if f.name in SLOW else [])
-        for f in EXAMPLES
-        if f.name not in UNASKED
-    ],
+    "folder", [pytest.param(f, id=f.name, marks=[pytest.mark.slow] if f.name in SLOW else []) for f in EXAMPLES]
 )
 def test_example_gives_what_it_promises(folder, monkeypatch, tmp_path):
     (tmp_path / "examples").symlink_to(TOP / "examples")
@@ -179,7 +162,7 @@ def beside_examples(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize("name", marked(name for name in BLOCKS if name not in ADDING))
+@pytest.mark.parametrize("name", [name for name in BLOCKS if name not in ADDING])
 def test_python_in_the_documentation_runs(name, beside_examples):
     assert set(re.findall(r"\bwr\.(\w+)", BLOCKS[name])) <= {*wr.__all__}
     exec(compile(BLOCKS[name], name, "exec"), {"__name__": "__main__"})
@@ -204,7 +187,7 @@ def same(said: str, found: str) -> bool:
         return said == found
 
 
-@pytest.mark.parametrize("name", marked(SHOWN))
+@pytest.mark.parametrize("name", SHOWN)
 def test_what_the_documentation_shows_is_printed(name, monkeypatch, tmp_path, capsys):
     (tmp_path / "examples").symlink_to(TOP / "examples")
     (tmp_path / "docs" / "pictures").mkdir(parents=True)

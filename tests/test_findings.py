@@ -188,3 +188,25 @@ def test_roles():
     assert "--pull" in role_findings(free)[1]
     assert "everything is fixed" in role_findings(Drawing((square("a", fixed=True),), goals=(Turn("a"),)))[0]
     assert role_findings(patterns.chain(2).drawing) == ()
+
+
+def test_touching_is_no_overlap_even_turned():
+    turn = 0.7
+    c, s = np.cos(turn), np.sin(turn)
+    parts = tuple(
+        Part(f"{i}{j}", (SQUARE,), at=(900 + 2 * (c * i - s * j), 2 * (s * i + c * j), turn))
+        for i in range(9)
+        for j in range(9)
+    )
+    assert findings(Drawing(parts)) == ()
+
+
+def test_width_is_the_smallest():
+    assert overlap_width(shapely.Polygon([(0, 0), (1, 0), (0.5, 0.1)])) == pytest.approx(0.1)
+    turned = shapely.affinity.rotate(shapely.box(0, 0, 5, 0.25), 31)
+    assert overlap_width(turned) == pytest.approx(0.25)
+
+
+def test_the_place_of_a_crossing_is_in_the_drawing():
+    bow = replace(shape("p", (0, 0), (2, 2), (2, 0), (0, 2)), at=(10.0, 20.0, np.pi / 2))
+    assert "crosses itself at (9, 21)" in one(Drawing((bow,)))

@@ -314,3 +314,63 @@ def test_one_looser_joint_lies_between(joint):
     mixed = wr.flex(chain(joint, 4, 0.01, gaps=(JointGap(("b2", "b3"), 0.02),)), search=0)
     check_safe(mixed)
     assert single * 1.01 < mixed.objective < double * 0.99
+
+
+@pytest.mark.parametrize(("far", "thick"), [(10.0, 0.01), (1000.0, 1.0)])
+def test_wall_far_away_stops_a_block_from_the_floor(far, thick):
+    answer = flex([FLOOR, BLOCK, box("wall", -3 * far, far, 3 * far, far + thick, fixed=True)], Pull("b", (0, 1)))
+    assert answer.path == "checked"
+    if answer.verdict in ("proven", "optimal"):
+        assert answer.objective == pytest.approx(far - 1.01, rel=CLOSE)
+    else:  # it may also go round the wall
+        assert answer.verdict == "unbounded"
+        assert np.abs(answer.waypoints[:, 1, 0]).max() > 3 * far - 1
+
+
+@pytest.mark.parametrize("direction", [(1, 1), (1, 0.2)])
+def test_wide_bent_channel_is_followed_out(direction):
+    """No place in it where the block is held against the pull."""
+    answer = flex(bent_channel(width=1.6), Pull("b", direction))
+    assert (answer.verdict, answer.leaves) == ("unbounded", ("b",))
+
+
+@pytest.mark.parametrize("wall", [0.5, 0.01])
+def test_blocks_in_a_thin_box_push_or_pass_each_other(wall):
+    shape = shapely.Polygon(rectangle(20 + 2 * wall, 20 + 2 * wall), [rectangle(20, 20)])
+    loose = [box("b", -0.5, -0.5, 0.5, 0.5), box("c", 2, -0.5, 3, 0.5), box("d", 5, -0.6, 6, 0.4)]
+    answer = flex([part_at("box", shape, fixed=True), *loose], Pull("b", (1, 0)))
+    assert answer.verdict in ("proven", "optimal", "stationary")
+    assert 7.5 * (1 - CLOSE) <= answer.objective <= 9.5 * (1 + CLOSE)
+
+
+def test_loose_part_between_peg_and_wall_is_pushed_or_passed():
+    answer = flex(slot(box("q", 6, 1, 7, 2.1), box("wall", 12, -40, 12.2, 40, fixed=True)), Pull("peg", (1, 0)))
+    if answer.verdict == "unbounded":  # the peg has found the way round the wall
+        assert answer.path == "checked"
+    else:
+        assert answer.verdict in ("proven", "optimal", "stationary")
+        assert 8.95 * (1 - CLOSE) <= answer.objective <= 9.95 * (1 + CLOSE)
+
+
+def test_block_between_two_plates_turns_without_end_where_they_are_wide_apart():
+    answer = flex([FLOOR, box("top", -2, 2, 2, 3, fixed=True), box("b", -0.5, 0.5, 0.5, 1.5)], Turn("b"))
+    assert answer.verdict == "unbounded"
+    assert answer.turns == ("b",)
+
+
+def test_glued_links_move_as_one_however_they_are_gapped():
+    """A chain of four with its last two blocks glued: the same as with one long last block."""
+    profile = blocks.PROFILES["tee"]
+    parts = row_of([shapely.Polygon(blocks.outline("tee"))] * 4).parts
+    tab, pocket = profile + np.array([1.5, 0]), profile[::-1] + np.array([3.5, 0])
+    long = [(1.5, -0.5), (3.5, -0.5), *pocket, (3.5, 0.5), (1.5, 0.5), *tab]
+    single = (*parts[:2], part_at("b3", shapely.Polygon(long), (2.0, 0.0, 0.0)))
+    goal = Pull("b3", (0, 1), (3.0, 0.0))
+    glued = flex(parts, goal, gap=0.02, glue=(("b3", "b4"),))
+    assert glued.objective == pytest.approx(flex(single, goal, gap=0.02).objective, rel=CLOSE)
+
+
+def test_negative_weight_pulls_the_other_way():
+    assembly = chain("hook")
+    down = wr.flex(assembly, Pull("b3", (0, -1)), search=0).objective
+    assert wr.flex(assembly, Pull("b3", (0, 1), weight=-1.0), search=0).objective == pytest.approx(down, rel=CLOSE)

@@ -12,7 +12,8 @@ from scipy.spatial import Voronoi
 import wiggleroom as wr
 from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.form_closure.blocking_graph import blocking
-from wiggleroom.form_closure.mobility import SelfStress, prove_form_closure, tight_verdict
+from wiggleroom.form_closure.mobility import SelfStress, opening, prove_form_closure, tight_verdict
+from wiggleroom.form_closure.point_contacts import point_contacts
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -233,3 +234,32 @@ def test_hundreds_of_parts_are_locked():
     framed = [part("f", box(-1, -1, 15, 15), box(0, 0, 14, 14), fixed=True)]
     framed += [part(f"s{i}-{j}", SQUARE, at=(i, j, 0)) for i in range(14) for j in range(14)]
     assert wr.tight_verdict(drawn(*framed)).verdict == "locked"
+
+
+def test_motions_open_contacts_and_never_close_them():
+    found = wr.tight_verdict(wr.patterns.grid(5, 4, "finger"))
+    assert found.verdict == "moves"
+    assert opening(found.contacts, found.motion).min() > -1e-9
+
+
+def test_far_away_turned_and_in_other_units_it_is_the_same():
+    for make, verdict in (
+        (three_sectors, "moves"),
+        (lambda: slot("closed pocket"), "locked"),
+        (spinning_plug, "moves"),
+    ):
+        parts = make().parts
+        c, s, scale = np.cos(0.7), np.sin(0.7), 250.0
+        moved = []
+        for p in parts:
+            x, y = p.at[0] * scale, p.at[1] * scale
+            regions = tuple(wr.Region(r.outer * scale, tuple(h * scale for h in r.holes)) for r in p.regions)
+            moved.append(replace(p, regions=regions, at=(c * x - s * y + 1e4, s * x + c * y - 7e3, p.at[2] + 0.7)))
+        found = tight_verdict(drawn(*moved))
+        assert found.verdict == verdict
+        assert found.verify()
+
+
+def test_outward_corners_that_meet_are_no_contact():
+    diagonal = drawn(part("a", SQUARE, fixed=True), part("b", SQUARE, at=(1, 1, 0)))
+    assert len(point_contacts(diagonal).a) == 0

@@ -12,7 +12,8 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import findings
 from wiggleroom.assembly.gaps import apply_gap
-from wiggleroom.assembly.loops import placed_regions
+from wiggleroom.assembly.loops import chained, placed_regions
+from wiggleroom.assembly.mitre import resolved
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Region
 from wiggleroom.errors import InputError
 
@@ -228,3 +229,59 @@ def test_an_offset_that_uses_a_part_up_is_to_blame():
     assert line.endswith("an offset nearer to 0 would leave it whole")
     (line,) = findings(Drawing((part("a", box(0, 0, 5, 5), offset=-0.1),), gap=6.0))
     assert line.endswith("a smaller gap would leave it whole")
+
+
+def test_far_from_the_origin_nothing_is_lost():
+    near = only(part("a", [[0, 0], [4, 0], [1, 3]]), gap=0.1).outer
+    far = only(part("a", np.add([[0, 0], [4, 0], [1, 3]], [2500, -900])), gap=0.1).outer
+    assert np.abs(far - [2500, -900] - near).max() < 2e-12
+
+
+def test_gap_of_one_round_joint():
+    drawing = patterns.chain(3, "revolute", gap=0.01).drawing
+    drawn = shapes(made(*drawing.parts, gap=0.01, gaps=(JointGap(("b1", "b2"), 0.03),)))
+    assert shapely.distance(drawn["b1"], drawn["b2"]) == pytest.approx(0.03, abs=1e-12)
+    assert shapely.distance(drawn["b2"], drawn["b3"]) == pytest.approx(0.01, abs=1e-12)
+
+
+def test_gap_of_a_joint_in_a_hole():
+    plate = part("plate", box(0, 0, 9, 9), [box(3, 3, 6, 6)])
+    peg = part("peg", box(-1.5, -1.5, 1.5, 1.5), at=(4.5, 4.5, math.pi / 2))
+    parts = made(plate, peg, gap=0.1, gaps=(JointGap(("plate", "peg"), 0.4),))
+    drawn = shapes(parts)
+    assert drawn["plate"].symmetric_difference(
+        shapely.Polygon(box(0.05, 0.05, 8.95, 8.95), [box(2.8, 2.8, 6.2, 6.2)])
+    ).area == pytest.approx(0, abs=1e-12)
+    assert drawn["peg"].bounds == pytest.approx((3.2, 3.2, 5.8, 5.8))
+
+
+def test_l_shape():
+    got = only(part("a", [[0, 0], [4, 0], [4, 2], [2, 2], [2, 4], [0, 4]]), gap=0.2).outer
+    assert np.allclose(got, [[0.1, 0.1], [3.9, 0.1], [3.9, 1.9], [1.9, 1.9], [1.9, 3.9], [0.1, 3.9]], atol=1e-15)
+
+
+def test_needle_is_mitred_to_its_far_tip():
+    angle = 0.01
+    tip = only(part("a", [[0, 0], [1, 0], [math.cos(angle), math.sin(angle)]], offset=0.001)).outer[0]
+    assert np.hypot(*tip) == pytest.approx(0.001 / math.sin(angle / 2), rel=1e-9)
+
+
+def test_parts_with_a_gap_of_one_joint_only_get_smaller_as_the_gap_grows():
+    step = part("b", [[4, 0], [8, 0], [8, 2], [4.05, 2], [4.05, 1], [4, 1]])
+    before = None
+    for gap in (0.1, 0.3, 0.6, 0.9):
+        now = shapes(made(part("a", box(0, 0, 4, 2)), step, gap=gap, gaps=(JointGap(("a", "b"), 0.02),)))
+        assert before is None or all(shapely.difference(now[name], before[name]).area < 1e-12 for name in now)
+        before = now
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(stars(), st.floats(0.0, 0.2))
+def test_both_ways_agree(star, distance):
+    """Where no edge is used up, moving edges and counting windings give the same outline."""
+    assume(shapely.Polygon(star).is_valid)
+    parts, lines = apply_gap(Drawing((part("a", star),), gap=2 * distance))
+    assume(not lines)
+    pieces = resolved(chained([star]), np.full(len(star), distance))
+    assert len(pieces) == 1
+    assert pieces[0].symmetric_difference(shapely.Polygon(parts[0].regions[0].outer)).area < 1e-9

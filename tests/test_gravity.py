@@ -123,3 +123,11 @@ def test_what_rests_on_others_leaves_before_them():
     assert any(weight.to_hold(step) for step in blind.steps)
     assert found.order == (("up",), ("shelf",), ("low",))
     assert not any(step.falling for step in found.steps)
+
+
+def test_a_slope_without_friction_lets_go():
+    slope = shapely.Polygon([(-40, -10), (40, -10), (40, 10), (-40, -2)])
+    angle = float(np.arctan2(12, 80))
+    block = shapely.affinity.rotate(shapely.box(-5, 0, 5, 8), angle, origin=(0, 0), use_radians=True)
+    block = shapely.affinity.translate(block, 0, 4)
+    assert falls({"floor": slope, "block": block}, gap=0.1) == {"block"}

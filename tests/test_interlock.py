@@ -19,6 +19,7 @@ from wiggleroom.context import UNLIMITED
 from wiggleroom.disassembly.escape_effort import EscapeEffort
 from wiggleroom.disassembly.interlock import interlock
 from wiggleroom.drawing.model import Drawing
+from wiggleroom.errors import FreeSpaceError
 from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.report.results.separability import check_result, further, why
 
@@ -303,3 +304,35 @@ def test_interlocked_says_how_far_at_most():
     assert check_result(found).at_most == found.at_most
     assert f"no part gets further than {further(found.at_most)} mm from where it lies" in why(found)
     assert float(further(found.at_most)) >= found.at_most
+
+
+def test_parts_that_touch_and_one_that_passes_through_a_neighbour():
+    row = {name: shapely.box(x, 0, x + 10, 10) for name, x in (("a", 0), ("b", 10), ("c", 20), ("d", 30))}
+    parts = [part_at(n, s, (*s.centroid.coords[0], 0.0), n in "ad") for n, s in row.items()]
+    found = wr.check(assemble(Drawing(tuple(parts), ignore=(("a", "b"),))))
+    assert (found.verdict, found.certainty) == ("comes apart", "searched")
+    assert {name for escape in found.escapes for name in escape.parts} == {"b", "c"}
+
+
+def test_what_comes_apart_gets_anywhere():
+    found = wr.check(wr.patterns.chain(2, joint="finger", gap=0.02))
+    assert found.at_most is None
+
+
+def test_what_is_glued_to_what_stands_stays_when_all_others_have_left():
+    row = {name: shapely.box(x, 0, x + 8, 8) for name, x in (("wall", 0), ("glued", 10), ("block", 20), ("post", 30))}
+    parts = [part_at(n, s, (*s.centroid.coords[0], 0.0), n in ("wall", "post")) for n, s in row.items()]
+    assembly = assemble(Drawing(tuple(parts), glue=(("wall", "glued"),)))
+    found = wr.check(assembly)
+    assert [escape.parts for escape in found.escapes] == [("block",)]
+    assert not found.remains
+    assert not wr.plan(assembly).remains
+
+
+def test_without_a_free_space_round_rest_boxes_of_motions_decide(monkeypatch):
+    def refuse(*_, **__):
+        raise FreeSpaceError("no free space was found")
+
+    monkeypatch.setattr("wiggleroom.disassembly.escape.prepare_walls", refuse)
+    held = wr.check(wr.patterns.chain(3, joint="swallowtail", gap=0.02))
+    assert (held.verdict, held.certainty) == ("interlocked", "proven")

@@ -7,6 +7,9 @@ import shapely
 
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
+from wiggleroom.geometry.placed_bodies import placed
+from wiggleroom.geometry.relative_pose import relative_pose
+from wiggleroom.geometry.row_kinds import A_EDGE
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
 from wiggleroom.program.distance_program import build_distances
@@ -128,3 +131,51 @@ def test_solutions_on_two_threads_are_those_of_the_matrix():
     assert np.allclose(dlam, (goal - lam * ds) / s)
     assert min(1.0, *(s / -ds)[ds < 0]) == pytest.approx(far)
     assert min(1.0, *(lam / -dlam)[dlam < 0]) == pytest.approx(dfar)
+
+
+def test_derivatives_of_distances(program):
+    rng = np.random.default_rng(6)
+    u, v = 0.1 * rng.standard_normal((2, len(program.scale)))
+    step = 1e-6
+    difference = (program.values(u + step * v) - program.values(u - step * v)) / (2 * step)
+    assert np.allclose(program.linearise(u).jacobian_product(v), difference, atol=1e-6)
+
+
+def test_distances_are_those_of_the_geometry(program):
+    u = 0.1 * np.random.default_rng(5).standard_normal(len(program.scale))
+    near, shapes = program.cells, program.bodies.shapes
+    pose = program.bodies.rest + program.motion(u)
+    h = program.values(u) * program.length
+    for r in range(0, len(h), 7):
+        a, b = near.a[near.pair[r]], near.b[near.pair[r]]
+        holder, other = (a, b) if near.kind[r] == A_EDGE else (b, a)
+        edge = place(shapes.corner[[near.edge[r], shapes.after[near.edge[r]]]], pose[holder])
+        corner = place(shapes.corner[[near.corner[r]]], pose[other])[0]
+        assert abs(h[r]) == pytest.approx(shapely.distance(shapely.LineString(edge), shapely.Point(corner)), abs=1e-12)
+    # the least of them is the distance of the bodies, where that is within reach
+    material = placed(program.bodies, program.motion(u))
+    for p in np.flatnonzero(np.diff(near.row)):
+        apart = shapely.distance(material[near.a[p]], material[near.b[p]])
+        assert h[near.row[p] : near.row[p + 1]].min() == pytest.approx(apart, abs=1e-12)
+
+
+def test_listed_corners_are_all_that_are_near():
+    assembly = wr.patterns.grid(2, 2, joint="tee", gap=0.02)
+    ready = prepare_as_drawn(assembly)
+    bodies, reach = ready.bodies, 0.15
+    a, b = np.triu_indices(4, 1)
+    near = near_vertices(bodies, a, b, np.zeros((4, 3)), np.full(len(a), reach), np.full(len(a), 0.06), 0.03)
+    known = set(zip(near.pair.tolist(), near.kind.tolist(), near.edge.tolist(), near.corner.tolist(), strict=True))
+    shapes = bodies.shapes
+    pose = relative_pose(bodies, a, b)
+    for p in range(len(a)):
+        for v in range(*shapes.first[bodies.shape[b[p]] + np.arange(2)]):
+            corner = place(shapes.corner[[v]], pose[p])[0]
+            for e in range(*shapes.first[bodies.shape[a[p]] + np.arange(2)]):
+                line = shapely.LineString(shapes.corner[[e, shapes.after[e]]])
+                ahead = shapes.normal[e] @ (corner - shapes.corner[e])
+                along = np.array([-shapes.normal[e, 1], shapes.normal[e, 0]]) @ (corner - shapes.corner[e])
+                beyond = max(-along, along - shapes.length[e])
+                wanted = shapely.distance(line, shapely.Point(corner)) < reach and beyond < 0.06
+                wanted &= ahead > (0 if beyond <= 0 else -0.03)
+                assert ((p, 0, e, v) in known) == wanted

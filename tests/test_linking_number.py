@@ -10,7 +10,7 @@ import wiggleroom as wr
 from wiggleroom.drawing.model import Pull
 from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
 from wiggleroom.spatial.proof.linking_number import CurveGraph, closed_curves, linking_numbers, piece_graph
-from wiggleroom.spatial.solids.convex import convex_piece
+from wiggleroom.spatial.solids.convex import convex_piece, cuboid
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.solids.spatial_file import read_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
@@ -124,3 +124,12 @@ def test_small_pieces_do_not_go_through_each_other_in_one_step():
         4.0,
     )  # links that tilt reach further than straight ones; a bar that went through would gain its width
     assert straight - 1e-6 <= answer.objective < straight + bar / 2
+
+
+def test_curves_stay_inside_pieces_that_overlap():
+    bars = [((0, 0, 0), (10, 2, 2)), ((0, 0, 0), (2, 8, 2)), ((8, 0, 0), (10, 8, 2)), ((0, 6, 0), (10, 8, 2))]
+    graph = inner_curves([cuboid(*np.array(bar, dtype=float)) for bar in bars])
+    assert len(graph.cycles) == 1
+    for t in np.linspace(0, 1, 7):
+        for x, y, z in graph.segments[:, 0] * (1 - t) + graph.segments[:, 1] * t:
+            assert any(np.all((x, y, z) >= np.array(bar[0])) and np.all((x, y, z) <= np.array(bar[1])) for bar in bars)

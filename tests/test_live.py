@@ -14,6 +14,15 @@ from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, Part, Region
+from wiggleroom.geometry.rigid_motions import of_parts
+
+
+class Now:
+    """A stop that is always set."""
+
+    def is_set(self) -> bool:
+        return True
+
 
 JIGSAW = "examples/drawings/pyjigsaw_4x5.svg"
 
@@ -363,3 +372,62 @@ def test_a_drag_goes_on_where_the_answer_about_finer_outlines_ended():
     assert max(overlap(jigsaw, shot.motion) for shot in (here, back)) < 1e-6
     smaller = live.design(gap=1.2)
     assert overlap(smaller, live.drag("p13", tuple(grip), tuple(grip), start="rest").motion) < 1e-6
+
+
+@pytest.mark.parametrize("seed", [0])
+def test_the_next_drag_begins_where_nothing_overlaps_however_short_the_time(seed):
+    assembly, random = wr.patterns.grid(5, 5, joint="tee", gap=0.01), np.random.default_rng(seed)
+    live, names = wr.Live(assembly), [p.name for p in assembly.parts if not p.fixed]
+    for _ in range(6):
+        part = random.choice(names)
+        at = np.array(assembly.parts[assembly.names.index(part)].at[:2])
+        way = random.normal(size=2)
+        way *= 0.1 / np.hypot(*way)
+        for step in range(1, 8):
+            live.drag(part, tuple(at), tuple(at + step * way), seconds=0.0)
+            last = live._dragged
+            inner = of_parts(last.ready.assembly, last.ready.bodies, last.state.inner[None])[0]
+            assert overlap(assembly, inner) == 0
+
+
+def test_a_stop_leaves_everything_where_it_was_or_further():
+    live = wr.Live(wr.patterns.grid(6, 6, joint="tee", gap=0.02))
+    shot = live.drag("b6-6", (5.0, 5.0), (6.0, 5.0), stop=Now())
+    assert not shot.settled
+    assert shot.distance <= 1.0 + 1e-9
+    assert not live.flex(wr.Pull("b6-6", (1, 0)), stop=Now()).settled
+
+
+def test_freedoms_of_a_part_move_it():
+    live = wr.Live(wr.patterns.grid(4, 4, joint="tee", gap=0.02))
+    for mode in live.wiggle("b3-2", count=2):
+        k = live.assembly.names.index("b3-2")
+        assert np.abs(mode.frames[:, k]).max() > 0.005
+        for shown in mode.frames:
+            assert overlap(live.assembly, shown) < 1e-12
+
+
+def test_glued_parts_and_stacked_sheets_stay_so_among_few():
+    assembly = grid_of(6)
+    names = assembly.names
+    live = wr.Live(assembly)
+    live.design(glue=[[names[14], names[15]], [names[20], names[21], names[22]]])
+    grip = assembly.rest[14, :2]
+    shot = live.drag(names[14], tuple(grip), (grip[0] + 0.05, grip[1] + 0.12), within=6, seconds=60)
+    assert overlap(live.assembly, shot.motion) < 1e-9
+    turn = shot.motion[14, 2]
+    arm = assembly.rest[15, :2] - assembly.rest[14, :2]
+    rigid = shot.motion[14, :2] + np.array([[np.cos(turn) - 1, -np.sin(turn)], [np.sin(turn), np.cos(turn) - 1]]) @ arm
+    assert shot.motion[15] == pytest.approx([*rigid, turn], abs=1e-9)
+
+
+def test_only_few_parts_move_and_others_that_hold_are_not_taken_for_fixed():
+    live = wr.Live(grid_of(9))
+    part = live.assembly.names[40]
+    grip = live.assembly.rest[40, :2]
+    shot = live.drag(part, tuple(grip), (grip[0] + 0.3, grip[1]), within=9, seconds=60)
+    moved = np.abs(shot.motion).max(axis=1) > 0
+    assert 1 < moved.sum() <= 9
+    assert not shot.settled
+    assert shot.blocking == ()
+    assert shot.distance > 0.1

@@ -146,3 +146,12 @@ def test_check_judges_them_as_they_were_drawn(neck, verdict, tmp_path):
     found = wr.check(in_a_hole(ring(700), room, tmp_path))
     assert (found.verdict, found.certainty) == (verdict, "proven")
     assert found.spins == (("disc",) if verdict == "interlocked" else ())
+
+
+def test_a_flower_goes_as_far_as_its_clearance(tmp_path):
+    gap = 0.01
+    inner = shapely.Polygon(ring(1000, petals=5))
+    assembly = in_a_hole(ring(1000, petals=5), shapely.buffer(inner, gap, join_style="mitre"), tmp_path)
+    answer = wr.flex(assembly, search=0)
+    assert gap * 0.99 < answer.objective < gap * 1.02  # it may turn a little
+    assert audit_path(assembly, answer.waypoints).free

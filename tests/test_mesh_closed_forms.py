@@ -115,3 +115,17 @@ def test_what_lies_inside_the_material_of_a_shell_overlaps_it(tmp_path: Path) ->
     )
     with pytest.raises(wr.TouchingError, match="overlap"):
         wr.flex(wr.read(path), wr.Pull("free", (1, 0, 0)))
+
+
+def test_a_ball_plays_in_its_socket_by_the_distance_of_parallel_facets(tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    faces = ball.face_normals
+    near = 0.3 * (faces * ball.triangles_center).sum(axis=1)
+    block = manifold3d.Manifold.cube((26, 26, 19)).translate((-13, -13, -13))  # open above
+    socket = block - solid(10.3 * ball.vertices, ball.faces)
+    path = write(tmp_path, socket, solid(10 * ball.vertices, ball.faces))
+    from scipy.optimize import linprog
+
+    closed = faces[:, 2] < 0.4  # facets below the opening
+    truth = linprog([-1, 0, 0], A_ub=faces[closed], b_ub=near[closed], bounds=(None, None))
+    assert moves(path, "+x") == pytest.approx(-truth.fun, rel=1e-4)

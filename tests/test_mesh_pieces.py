@@ -15,10 +15,34 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.drawing.model import Surface
-from wiggleroom.spatial.solids.convex_hulls import hull_surface
+from wiggleroom.spatial.solids.convex_hulls import filled_up, hull_surface, hull_volume
+from wiggleroom.spatial.solids.fins import convex_without_fins
 from wiggleroom.spatial.solids.mesh_file import MeshFiles
 from wiggleroom.spatial.solids.mesh_pieces import CutsLeft, in_pieces, mesh_made
-from wiggleroom.spatial.solids.solid_boolean import volume_of
+from wiggleroom.spatial.solids.solid_boolean import solid_of, surface_of, volume_of
+
+
+def with_fin(thick: float) -> Surface:
+    """A box 4 x 3 x 2 and a triangle of some thickness that stands out of one edge in the plane of a face."""
+    x, y, z = 4.0, 3.0, 2.0
+    corners = [[0, 0, 0], [x, 0, 0], [x, y, 0], [0, y, 0], [0, 0, z], [x, 0, z], [x, y, z], [0, y, z]]
+    corners += [[6.0, 1.5, z - thick / 2]]
+    faces = [
+        [0, 2, 1],
+        [0, 3, 2],
+        [4, 5, 6],
+        [4, 6, 7],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 3, 7],
+        [2, 7, 6],
+        [3, 0, 4],
+        [3, 4, 7],
+    ]
+    corners += [[x, 0, z - thick], [x, y, z - thick]]
+    faces += [[5, 8, 6], [9, 10, 8], [9, 8, 5], [10, 6, 8], [1, 2, 10], [1, 10, 9], [1, 9, 5], [2, 6, 10]]
+    return Surface(np.array(corners, dtype=float), np.array(faces, dtype=np.int64))
+
 
 BORDER = 1e-3
 """Points nearer to a border are not asked about [mm]."""
@@ -128,3 +152,29 @@ def test_a_solid_that_needs_more_cuts_than_are_left_is_a_shell() -> None:
     shell = in_pieces(made, lambda: 1e-3, left=CutsLeft(5))
     assert shell.overshoot == 1e-3
     assert len(shell.pieces) == len(made.surface.faces)
+
+
+def test_a_fin_of_rounding_is_left_out_and_one_of_material_is_not() -> None:
+    fin = solid_of(with_fin(1e-8))
+    assert hull_volume(surface_of(fin).vertices) > 24.5
+    corners = convex_without_fins(fin, thin=1e-6)
+    assert corners is not None
+    assert hull_volume(corners) == pytest.approx(24.0, rel=1e-7)
+    assert convex_without_fins(solid_of(with_fin(0.1)), thin=1e-6) is None
+
+
+@pytest.mark.parametrize(
+    ("wide", "deep", "filled"), [(1e-6, 1e-7, True), (1e-3, 1e-7, True), (1e-6, 0.5, False), (0.1, 1e-3, False)]
+)
+def test_a_groove_is_filled_up_where_it_is_shallow_and_not_where_it_is_narrow(
+    wide: float, deep: float, filled: bool
+) -> None:
+    """A groove across a lid: all its corners lie on the hull."""
+    ring = np.array([(0, 0), (4, 0), (4, 3), (2 + wide / 2, 3), (2, 3 - deep), (2 - wide / 2, 3), (0, 3)], dtype=float)
+    mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 5, engine="manifold")
+    surface = Surface(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
+    found = filled_up(surface, 8e-6)
+    assert (found is not None) == filled
+    if found is not None:
+        assert volume_of(found[0]) == pytest.approx(60, rel=1e-12)
+        assert deep / 3 < found[1] < 3.1 * deep

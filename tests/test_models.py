@@ -14,11 +14,27 @@ from tests.audit import part, reachable
 from tests.oracle.blocks import block, outline
 from tests.oracle.chain import stored
 from tests.oracle.collision import overlaps as collide
+from tests.test_program import close, slope, steps, whole
 from wiggleroom.assembly.build import assemble
+from wiggleroom.compare.approximate import approximate
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.freespace.models.hull import pair_hull
+from wiggleroom.freespace.models.halfplane import half_planes
+from wiggleroom.freespace.models.hull import _ball, pair_hull
 from wiggleroom.freespace.slices import pair_outlines
+from wiggleroom.geometry.row_kinds import FACE
+from wiggleroom.program.nonlinear_program import build_program
+from wiggleroom.program.objectives import objective
 from wiggleroom.solve.linear_programming import maximise
+
+
+def outline_of(assembly: wr.Assembly, index: int, motion: np.ndarray) -> np.ndarray:
+    """Corners of a part moved about its centroid."""
+    x, y, angle = assembly.parts[index].at
+    c, s = np.cos(angle), np.sin(angle)
+    ring = assembly.parts[index].regions[0].outer @ np.array([[c, s], [-s, c]]) + (x, y)
+    middle = np.array(shapely.Polygon(ring).centroid.coords[0])
+    c, s = np.cos(motion[2]), np.sin(motion[2])
+    return (ring - middle) @ np.array([[c, s], [-s, c]]) + middle + motion[:2]
 
 
 def box(x0: float, y0: float, x1: float, y1: float) -> shapely.Polygon:
@@ -212,3 +228,65 @@ def test_objective_of_the_whole_in_a_file(tmp_path) -> None:
     from wiggleroom.drawing.writers.assembly_writer import write_assembly
 
     assert read_assembly(write_assembly(assembly.drawing)).goals == (wr.Translation(),)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 0.4])
+def test_ball_of_lemma_1_is_not_halved_where_a_corner_is_nearest(angle: float, mirrored: bool) -> None:
+    # the other block stands beside the first one, its lower side in line with the upper one: that line runs through rest
+    blocks = box(0, 0, 1, 1), box(1.5, 1, 2.5, 2)
+    blocks = tuple(shapely.affinity.scale(b, -1 if mirrored else 1, 1, origin=(0, 0)) for b in blocks)
+    blocks = tuple(shapely.affinity.rotate(b, angle, origin=(0, 0), use_radians=True) for b in blocks)
+    ball = _ball(pair_outlines(*blocks), 0.0, np.zeros(2), 3.0)
+    assert ball.area == pytest.approx(np.pi * 0.5**2, rel=0.01)  # all the way to the corner
+    for x, y in 0.999 * shapely.get_coordinates(ball):
+        assert not shapely.intersects(blocks[0], shapely.affinity.translate(blocks[1], x, y))
+
+
+def test_figures_of_the_paper_model_on_chains() -> None:
+    # worked out once by an independent prototype: blocks turned about their centres
+    for joint, gap, wanted in (("swallowtail", 0.01, 0.642), ("swallowtail", 0.02, 1.285), ("tee", 0.01, 0.695)):
+        assert wr.flex(chain(joint, gap, 10), model="hull").objective == pytest.approx(wanted, abs=1.5e-3)
+
+
+def test_faces_in_a_program_have_exact_derivatives() -> None:
+    made = chain("hook", 0.02, 4, 0.5)
+    ready = approximate(made, wr.Hull("joint"))
+    of = build_program(ready.bodies, ready.faces, objective(made, ready.bodies, made.goals), length=ready.clearance)
+    assert (of.geometry.kind == FACE).all()
+    random = np.random.default_rng(3)
+    motion = np.zeros((4, 3))
+    motion[of.free] = random.uniform(-0.3, 0.3, (3, 3))
+    u, lam = of.variables(motion), random.uniform(0, 2, of.rows)
+    at = of.linearise(u)
+    close(at.jacobian().toarray(), slope(of.values, u, steps(of)), 1e-8)
+    curved = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam) + of.linearise(v).gradient, u, steps(of))
+    close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
+
+
+def test_half_planes_are_distances_and_their_derivatives() -> None:
+    made = chain("tee", 0.01, 2)
+    ready = approximate(made, wr.HalfPlane())
+    there = np.array([[0.0, 0, 0], [0.003, -0.002, 0.004]])
+    here = half_planes(ready.bodies, *ready.near, there, 0.05)
+    step = np.array([2e-7, -3e-7, 2e-7])
+    after = half_planes(ready.bodies, *ready.near, there + np.array([np.zeros(3), step]), 0.05)
+    assert len(here.offset) == len(after.offset) > 20
+    g = (after.rest - here.rest)[here.pair]
+    np.testing.assert_allclose(-after.offset, -here.offset - (here.normal * g).sum(1), atol=1e-12)
+    corners = outline_of(made, 1, there[1])
+    walls = shapely.LinearRing(outline_of(made, 0, there[0]))
+    nearest = min(walls.distance(shapely.Point(p)) for p in corners)
+    assert -here.offset.max() == pytest.approx(nearest, abs=1e-12)
+
+
+def test_extension_that_takes_in_forbidden_space_is_discarded() -> None:
+    # a bar rests above a floor; a post stands in the strip over it, further away than what counts as nearby
+    floor = box(-3, -3, 3, 0) | box(0.9, 0, 1.1, 2)
+    pair = pair_outlines(floor, box(-0.5, 0.1, 0.5, 0.6))
+    hull = pair_hull(pair, wr.Hull(), reach=3.0)
+    assert hull is not None
+    middle = hull.slices[1].region
+    for x, y in shapely.get_coordinates(middle) * 0.999:
+        assert not shapely.intersects(pair.material[0], shapely.affinity.translate(pair.material[1], x, y))
+    assert np.hypot(*shapely.get_coordinates(middle).T).max() < 0.6  # the ball of Lemma 1, not the window

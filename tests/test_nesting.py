@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import shapely
 import shapely.affinity
 
+import wiggleroom as wr
+from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.loops import placed_regions
-from wiggleroom.drawing.model import Drawing, JointGap, Part, Region
+from wiggleroom.drawing.model import Drawing, JointGap, Part, Region, Tolerance
 
 KINDS = ("slanted", "slight turns", "curve", "tab", "chamfered")
 
@@ -125,3 +128,35 @@ def test_edges_that_move_differently_take_away_their_strips(turn: float) -> None
     ]
     truth = shapely.Polygon(ring).difference(shapely.union_all(strips))
     assert shape[0].symmetric_difference(truth).area < 1e-9
+
+
+def test_a_looser_outline_lies_inside_a_tighter_one_with_a_joint_beside_it() -> None:
+    plate = Region(
+        np.array([[0.0, 0], [9, 0], [9, 9], [0, 9]]), (np.array([[3.0, 3], [6, 3.2], [6, 6], [3, 6]])[::-1],)
+    )
+    peg = Region(np.array([[3.0, 3.02], [5.9, 3.2], [5.9, 5.9], [3.0, 5.9]]))
+    shapes = []
+    for out in (0.2, 0.05, 0.0, -0.1):
+        parts = Part("plate", (plate,), outline_offsets=(0.0, out)), Part("peg", (peg,))
+        new, wrong = apply_gap(Drawing(parts, gap=0.1, gaps=(JointGap(("plate", "peg"), 0.3),)))
+        assert not wrong
+        shapes.append(placed_regions(new)[0][0])
+    for larger, smaller in pairwise(shapes):
+        assert smaller.area < larger.area
+        assert smaller.difference(larger).area < 1e-12
+
+
+def test_the_worst_of_a_joint_on_slanted_edges_is_that_of_its_widest_gap() -> None:
+    frame = Region(
+        np.array([[-2.0, -1], [7, -1], [7, 5], [-2, 5]]), (np.array([[-1.0, 0], [6, 0], [6, 4], [-1, 4]])[::-1],)
+    )
+    block = Region(np.array([[0.0, 0], [5, 0.43744331762962], [5, 3.5], [0, 3.5]]))
+    parts = Part("a", (frame,), fixed=True), Part("b", (block,))
+    drawing = Drawing(parts, gap=0.4, gaps=(JointGap(("a", "b"), 0.2),), goals=(wr.Pull("b", (0, -1)),))
+    found = wr.worst_case(assemble(drawing), [Tolerance(("a", "b"), plus=0.05, minus=0.1, nominal=0.2)])
+    within = [
+        wr.flex(assemble(replace(drawing, gaps=(JointGap(("a", "b"), gap),))), search=0).objective
+        for gap in (0.1, 0.15, 0.25)
+    ]
+    assert found.loosest.objective is not None
+    assert found.loosest.objective >= max(within) - 1e-9

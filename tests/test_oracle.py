@@ -235,3 +235,37 @@ def test_random_pairs_are_sound_and_the_gap_apart(make, holes):
         assert collision.depths(A, B, np.zeros((1, 3)), D)[0] == 0
         corners.add(len(pair.made[1].exterior.coords))
     assert len(corners) > 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_slices_of_random_joints_hold_exactly_the_free_samples(seed):
+    rng = np.random.default_rng(seed)
+    A, B, D = (random_joints.tab_pair if seed % 2 else random_joints.peg_pair)(seed, 0.015, holes=seed > 2).local()
+    pair = Slices(A, B, tuple(D), step=5e-3)
+    for phi in rng.uniform(pair.low, pair.high, 3):
+        piece = shapely.union_all(pair.at(phi))
+        x0, y0, x1, y1 = shapely.buffer(piece, 1e-4).bounds
+        taus = rng.uniform([x0, y0], [x1, y1], (1500, 2))
+        free = ~collision.overlaps(A, B, np.column_stack([taus, np.full(len(taus), phi)]), D)
+        assert np.array_equal(free, shapely.contains_xy(piece, taus))
+
+
+def test_the_turn_of_a_joint_ends_where_samples_end():
+    pair = chain.slices("swallowtail", 0.02)
+    tip = np.append(pair.at(pair.high)[0].centroid.coords[0], pair.high)
+    assert collision.depths(pair.A, pair.B, tip, pair.D)[0] < 1e-12
+    rng = np.random.default_rng(0)
+    beyond = tip + np.array([1e-3, 1e-3, 0]) * rng.uniform(-1, 1, (100000, 3)) + [0, 0, 1e-6]
+    assert np.all(collision.overlaps(pair.A, pair.B, beyond, pair.D))
+
+
+@pytest.mark.parametrize("joint", ["tee", "hook"])
+def test_two_blocks_reach_what_samples_reach(joint):
+    pair = chain.slices(joint, 0.02)
+    value, _ = chain.stored(joint, 0.02, 2)
+    rng = np.random.default_rng(7)
+    box = np.array([0.03, 1.05 * value, max(pair.high, -pair.low)])
+    samples = rng.uniform(-1, 1, (300_000, 3)) * box
+    samples[:, 1] = np.abs(samples[:, 1])
+    best = samples[collision.free(pair.A, pair.B, pair.D, samples, 0), 1].max()
+    assert 0.9 * value < best <= value

@@ -80,3 +80,13 @@ def test_a_question_about_a_drawing_of_many_corners_keeps_its_time() -> None:
     began = time.process_time()
     assert wr.flex(assembly, stop=Deadline(0.2), search=0).verdict == "stopped"
     assert time.process_time() - began < 3
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_nearest_other_body_is_that_of_a_search_of_all(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    places = rng.uniform(0, 30, (40, 2))
+    bodies = np.array([shapely.Polygon(blob(rng, int(rng.integers(4, 30)), 0.8) + p) for p in places])
+    bodies[1] = shapely.Polygon(shapely.get_coordinates(bodies[0])[:-1][::-1])  # the same once more is no neighbour
+    _, apart = shapely.STRtree(bodies).query_nearest(bodies, exclusive=True, all_matches=False, return_distance=True)
+    assert OutlineDistances(bodies).to_nearest(np.arange(40)).tolist() == apart.tolist()
