@@ -49,7 +49,8 @@ PATTERNS = {
 
 SLOW = (
     "04_jigsaw", "05_panels", "06_frame", "14_shelf", "15_grid", "16_chain_sweeps", "18_grid_of_4096", "19_space_divider", "20_elephant",
-    "21_butterfly", "22_fasteners", "23_mechanisms", "41_drawer_in_a_case", "44_six_piece_burr", "46_plans", "50_three_piece_burr", "51_hinge",
+    "21_butterfly", "22_fasteners", "23_mechanisms", "41_drawer_in_a_case", "44_six_piece_burr", "46_plans", "50_three_piece_burr",
+    "51_hinge",
 )  # fmt: skip
 LIVE = {shlex.join(words[:-2]): f"{name}.html" for name, words in live_pages.commands().items()}
 """Live pages of the site, by the commands that they show."""
