@@ -138,7 +138,10 @@ def worst_overlap(parts: list[dict], reference: np.ndarray, path: np.ndarray, mo
     return worst
 
 
-FAMILIES = [bar_in_a_case, coin_in_a_money_box, key_below_a_lid, bar_that_turns_twice, coin_below_an_oblique_slot]
+FAMILIES = [
+    bar_in_a_case, coin_in_a_money_box, key_below_a_lid, coin_below_an_oblique_slot,
+    pytest.param(bar_that_turns_twice, marks=pytest.mark.slow),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("family", FAMILIES)

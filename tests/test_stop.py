@@ -93,7 +93,7 @@ def test_stop_is_honoured_within_a_second(what: str, jigsaw: wr.Assembly) -> Non
 
 @pytest.mark.parametrize("extension", ["svg", "dxf"])
 def test_reading_a_large_drawing_stops(extension: str, tmp_path: Path) -> None:
-    pieces = wr.patterns.grid(30, 30, joint="revolute", gap=0.01).drawing
+    pieces = wr.patterns.grid(20, 20, joint="revolute", gap=0.01).drawing
     file = tmp_path / f"large.{extension}"
     write_drawing(pieces, file)
     wr.read(DRAWINGS / "pyjigsaw_4x5.svg", gap=1.0)

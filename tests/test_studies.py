@@ -144,6 +144,7 @@ def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends() -
     assert 0.1 * (1 - 1e-9) <= found.lost[1] < 0.1003
 
 
+@pytest.mark.slow
 def test_the_largest_gap_that_is_searched_is_one_at_which_parts_can_be_made() -> None:
     """A needle beside the bolt vanishes at a gap of 0.4 mm; where the bolt leaves, what cannot be made does not."""
     found = wr.sweep(caged_bolt(box("needle", 20, 0, 20.4, 5, fixed=True)), [0.05, 0.2, 0.5])

@@ -247,6 +247,7 @@ def test_the_best_pair_is_taken_where_all_are_tried() -> None:
     assert set(found.chosen) == {"c", "d"}
 
 
+@pytest.mark.slow
 def test_no_choice_at_random_is_better_than_the_one_that_is_taken() -> None:
     found = wr.tighten(stacks(), parts=2, draws=4, seed=1, workers=1)
     assert found.after.objective <= np.nanmin(found.random) * (1 + 1e-3)
