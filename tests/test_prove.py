@@ -256,7 +256,7 @@ def test_neighbourhoods_cut_no_motion_that_is_worth_enough():
         assert (cuts.sign * turned <= cuts.sign * cuts.end).all()
 
 
-@pytest.mark.parametrize(("sides", "share"), [(3, 0.3), (4, 0.45), (5, 0.2)])
+@pytest.mark.parametrize(("sides", "share"), [(3, 0.3), (4, 0.2), (5, 0.1)])
 def test_turns_of_one_body_are_bounded_within_a_thousandth(sides, share):
     """A polygon in a larger one alike, about a pin: where it ends follows from one corner and one side."""
     angle = 2 * np.pi * np.arange(sides) / sides
@@ -265,8 +265,6 @@ def test_turns_of_one_body_are_bounded_within_a_thousandth(sides, share):
     parts = (part_at("frame", frame, fixed=True), part_at("peg", shapely.Polygon(inner)))
     assembly = assemble(Drawing(parts, goals=(wr.Turn("peg", "ccw"),)), gap=0.0)
     answer = wr.flex(assembly, search=0)
-    if answer.objective is None:
-        pytest.skip("it turns all the way round")
     proven = wr.prove(answer, 0.001, seconds=600)
     assert answer.objective <= proven.at_most <= 1.001 * answer.objective
 

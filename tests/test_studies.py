@@ -218,7 +218,7 @@ def test_parts_that_do_not_fit_are_counted_and_fail() -> None:
 
 
 def test_draws_on_a_jigsaw_are_what_flex_says() -> None:
-    assembly = wr.patterns.jigsaw(3, 3, gap=0.012, seed=8)
+    assembly = wr.patterns.jigsaw(3, 2, gap=0.012, seed=8)
     found = wr.sample(assembly, wr.Spread(0.002, "truncated", sheet=0.4), draws=4, seed=5, workers=1)
     for value, extra in zip(found.value, found.extra, strict=True):
         offset = dict(zip(assembly.names, (-extra / 2).tolist(), strict=True))
