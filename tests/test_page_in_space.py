@@ -402,10 +402,7 @@ def test_questions_of_drawings_are_refused_in_space_in_one_line(lid: Served) -> 
         page.until(
             page.send("open", name="lid.json", data=base64.b64encode(json.dumps(LID).encode()).decode()), "opened"
         )
-        asked = [
-            ("reach", {"part": "block", "grip": [0, 0]}),
-            ("bound", {}),
-        ]
+        asked = [("reach", {"part": "block", "grip": [0, 0]}), ("bound", {})]
         asked += [("space", {"a": "case", "b": "block"}), ("save", {"what": "cut-svg"})]
         asked += [("drag", {"part": "block", "grip": [0, 0], "target": [1, 0]})]
         for kind, more in asked:
@@ -508,7 +505,7 @@ def test_all_is_in_the_picture_and_fills_it_from_every_side(
                 "fixed": True,
             },
             {"name": "block", "boxes": [[2, 2, 0, x - 2, y - 2, z]], "lock": ["rx", "ry", "rz"]},
-        ],
+        ]
     }
     (tmp_path / "bar.json").write_text(json.dumps(design))
     with following(tmp_path / "bar.json") as one, visiting(browser, one) as page:

@@ -24,7 +24,6 @@ from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.program.objectives import objective
 from wiggleroom.search.prepare import prepare_as_drawn
 
-REACH = 0.03
 NONE = np.zeros(0, dtype=np.int64)
 
 
@@ -103,51 +102,6 @@ def test_placed_is_the_material_of_the_parts(name, change):
         assert shapely.symmetric_difference(found, shapely.union_all([wanted[p] for p in members])).area < 1e-9
 
 
-@each
-@anywhere
-def test_placed_moves_bodies_about_their_own_origin(name, change):
-    them = bodies(change(ASSEMBLIES[name]()))
-    motion = np.random.default_rng(1).uniform(-1, 1, (len(them.fixed), 3))
-    for before, after, rest, (dx, dy, angle) in zip(placed(them), placed(them, motion), them.rest, motion, strict=True):
-        turned = affinity.rotate(before, angle, origin=tuple(rest[:2]), use_radians=True)
-        assert shapely.symmetric_difference(after, affinity.translate(turned, dx, dy)).area < 1e-9
-
-
-@each
-def test_frames_and_places_do_not_change_shapes_and_classes(name):
-    assembly = ASSEMBLIES[name]()
-    one, other = bodies(assembly), bodies(moved(assembly))
-    np.testing.assert_array_equal(one.shape, other.shape)
-    assert one.members == other.members
-    np.testing.assert_allclose(one.shapes.radius, other.shapes.radius, rtol=1e-9)
-    np.testing.assert_allclose(one.shapes.corner, other.shapes.corner, atol=1e-9)
-    found = [neighbours(them, placed(them), 1.5, ignored=NONE) for them in (one, other)]
-    np.testing.assert_array_equal(found[0].a, found[1].a)
-    np.testing.assert_array_equal(found[0].b, found[1].b)
-    np.testing.assert_allclose(found[0].clearance, found[1].clearance, atol=1e-9)
-    a, b = found[0].a, found[0].b
-    poses = [relative_pose(them, a, b) for them in (one, other)]
-    np.testing.assert_allclose(poses[0][:, :2], poses[1][:, :2], atol=1e-9)
-    np.testing.assert_allclose(np.exp(1j * poses[0][:, 2]), np.exp(1j * poses[1][:, 2]), atol=1e-9)
-    labels = [congruence_classes(them, a, b, pose)[1] for them, pose in zip((one, other), poses, strict=True)]
-    same = [label[:, None] == label[None, :] for label in labels]
-    np.testing.assert_array_equal(*same)
-
-
-def test_copies_in_all_frames_share_shapes_and_classes_in_one_assembly():
-    region = patterns.grid(2, 1).parts[0].regions
-    here = [Part(f"a{k}", region, (float(k), 0.0, 0.0), fixed=k == 0) for k in range(2)]
-    loose = Assembly(tuple(here), Drawing(tuple(here)))
-    there = [replace(p, name=p.name + "'", fixed=False) for p in moved(loose).parts]
-    both = (*here, *there)
-    them = bodies(Assembly(both, Drawing(both)))
-    assert set(them.shape) == {0}
-    pose = relative_pose(them, np.array([0, 2]), np.array([1, 3]))
-    first, label = congruence_classes(them, np.array([0, 2]), np.array([1, 3]), pose)
-    assert len(first) == 1
-    assert label.tolist() == [0, 0]
-
-
 def test_mirrored_scaled_and_pierced_copies_are_other_shapes():
     flipped = Region(WEDGE.outer[::-1] * (-1, 1))
     larger = Region(WEDGE.outer * (1 + 1e-8))
@@ -157,29 +111,6 @@ def test_mirrored_scaled_and_pierced_copies_are_other_shapes():
     assert len(set(bodies(Assembly(parts, Drawing(parts))).shape)) == len(regions)
 
 
-@pytest.mark.parametrize("corners", [3, 4, 7])
-def test_symmetric_shapes_are_shared_in_whatever_frame(corners):
-    angles = 2 * np.pi * np.arange(corners) / corners
-    outer = np.column_stack([np.cos(angles), np.sin(angles)])
-    parts = tuple(
-        Part(f"p{k}", (Region(np.roll(place(outer, (k * 0.3, -k, 0.37 * k)), k, axis=0)),), (9.0 * k, 0.0, 0.2 * k))
-        for k in range(6)
-    )
-    assert set(bodies(Assembly(parts, Drawing(parts))).shape) == {0}
-
-
-def test_glue_makes_one_body():
-    assembly = mixed()
-    them = bodies(assembly)
-    assert them.members == ((0,), (1,), (2,), (3, 4), (5,))
-    assert them.body_of.tolist() == [0, 1, 2, 3, 3, 4]
-    assert them.fixed.tolist() == [True, False, False, False, False]
-    assert them.shape[0] == them.shape[2]
-    assert len(set(them.shape)) == 4
-    rows = slice(them.shapes.first[them.shape[3]], them.shapes.first[them.shape[3] + 1])
-    assert them.shapes.member[rows].tolist() == [0, 0, 0, 1, 1, 1]
-
-
 def test_glue_passes_on_and_one_fixed_part_fixes_all():
     parts = tuple(Part(f"p{k}", (WEDGE,), (3.0 * k, 0.0, 0.0), fixed=k == 4) for k in range(6))
     them = bodies(plain(*parts, glue=(("p5", "p2"), ("p4", "p2"), ("p0", "p1"))))
@@ -187,38 +118,8 @@ def test_glue_passes_on_and_one_fixed_part_fixes_all():
     assert them.fixed.tolist() == [False, True, False]
 
 
-def test_edges_have_material_on_their_left():
-    for name in ASSEMBLIES:
-        them = bodies(ASSEMBLIES[name]())
-        shapes = them.shapes
-        middle = (shapes.corner + shapes.corner[shapes.after]) / 2
-        for s in range(len(shapes.radius)):
-            who = int(np.flatnonzero(them.shape == s)[0])
-            solid = placed(them)[who]
-            for k in range(shapes.first[s], shapes.first[s + 1]):
-                tip = place((middle[k] + 1e-5 * shapes.normal[k])[None], tuple(them.rest[who]))[0]
-                root = place((middle[k] - 1e-5 * shapes.normal[k])[None], tuple(them.rest[who]))[0]
-                assert not shapely.contains_xy(solid, *tip)
-                assert shapely.contains_xy(solid, *root)
-
-
-@pytest.mark.parametrize(("nx", "ny"), [(2, 2), (4, 3), (7, 5)])
-@anywhere
-def test_a_grid_of_tees_has_four_classes_of_pairs(nx, ny, change):
-    them = bodies(change(patterns.grid(nx, ny)))
-    near = neighbours(them, placed(them), REACH, ignored=NONE)
-    first, label = congruence_classes(them, near.a, near.b, relative_pose(them, near.a, near.b))
-    beside, above, diagonal = (nx - 1) * ny, nx * (ny - 1), (nx - 1) * (ny - 1)
-    assert len(first) == 4
-    assert sorted(np.bincount(label)) == sorted([beside, above, diagonal, diagonal])
-    step = np.column_stack([near.b % nx - near.a % nx, near.b // nx - near.a // nx])
-    for k in range(4):
-        assert len(np.unique(step[label == k], axis=0)) == 1
-        assert label[first[k]] == k
-
-
 @each
-@pytest.mark.parametrize("reach", [0.0, 0.012, 0.5, 3.0])
+@pytest.mark.parametrize("reach", [0.012, 3.0])
 def test_neighbours_are_all_pairs_within_reach(name, reach):
     them = bodies(ASSEMBLIES[name]())
     solid = placed(them)
@@ -227,23 +128,6 @@ def test_neighbours_are_all_pairs_within_reach(name, reach):
     wanted = {pair: d for pair, d in wanted.items() if d <= reach and not them.fixed[list(pair)].all()}
     assert dict(zip(zip(found.a, found.b, strict=True), found.clearance, strict=True)) == pytest.approx(wanted)
     assert list(zip(found.a, found.b, strict=True)) == sorted(wanted)
-
-
-def test_barred_pairs_are_left_out():
-    them = bodies(patterns.grid(3, 3))
-    solid = placed(them)
-    keys = lambda pairs: set(zip(pairs.a.tolist(), pairs.b.tolist(), strict=True))  # noqa: E731
-    every, left = (keys(neighbours(them, solid, REACH, ignored=b)) for b in (NONE, np.array([0 * 9 + 1, 4 * 9 + 5])))
-    assert every - left == {(0, 1), (4, 5)}
-    assert left < every
-
-
-def test_fixed_pairs_are_left_out():
-    assembly = patterns.grid(3, 1)
-    parts = tuple(replace(p, fixed=k < 2) for k, p in enumerate(assembly.parts))
-    them = bodies(Assembly(parts, assembly.drawing))
-    near = neighbours(them, placed(them), REACH, ignored=NONE)
-    assert list(zip(near.a, near.b, strict=True)) == [(1, 2)]
 
 
 @anywhere
@@ -261,14 +145,13 @@ def test_the_cell_of_one_pair_serves_its_whole_class(change):
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("share", [0.05, 0.2, 0.6])
-def test_overlaps_of_some_bodies_are_those_that_polygons_of_all_have_with_one_of_them(share):
+def test_overlaps_of_some_bodies_are_those_that_polygons_of_all_have_with_one_of_them():
     assembly = patterns.grid(6, 5, joint="tee", gap=0.02)
     them, random = bodies(assembly), np.random.default_rng(3)
     found = 0
     for _ in range(6):
         motion = random.normal(0, (0.1, 0.1, 0.05), (len(them.fixed), 3))
-        only = random.random(len(them.fixed)) < share
+        only = random.random(len(them.fixed)) < 0.2
         made = placed(them, motion)
         pairs = [
             (a, b)

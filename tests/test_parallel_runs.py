@@ -16,9 +16,8 @@ import pytest
 
 import wiggleroom as wr
 from wiggleroom.context import Context
-from wiggleroom.errors import go_on
 from wiggleroom.parallel import parallel_run as module
-from wiggleroom.parallel.parallel_run import StopHere, run_each
+from wiggleroom.parallel.parallel_run import run_each
 
 
 def square(shared: float, task: float) -> float:
@@ -36,11 +35,6 @@ def dies_once(marker: str, task: int) -> int:
 def always_dies(_: None, task: int) -> int:
     if task == 1:
         os.kill(os.getpid(), signal.SIGKILL)
-    return task
-
-
-def talks(_: None, task: int) -> int:
-    print("a library that prints")  # noqa: T201
     return task
 
 
@@ -77,10 +71,6 @@ def test_a_task_that_kills_every_process_is_given_up(processes: Context) -> None
         run_each(always_dies, None, [0, 1, 2], processes)
 
 
-def test_what_a_task_prints_does_no_harm(processes: Context) -> None:
-    assert run_each(talks, None, [1, 2, 3], processes) == [1, 2, 3]
-
-
 @pytest.mark.parametrize("workers", [1, 2])
 def test_errors_come_through(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
@@ -97,22 +87,6 @@ def test_it_can_be_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(r in (None, k) for k, r in enumerate(results))
 
 
-def goes_on(stop: StopHere, task: int) -> int:
-    go_on(stop)
-    return task
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_work_stops_within_a_task_in_this_process_alone(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What stops a task stays here: the first task is done in this process, with two workers the others are done elsewhere."""
-    monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
-    stop = threading.Event()
-    assert run_each(goes_on, StopHere(stop), [1, 2, 3], Context(workers=workers)) == [1, 2, 3]
-    stop.set()
-    done = run_each(goes_on, StopHere(stop), [1, 2, 3], Context(workers=1))
-    assert done == [None, None, None]
-
-
 def test_progress_counts_up(processes: Context) -> None:
     told: list[tuple[int, int]] = []
     run_each(square, 1.0, [1.0, 2.0, 3.0], Context(workers=2, counted=lambda done, total: told.append((done, total))))
@@ -121,7 +95,7 @@ def test_progress_counts_up(processes: Context) -> None:
 
 def test_processes_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
-    one, two = (wr.sample(wr.patterns.chain(4, gap=0.02), 0.002, draws=12, workers=w) for w in (1, 2))
+    one, two = (wr.sample(wr.patterns.chain(4, gap=0.02), 0.002, draws=6, workers=w) for w in (1, 2))
     assert (one.value == two.value).all()
     assert (one.checked == two.checked).all()
 
@@ -131,8 +105,6 @@ def test_a_cluster_that_is_not_there_is_said_so() -> None:
     pytest.importorskip("distributed")
     with pytest.raises(wr.WiggleroomError, match="no Dask scheduler answers"):
         run_each(square, 1.0, [1.0], Context(cluster="tcp://127.0.0.1:1"))
-    with pytest.raises(wr.WiggleroomError, match="no Dask scheduler answers"):
-        run_each(square, 1.0, [1.0], Context(cluster="nonsense://x"))
 
 
 @pytest.fixture
@@ -165,29 +137,18 @@ def scheduler(tmp_path: Path):
 def test_a_cluster_gives_the_same_numbers_although_a_worker_dies(scheduler) -> None:
     address, workers = scheduler
     chain = wr.patterns.chain(8, joint="tee", gap=0.02)
-    here = wr.sample(chain, 0.002, draws=60, workers=1)
+    here = wr.sample(chain, 0.002, draws=24, workers=1)
     killed: list[int] = []
 
     def kill_one(done: int, _: int) -> None:
-        if done >= 10 and not killed:
+        if done >= 6 and not killed:
             workers[0].kill()
             killed.append(done)
 
-    there = wr.sample(chain, 0.002, draws=60, cluster=address, progress=kill_one)
+    there = wr.sample(chain, 0.002, draws=24, cluster=address, progress=kill_one)
     assert killed
     assert workers[0].wait(timeout=10) != 0
     assert (there.value == here.value).all()
     ranked = wr.rank(here.answer, by="differences", cluster=address)
     assert (ranked.looser == wr.rank(here.answer, by="differences", workers=1).looser).all()
     assert np.isfinite(ranked.looser).all()
-
-
-@pytest.mark.slow
-def test_many_draws_on_the_frame_spread_as_foreseen() -> None:
-    found = wr.sample(wr.patterns.frame(15, 15, gap=0.01), 0.001, draws=500, limit=3.2, workers=2)
-    assert len(found.bounded) == 500
-    assert found.tightest is not None
-    assert found.loosest is not None
-    assert found.tightest <= found.bounded.min() <= found.bounded.max() <= found.loosest  # both searched, not drawn
-    assert not found.undecided.any()
-    assert found.bounded.std(ddof=1) == pytest.approx(found.foreseen, rel=0.1)

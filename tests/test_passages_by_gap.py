@@ -42,15 +42,6 @@ def test_what_is_known_holds_on_one_side_only(
         assert bool(looks) == (gap in asked)
 
 
-def test_what_neither_side_decides_is_not_looked_at_with_as_many_boxes() -> None:
-    passages, looks = PassagesByGap(), []
-    for gap in (0.01, 0.03):
-        passages.look(ready_at(gap), A, B, 100, lambda: UNDECIDED, UNLIMITED)
-    for most in (100, 200):
-        passages.look(ready_at(0.02), A, B, most, lambda most=most: looks.append(most) or CLOSED, UNLIMITED)
-    assert looks == [200]
-
-
 def test_other_parts_are_other_passages() -> None:
     passages, looks = PassagesByGap(), []
     ready = ready_at(0.02, count=3)

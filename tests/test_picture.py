@@ -14,8 +14,7 @@ from tests.answers import answer, block, grid, row
 from wiggleroom.assembly.inventory import inventory
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
-from wiggleroom.report.pictures import layout, palette
-from wiggleroom.report.pictures.leaving_picture import way_out
+from wiggleroom.report.pictures import palette
 from wiggleroom.report.pictures.picture import picture
 from wiggleroom.report.pictures.png import png
 from wiggleroom.report.pictures.read_picture import picture_of_reading
@@ -69,8 +68,7 @@ def test_title_verdict_scale_and_command_are_said() -> None:
     assert "motion x" not in said(svg)
 
 
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 2000.0])
-@pytest.mark.parametrize("shift", [0.0, 1e6])
+@pytest.mark.parametrize(("scale", "shift"), [(1e-3, 0.0), (2000.0, 1e6)])
 def test_a_picture_does_not_depend_on_size_and_place(scale: float, shift: float) -> None:
     here, there = picture(row()), picture(row(scale=scale, shift=shift * scale))
     for a, b in zip(places(here).values(), places(there).values(), strict=True):
@@ -89,7 +87,7 @@ def test_parts_are_drawn_at_rest_and_moved_to_scale() -> None:
     assert seen[palette.FIXED[0]][0] == seen["rest"][0]
 
 
-@pytest.mark.parametrize("scale", [0.003, 1.0, 37.0, 4000.0])
+@pytest.mark.parametrize("scale", [0.003, 37.0])
 def test_the_scale_bar_is_as_long_as_it_says(scale: float) -> None:
     svg = picture(row(scale=scale))
     match = re.search(r"v5h([\d.]+)v-5.*?>([\d.]+) mm<", svg)
@@ -170,32 +168,6 @@ def test_an_unbounded_motion_stays_on_the_page() -> None:
     assert re.search(r"motion x 0\.\d+", said(svg))
 
 
-def crop(svg: str, x: float, y: float, wide: float = 4.0, high: float = 4.0) -> bytes:
-    """A PNG of a small piece of a picture."""
-    return png(re.sub(r'viewBox="[^"]*"', f'viewBox="{x} {y} {wide} {high}"', svg, count=1), width=40)
-
-
-def test_a_hole_stays_open() -> None:
-    svg = picture(free(), magnify=0)
-    size = re.search(r'width="\d+" height="\d+"', svg)
-    assert size
-    white = '<rect width="9999" height="9999" fill="#fff"/>'
-    empty = f'<svg xmlns="http://www.w3.org/2000/svg" {size[0]} viewBox="">{white}</svg>'
-    x, y = places(svg)[palette.FIXED[0]][0]
-    bar = re.search(r"v5h([\d.]+)v-5.*?>([\d.]+) mm<", svg)
-    assert bar
-    side = float(bar[1]) / float(bar[2])
-    assert crop(svg, x - 0.62 * side, y) == crop(empty, 99, 99)
-    assert crop(svg, x - 1.2 * side, y + 1.2 * side) != crop(empty, 99, 99)
-
-
-def test_magnified_contacts_move_with_their_parts() -> None:
-    plain, large = picture(row(), magnify=1), picture(row(), magnify=2)
-    dots = [re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="(?:3\.00|2\.\d+)"/>', s) for s in (plain, large)]
-    assert len(dots[0]) == len(dots[1]) == 1
-    assert dots[0] != dots[1]
-
-
 def test_names_stand_inside_their_parts() -> None:
     svg = picture(row(5))
     found = {t.text: box(t) for t in texts(svg) if t.get("fill") is None}
@@ -204,11 +176,6 @@ def test_names_stand_inside_their_parts() -> None:
     for name, (left, _, right, _) in found.items():
         middle = places(svg)["rest"][int(name[1:]) - 1][0]
         assert middle - 0.5 * pitch < left < right < middle + 0.5 * pitch
-
-
-def test_the_same_answer_gives_the_same_bytes() -> None:
-    assert picture(grid(6)) == picture(grid(6))
-    assert not re.search(r"nan|inf\b|e[-+]\d", re.sub(r"<(title|desc|text|metadata).*?</", "", picture(grid(6))))
 
 
 def test_text_shows_without_any_font_on_the_machine() -> None:
@@ -252,38 +219,3 @@ def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         write_whole(tmp_path / "none" / "a", "x")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.txt", "busy", "link.txt"]
-
-
-@pytest.mark.parametrize("side", [0.0, 0.3, -0.8])
-def test_the_pull_arrow_is_as_long_as_what_was_gained(side: float) -> None:
-    case = row(5, lift=0.5)
-    case = replace(case, motion=case.motion + np.array([[0, 0, 0]] * 4 + [[side, 0, 0]]))
-    svg = picture(case)
-    bar = re.search(r"v5h([\d.]+)v-5.*?>([\d.]+) mm<", svg)
-    assert bar
-    scale = float(bar[1]) / float(bar[2])
-    (head,) = re.findall(rf'<path d="M[\d.,]+L([\d.]+),([\d.]+)L[\d.,]+z" fill="{palette.MOTION}"/><circle', svg)
-    ring = re.search(rf'<circle cx="([\d.]+)" cy="([\d.]+)" r="4" [^>]*stroke="{palette.MOTION}"', svg)
-    assert ring
-    (x, y), (u, v) = (float(ring[1]), float(ring[2])), map(float, head)
-    assert u == pytest.approx(x, abs=0.02)  # straight up, wherever the part went
-    assert (y - v) / scale == pytest.approx(0.5, rel=0.01)
-    assert ("stroke-dasharray" in svg) == (side != 0.0)
-    assert places(svg)["rest"][4][0] == pytest.approx(x, abs=0.02)
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -2.5])
-def test_the_arrow_of_a_part_that_leaves_is_bent_as_its_way_is(angle: float) -> None:
-    """First up by ten, then a long way to the right: the arrow begins as the part does, not as it ends."""
-    view = layout.view((-50.0, -50.0, 50.0, 50.0), 0.0)
-    c, s = np.cos(angle), np.sin(angle)
-    to_page = np.array([[c, -s], [-s, -c]])  # turned, and y down
-    track = np.array([[0, 0], [0.01, 0.3], [-0.2, 5], [0, 10], [400, 10], [400, 10]]) @ np.array([[c, s], [-s, c]])
-    mark = way_out(view, np.zeros(2), track, 10.0 * view.scale)
-    corners = np.array([mark.lines[0][0], *(line[1] for line in mark.lines)])
-    np.testing.assert_allclose(corners[0], view.pixels(np.zeros(2)))
-    legs = np.diff(corners, axis=0)
-    legs /= np.hypot(*legs.T)[:, None]
-    np.testing.assert_allclose(legs, (to_page @ [[0, 1], [1, 0]]).T, atol=1e-9)
-    straight = way_out(view, np.zeros(2), track[[0, 1, 4]], 50.0 * view.scale)
-    assert len(straight.lines) == 1

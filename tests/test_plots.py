@@ -11,8 +11,6 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.report.finding import Bars, Curve, Histogram
 from wiggleroom.report.pictures import palette
-from wiggleroom.report.pictures.axes import span, ticks
-from wiggleroom.report.pictures.finding_picture import shade
 from wiggleroom.report.pictures.plots import Heading, bars, curve, histogram
 from wiggleroom.report.pictures.text import text_width
 
@@ -56,14 +54,6 @@ def test_a_curve_breaks_where_there_is_no_value() -> None:
     assert (line.count("M"), line.count("L")) == (2, 1)
 
 
-def test_a_mark_stands_at_its_value() -> None:
-    svg = curve(Curve(np.linspace(0, 1, 4), np.ones(4), XY, [(0.7, "comes apart")]), TITLE)
-    scale, zero = axis(svg, of_x=True)
-    (line,) = [p.get("d", "") for p in all_of(svg, "path") if p.get("stroke-dasharray")]
-    assert (float(line[1:].split(",")[0]) - zero) / scale == pytest.approx(0.7, abs=2e-3)
-    assert "comes apart" in svg
-
-
 def test_a_histogram_counts_every_finite_value_once() -> None:
     values = np.concatenate([np.random.default_rng(1).normal(2.0, 0.1, 500), [np.inf, np.nan]])
     svg = histogram(Histogram(values, "motion mm"), TITLE)
@@ -97,38 +87,6 @@ def test_wrong_shapes_are_refused() -> None:
         bars(Bars(["a"], np.array([np.nan]), "x"), TITLE)
 
 
-@pytest.mark.parametrize("most", [3, 8])
-@pytest.mark.parametrize(
-    ("low", "high"), [(0, 1), (-3.3, 1e5), (1e-9, 3e-9), (5.0, 5.0001), (8.55, 9.4), (0.96, 1.99), (1.1, 9.9)]
-)
-def test_ticks_are_round_and_inside(low: float, high: float, most: int) -> None:
-    found = ticks(low, high, most)
-    assert 2 <= len(found) <= 10
-    slack = 1e-6 * (high - low)
-    assert low - slack <= found[0]
-    assert found[-1] <= high + slack
-    step = found[1] - found[0]
-    assert round(step / 10 ** np.floor(np.log10(step) + 1e-9), 6) in (1, 2, 5)
-
-
-def test_an_axis_is_never_empty() -> None:
-    for values in ([], [0.0], [3.0, 3.0], [np.nan], [-1.0]):
-        low, high = span(np.array(values), zero=True)
-        assert low < high
-
-
-def light(colour: str) -> float:
-    """Relative luminance of a colour."""
-    r, g, b = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
-    return 0.2126 * r**2.2 + 0.7152 * g**2.2 + 0.0722 * b**2.2
-
-
-def test_larger_numbers_are_darker_also_without_colour() -> None:
-    assert (np.diff([light(shade(s)) for s in np.linspace(0, 1, 21)]) < 0).all()
-    assert shade(-1.0) == shade(0.0)
-    assert shade(2.0) == shade(1.0)
-
-
 def test_bars_above_the_limit_are_red_and_no_bar_holds_both() -> None:
     values = np.random.default_rng(3).normal(2.0, 0.1, 400)
     svg = histogram(Histogram(values, "motion mm", [(2.0, "half")], (2.07, "limit")), TITLE)
@@ -146,8 +104,7 @@ def test_bars_above_the_limit_are_red_and_no_bar_holds_both() -> None:
     assert palette.FIXED[0] not in histogram(Histogram(values, "x", limit=(9.0, "far")), TITLE)
 
 
-@pytest.mark.parametrize("framed", [True, False])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("seed", "framed"), [(0, True), (1, False), (2, True), (3, False)])
 def test_no_line_and_no_other_label_crosses_the_label_of_a_line(seed: int, framed: bool) -> None:
     random = np.random.default_rng(seed)
     values = random.gamma(random.uniform(0.5, 8), size=60)

@@ -24,7 +24,6 @@ from tests.flexing import (
     random_goals,
     row_of,
     scaled,
-    shuffled,
 )
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
@@ -49,7 +48,7 @@ BOUNDED = {f"{k} {case.name}": case for k, case in enumerate(closed_forms.bounde
 LOOSE = ("row of", "24-gon in a square")  # held by joints that do not close: nothing tight is promised
 CHAINS = [(joint, gap, n) for joint in blocks.JOINTS for gap in (0.01, 0.03) for n in (2, 10)]
 ROUNDING = 1e-12
-WHILE = 1.0
+WHILE = 0.3
 """So long a proof is tried that cannot succeed [s]: the longer, the more it could wrongly cut off."""
 
 
@@ -88,13 +87,13 @@ def look(seed, most=3):
         assert bound_of(assembly, goals, share * answer.objective, WHILE) >= answer.objective * (1 - ROUNDING)
 
 
-@pytest.mark.parametrize("seed", range(0, 30, 4))
+@pytest.mark.parametrize("seed", range(0, 30, 6))
 def test_no_bound_below_a_checked_motion(seed):
     look(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(30, 40))
+@pytest.mark.parametrize("seed", range(30, 34))
 def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
 
@@ -103,17 +102,20 @@ def test_no_bound_below_a_checked_motion_often(seed):
 def test_closed_forms(name):
     case = BOUNDED[name]
     assembly = case_assembly(case)
-    low = bound_of(assembly, assembly.goals, 0.5 * case.value, 1.0)
+    low = bound_of(assembly, assembly.goals, 0.5 * case.value, WHILE)
     assert low >= case.value * (1 - ROUNDING)
     loose = name.split(" ", 1)[1].startswith(LOOSE)
-    answer = wr.prove(wr.flex(assembly, search=0), 0.001, seconds=1 if loose else 600)
+    answer = wr.prove(wr.flex(assembly, search=0), 0.001, seconds=WHILE if loose else 600)
     if loose:
         assert answer.at_most is None or answer.at_most >= case.value
     else:
         assert case.value * (1 - ROUNDING) <= answer.at_most <= 1.001 * case.value
 
 
-@pytest.mark.parametrize(("joint", "gap", "n"), [c for c in CHAINS if c[2] == 2 or c[0] in ("tee", "swallowtail")])
+@pytest.mark.parametrize(
+    ("joint", "gap", "n"),
+    [c for c in CHAINS if c[1] == (0.01 if c[2] == 2 else 0.03) and (c[2] == 2 or c[0] in ("tee", "swallowtail"))],
+)
 def test_chains_against_the_dynamic_programme(joint, gap, n):
     value, accuracy = chain.stored(joint, gap, n)
     assembly = assemble(row_of([blocks.block(joint, gap)] * n), gap=0.0)
@@ -122,7 +124,7 @@ def test_chains_against_the_dynamic_programme(joint, gap, n):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("joint", "gap", "n"), CHAINS)
+@pytest.mark.parametrize(("joint", "gap", "n"), [c for c in CHAINS if c[1:] == (0.03, 10)])
 def test_chains_within_half_a_per_cent(joint, gap, n):
     value, accuracy = chain.stored(joint, gap, n)
     assembly = assemble(row_of([blocks.block(joint, gap)] * n), gap=0.0)
@@ -141,7 +143,7 @@ def one_joint(seed, gap=0.01):
     return assemble(drawing, gap=0.0), value
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_joints_against_exact_slices(seed):
     assembly, value = one_joint(seed)
     assert bound_of(assembly, assembly.goals, 0.6 * value, WHILE) >= value - 1e-10
@@ -149,7 +151,7 @@ def test_random_joints_against_exact_slices(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3, 13))
+@pytest.mark.parametrize("seed", range(3, 7))
 def test_many_random_joints_against_exact_slices(seed):
     assembly, value = one_joint(seed)
     assert bound_of(assembly, assembly.goals, 0.6 * value, WHILE) >= value - 1e-10
@@ -184,7 +186,7 @@ def test_outer_regions_hold_all_true_slices(seed):
                 assert (points @ found.normal.T <= found.offset).all()
 
 
-@pytest.mark.parametrize("half", [1e-9, 0.01, 0.7, 1.6, 3.0, 7.0])
+@pytest.mark.parametrize("half", [1e-9, 0.7, 3.0, 7.0])
 def test_envelopes_hold_at_every_angle(half):
     rng = np.random.default_rng(0)
     middle = rng.uniform(-4, 4, 30)
@@ -205,8 +207,7 @@ def test_support_is_the_largest_value():
     assert (found <= seen + 1e-5).all()
 
 
-@pytest.mark.parametrize("wide", [1.0, 3.0])
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(("seed", "wide"), [(0, 1.0), (1, 3.0)])
 def test_any_multipliers_give_a_bound(seed, wide):
     """Weak duality: whatever the multipliers, the bound stays above a motion that was found and checked."""
     rng = np.random.default_rng(seed)
@@ -229,85 +230,10 @@ def test_any_multipliers_give_a_bound(seed, wide):
     assert (found >= answer.objective).all()
 
 
-def test_a_program_ends_when_it_is_asked_to():
-    """Within an iteration, and its multipliers still bound what is asked."""
-    from wiggleroom.solve.dual_linear_program import DualLinearProgram
-
-    rng = np.random.default_rng(5)
-    rows = sp.random(600, 200, 0.05, random_state=5, data_rvs=rng.standard_normal).tocsr()
-    most = np.abs(rng.standard_normal(600)) + 0.1
-
-    def ended(budget):
-        program = DualLinearProgram(rows, np.full(600, -np.inf), most, np.full(200, -1.0), np.ones(200), budget)
-        y = np.maximum(program.ask(np.ones(200)), 0.0)
-        return program.iterations, y @ most + np.abs(1.0 - rows.T @ y).sum()
-
-    spent = WorkBudget()
-    whole, value = ended(spent)
-    short, bound = ended(WorkBudget(spent.spent / 4))
-    assert whole > 100
-    assert short < whole / 3
-    assert bound >= value - 1e-9
-
-
-@pytest.mark.parametrize("seed", range(1))
-def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
-    """What is proven of a window is proven of every placement: with joints moved by as much as the deviation says, no bound is passed."""
-    from wiggleroom.bound.local_windows import deviation, windows
-
-    assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
-    surveyed = survey(assembly)
-    them = surveyed.bodies
-    joints, regions = outer_regions(surveyed, WorkBudget())
-    (window, *_) = windows(them.rest[:, :2], joints, surveyed.clearance, 2)
-    far = np.array([regions[k].far for k in joints.kind])
-    assert deviation(window, joints, far) < 1e-11
-    rng, shift = np.random.default_rng(seed), 1e-6
-    other = np.setdiff1d(window.placed_joints[1], window.joints)
-    arm = joints.arm_b.copy()
-    arm[other] += shift * rng.uniform(0.5, 1.0, (len(other), 2))
-    moved = replace(joints, arm_b=arm)
-    apart = deviation(window, moved, far)
-    assert 2 * np.hypot(*(arm - joints.arm_b)[other].T).max() <= apart <= 3 * shift
-    turns = turn_differences(joints, regions)
-    ranges = first_ranges(them.fixed, joints, regions, turns)
-    at = joint_ranges(joints, RegionCuts([*regions]), ranges, turns)
-    y = rng.standard_normal((5, len(joints.a), MULTIPLIERS))
-    weights, none = np.zeros((5, 5 * len(them.fixed))), np.zeros(5)
-    plain, wider = (LagrangianBound(them.fixed, joints, at, ranges, d).most(weights, none, y) for d in (0.0, apart))
-    assert wider - plain == pytest.approx(apart * np.hypot(y[..., 0], y[..., 1]).sum(1), rel=1e-3)
-
-
-def test_the_search_for_windows_ends_when_it_is_asked_to():
-    """At once, with the windows that it has."""
-    from wiggleroom.bound.local_windows import windows
-
-    class After:
-        def __init__(self, calls: float) -> None:
-            self.left, self.calls = calls, 0
-
-        def is_set(self) -> bool:
-            self.calls += 1
-            return self.calls > self.left
-
-    surveyed = survey(wr.patterns.grid(5, 5, joint="tee", gap=0.02))
-    joints, _ = outer_regions(surveyed, WorkBudget())
-    place = surveyed.bodies.rest[:, :2]
-    whole = After(np.inf)
-    every = windows(place, joints, surveyed.clearance, 4, whole)
-    for calls in (3, len(place) + 10):
-        asked = After(calls)
-        found = windows(place, joints, surveyed.clearance, 4, asked)
-        assert asked.calls == calls + 1 < whole.calls / 3
-        assert len(found) < len(every)
-
-
-@pytest.mark.parametrize("reach", [1, 2])
-def test_neighbourhoods_cut_no_motion_that_is_worth_enough(reach, monkeypatch):
+def test_neighbourhoods_cut_no_motion_that_is_worth_enough():
     from wiggleroom.bound import neighbourhood_tightening
     from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges
 
-    monkeypatch.setattr(neighbourhood_tightening, "REACH", reach)
     assembly = wr.patterns.grid(4, 3, joint="tee", gap=0.02)
     answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)), search=0)
     surveyed = survey(assembly)
@@ -330,7 +256,7 @@ def test_neighbourhoods_cut_no_motion_that_is_worth_enough(reach, monkeypatch):
         assert (cuts.sign * turned <= cuts.sign * cuts.end).all()
 
 
-@pytest.mark.parametrize(("sides", "share"), [(3, 0.3), (4, 0.45), (5, 0.2)])
+@pytest.mark.parametrize(("sides", "share"), [(3, 0.3), (4, 0.2), (5, 0.1)])
 def test_turns_of_one_body_are_bounded_within_a_thousandth(sides, share):
     """A polygon in a larger one alike, about a pin: where it ends follows from one corner and one side."""
     angle = 2 * np.pi * np.arange(sides) / sides
@@ -339,8 +265,6 @@ def test_turns_of_one_body_are_bounded_within_a_thousandth(sides, share):
     parts = (part_at("frame", frame, fixed=True), part_at("peg", shapely.Polygon(inner)))
     assembly = assemble(Drawing(parts, goals=(wr.Turn("peg", "ccw"),)), gap=0.0)
     answer = wr.flex(assembly, search=0)
-    if answer.objective is None:
-        pytest.skip("it turns all the way round")
     proven = wr.prove(answer, 0.001, seconds=600)
     assert answer.objective <= proven.at_most <= 1.001 * answer.objective
 
@@ -380,8 +304,6 @@ def test_the_dual_program_says_what_another_solver_says(most_iterations, monkeyp
 OTHERWISE = {
     "mirror": (mirrored, 1.0),
     "thousandfold": (lambda d: scaled(d, 1e3), 1e3),
-    "hundredth": (lambda d: scaled(d, 1e-2), 1e-2),
-    "shuffled": (shuffled, 1.0),
     "far off": (lambda d: displaced(d, 0.7, (300.0, -200.0)), 1.0),
 }
 
@@ -417,19 +339,9 @@ def test_what_flies_away_has_no_bound():
     assert answer.bound.why == "nothing stops the motion"
 
 
-def test_open_joints_are_said():
-    parts = wr.patterns.chain(2, joint="finger", gap=0.02)
-    answer = wr.flex(parts, wr.Pull("b2", (0, 1)), search=0)
-    if answer.objective is not None:
-        proven = wr.prove(answer, 0.01)
-        assert proven.at_most is None
-        assert "close" in proven.bound.why
-
-
-@pytest.mark.parametrize("count", [2, 3])
-def test_parts_side_by_side_in_a_tray(count):
+def test_parts_side_by_side_in_a_tray():
     """Their joints are open, yet a row of them has the play of all gaps between a part and the wall, and no more."""
-    gap, at = 0.2, np.cumsum([0.0, 12.0, 7.0, 9.0])[: count + 1]
+    count, gap, at = 3, 0.2, np.cumsum([0.0, 12.0, 7.0, 9.0])
     row = [box(f"b{k}", low, 0, high, 10) for k, (low, high) in enumerate(pairwise(at.tolist()))]
     tray = shapely.box(-5, -5, at[-1] + 5, 15).difference(shapely.box(0, 0, at[-1], 10))
     parts = assemble(Drawing((part_at("tray", tray, (0.0, 0.0, 0.0), True), *row)), gap=gap)
@@ -467,7 +379,7 @@ def test_sums_of_squares_are_refused():
 
 def test_a_short_time_gives_the_best_so_far():
     assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
-    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)), prove=1e-6, seconds=3, search=0)
+    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)), prove=1e-6, seconds=1, search=0)
     assert answer.bound.seconds < 10
     assert answer.at_most is None or answer.at_most >= answer.objective
 
@@ -523,10 +435,28 @@ def test_chains_that_turn_beyond_a_quarter(joint, n, gap):
     assert answer.objective <= proven.at_most <= 1.0201 * answer.objective
 
 
-def test_a_quick_bound_that_is_near_enough_needs_no_excuse():
-    answer = wr.flex(wr.patterns.chain(3, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)), search=0)
-    assert answer.verdict == "proven"
-    proven = wr.prove(answer, 0.01)
-    assert proven.at_most == answer.at_most
-    assert proven.bound.why == ""
-    assert wr.prove(answer, 1e-6, seconds=1e-3).bound.why
+def test_turns_of_a_window_hold_for_copies_that_differ_a_little():
+    """What is proven of a window is proven of every placement: with joints moved by as much as the deviation says, no bound is passed."""
+    from wiggleroom.bound.local_windows import deviation, windows
+
+    assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
+    surveyed = survey(assembly)
+    them = surveyed.bodies
+    joints, regions = outer_regions(surveyed, WorkBudget())
+    (window, *_) = windows(them.rest[:, :2], joints, surveyed.clearance, 2)
+    far = np.array([regions[k].far for k in joints.kind])
+    assert deviation(window, joints, far) < 1e-11
+    rng, shift = np.random.default_rng(0), 1e-6
+    other = np.setdiff1d(window.placed_joints[1], window.joints)
+    arm = joints.arm_b.copy()
+    arm[other] += shift * rng.uniform(0.5, 1.0, (len(other), 2))
+    moved = replace(joints, arm_b=arm)
+    apart = deviation(window, moved, far)
+    assert 2 * np.hypot(*(arm - joints.arm_b)[other].T).max() <= apart <= 3 * shift
+    turns = turn_differences(joints, regions)
+    ranges = first_ranges(them.fixed, joints, regions, turns)
+    at = joint_ranges(joints, RegionCuts([*regions]), ranges, turns)
+    y = rng.standard_normal((5, len(joints.a), MULTIPLIERS))
+    weights, none = np.zeros((5, 5 * len(them.fixed))), np.zeros(5)
+    plain, wider = (LagrangianBound(them.fixed, joints, at, ranges, d).most(weights, none, y) for d in (0.0, apart))
+    assert wider - plain == pytest.approx(apart * np.hypot(y[..., 0], y[..., 1]).sum(1), rel=1e-3)

@@ -58,14 +58,12 @@ def holds_all(a, b, D, pivot):
 @pytest.mark.parametrize(
     "joint", [pytest.param(j, marks=pytest.mark.slow) if j == "round" else j for j in blocks.JOINTS]
 )
-@pytest.mark.parametrize("gap", [0.01, pytest.param(0.03, marks=pytest.mark.slow)])
-def test_pockets_hold_all_true_slices(joint, gap):
-    made = blocks.block(joint, gap)
-    held = holds_all(made, made, (1.0, 0.0), np.array([0.35, 0.0]))
-    assert held if gap == 0.01 else held is not False
+def test_pockets_hold_all_true_slices(joint):
+    made = blocks.block(joint, 0.01)
+    assert holds_all(made, made, (1.0, 0.0), np.array([0.35, 0.0]))
 
 
-@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 32))])
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 16))])
 def test_pockets_of_random_joints_hold_all_true_slices(seed):
     make = random_joints.peg_pair if seed % 2 else random_joints.tab_pair
     pair = make(seed, (0.004, 0.01, 0.02)[seed % 3], holes=bool(seed % 5 == 0))
@@ -73,29 +71,9 @@ def test_pockets_of_random_joints_hold_all_true_slices(seed):
     assert holds_all(a, b, D, np.asarray(D) * 0.8 + 0.01) is not False
 
 
-def test_a_pocket_is_not_much_too_large():
-    made = blocks.block("tee", 0.01)
-    placed = shapely.transform(made, lambda p: p + np.array([1.0, 0.0]))
-    found = local_outer_region(around(made, placed, np.array([0.35, 0.0]), 0.01))
-    truth = Slices(made, made, (1.0, 0.0))
-    assert found.turns[1] <= 1.05 * truth.high
-    assert found.far <= 0.05
-
-
 def test_what_slides_out_has_no_local_outer_region():
     left, right = shapely.box(0, 0, 1, 1), shapely.box(1.01, 0, 2, 1)
     assert local_outer_region(around(left, right, np.array([1.0, 0.5]), 0.01)) is None
-
-
-def test_parts_that_catch_on_both_shoulders_have_a_pocket():
-    """A knob comes out by almost three clearances before its shoulders catch, further than any one wall says."""
-    made = wr.patterns.chain(2, joint="jigsaw", gap=0.02)
-    a, b = (shapely.Polygon(p.regions[0].outer + p.at[:2]) for p in made.parts)
-    found = local_outer_region(around(a, b, np.array([0.5, 0.0]), float(shapely.distance(a, b))))
-    assert found is not None
-    assert found.turns[1] <= 0.17  # outer slices end at 0.1506
-    answer = wr.flex(made, wr.Turn("b2", "ccw"), search=0)
-    assert found.turns[1] >= answer.objective
 
 
 # -- beside an answer ------------------------------------------------------------------------------------------------
@@ -140,13 +118,13 @@ def look(seed):
     assert most is None or most >= answer.objective * (1 - ROUNDING)
 
 
-@pytest.mark.parametrize("seed", range(0, 40, 4))
+@pytest.mark.parametrize("seed", range(0, 40, 7))
 def test_no_bound_below_a_checked_motion(seed):
     look(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(400, 420))
+@pytest.mark.parametrize("seed", range(400, 406))
 def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
 
@@ -174,10 +152,7 @@ def test_a_motion_that_its_bound_proves_is_not_searched_further():
     assert answer.search.starts == 1
 
 
-@pytest.mark.parametrize(
-    ("nx", "ny", "joint", "gap"),
-    [(2, 2, "tee", 0.01), (4, 3, "tee", 0.02), (6, 5, "tee", 0.01), (6, 5, "swallowtail", 0.01)],
-)
+@pytest.mark.parametrize(("nx", "ny", "joint", "gap"), [(4, 3, "tee", 0.02), (6, 5, "swallowtail", 0.01)])
 def test_grids_within_a_tenth(nx, ny, joint, gap):
     made = wr.patterns.grid(nx, ny, joint=joint, gap=gap)
     answer = wr.flex(made, wr.Pull(made.names[-1], (0, 1)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,12 +20,8 @@ from scipy.optimize import linprog
 import wiggleroom as wr
 from tests.flexing import box, part_at, polygon_part, slot
 from wiggleroom.assembly.build import assemble
-from wiggleroom.context import Context
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
-from wiggleroom.search.active_set import touching
 from wiggleroom.sensitivity.dual_face import DualFace
-from wiggleroom.sensitivity.flat_motions import other_optima
-from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.sensitivity.rank import ranges, rank_at_once
 
 
@@ -121,16 +116,6 @@ def test_a_bar_that_may_slide_on_its_posts_lets_each_count_for_what_it_holds_at_
     assert not quick.joint_unique.any()
 
 
-def three_stops() -> Drawing:
-    """A bar in a tray, pushed up onto three blocks at one height, which share its load in many ways; it may slide to either side."""
-    blocks = [
-        box(name, x - 0.1, 0.0, x + 0.1, 1.0, fixed=True) for name, x in (("left", -4), ("middle", 1), ("right", 3))
-    ]
-    tray = [(-9, -3), (9, -3), (9, 2), (6.5, 2), (6.5, -1), (-6.5, -1), (-6.5, 2), (-9, 2)]
-    parts = box("bar", -6.0, -1.0, 6.0, 0.0), *blocks, polygon_part("tray", tray, fixed=True)
-    return Drawing(parts, 0.1, goals=(Pull("bar", (0.0, 1.0), (0.0, -0.5)),))
-
-
 def joint_again(drawing: Drawing, joint: tuple[str, str], h: float) -> float:
     """Difference on one side by the gap of one joint, everything worked out from nothing."""
     own = replace(drawing, gaps=(JointGap(joint, drawing.gap + h),))
@@ -138,59 +123,6 @@ def joint_again(drawing: Drawing, joint: tuple[str, str], h: float) -> float:
     assert at is not None
     assert beside is not None
     return (beside - at) / h
-
-
-def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_worth_most() -> None:
-    """With less gap it lies where the largest force of that joint loses least; the best place for the left one lies between those met."""
-    ranking = wr.rank(assemble(three_stops()))
-    names = ranking.answer.assembly.names
-    joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
-    for stop, met in (("left", 0.9), ("middle", 1.0), ("right", 1.0)):
-        k = joints[frozenset(("bar", stop))]
-        looser, tighter = (joint_again(three_stops(), ("bar", stop), h) for h in (2e-3, -2e-3))
-        assert met * looser - 1e-4 <= ranking.joint_looser[k] <= looser + 1e-4
-        assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3)
-
-
-def table_on_humps() -> Drawing:
-    """A table on three humps under a low ceiling, pushed down beside its middle; it may slide further to the right than to the left."""
-    humps = [
-        polygon_part(name, [(x - 0.7, -2), (x + 0.7, -2), (x + 0.2, 0), (x - 0.2, 0)], fixed=True)
-        for name, x in (("left", -6), ("middle", -1), ("right", 4))
-    ]
-    table = polygon_part("table", [(-8, 0), (8, 0), (8, 2), (1, 2), (1, 6), (-1, 6), (-1, 2), (-8, 2)])
-    tray = shapely.box(-12, -5, 12, 10) - shapely.box(-9, -2, 9.5, 7)
-    goal = Pull("table", (0.0, -1.0), (0.3, 5.0))
-    return Drawing((table, *humps, part_at("tray", tray, fixed=True)), 0.2, goals=(goal,))
-
-
-def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
-    """Then the left hump need not carry anything, and at most what it does where the table lies furthest to the right."""
-    ranking = wr.rank(assemble(table_on_humps()))
-    names = ranking.answer.assembly.names
-    joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
-    for hump in ("left", "middle", "right"):
-        k = joints[frozenset(("table", hump))]
-        looser, tighter = (joint_again(table_on_humps(), ("table", hump), h) for h in (2e-3, -2e-3))
-        assert ranking.joint_looser[k] == pytest.approx(looser, rel=5e-3, abs=1e-4)
-        assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3, abs=1e-4)
-
-
-def block_at_a_wall() -> Drawing:
-    """A block in a tray, pulled against a wall along which it may slide by a quarter of its side, up or down."""
-    tray = [(0, -3), (6, -3), (6, 7), (0, 7), (0, 5), (4.4, 5), (4.4, -1), (0, -1)]
-    parts = box("wall", -2, -3, 0, 7, fixed=True), box("block", 0, 0, 4, 4), polygon_part("tray", tray, fixed=True)
-    return Drawing(parts, 0.1, goals=(Pull("block", (-1.0, 0.0)),))
-
-
-def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_that_it_faced() -> None:
-    """A step stands up below the block there: all of the gap is lost, wherever it lies."""
-    ranking = wr.rank(assemble(block_at_a_wall()))
-    (joint,) = ranking.joints.tolist()
-    again = joint_again(block_at_a_wall(), tuple(ranking.answer.assembly.names[k] for k in joint), -2e-3)
-    assert again == pytest.approx(1.0, abs=1e-3)
-    assert ranking.joint_tighter[0] == pytest.approx(again, abs=1e-3)
-    assert ranking.joint_looser[0] <= 1 + 1e-6
 
 
 def test_a_ranking_is_that_of_the_answer_not_of_the_border_of_a_cell(tmp_path: Path) -> None:
@@ -204,26 +136,6 @@ def test_a_ranking_is_that_of_the_answer_not_of_the_border_of_a_cell(tmp_path: P
     assert answer.warm_start.value == pytest.approx(answer.objective, rel=1e-6)
     ranking = wr.rank(answer)
     assert ranking.tighter.max() > 1.0  # both contacts hold with more than 1 rad per mm
-
-
-def test_bolts_in_line_share_a_load_in_any_way() -> None:
-    """Two bolts in line along the pull, each between flat sides of holes: either alone could hold, so both ends are nothing and all."""
-
-    def disc(x: float, r: float) -> list[tuple[float, float]]:
-        return [(x + r * np.cos(a), r * np.sin(a)) for a in np.pi / 24 + 2 * np.pi * np.arange(24) / 24]
-
-    parts = []
-    for name, fixed in (("plate", True), ("slide", False)):
-        material = shapely.Polygon(
-            [(-0.8, -0.8), (2.3, -0.8), (2.3, 0.8), (-0.8, 0.8)], [disc(0, 0.34), disc(1.5, 0.34)]
-        )
-        parts.append(part_at(name, material, (0.75, 0.0, 0.0), fixed=fixed))
-    for k, x in enumerate((0.0, 1.5)):
-        parts.append(polygon_part(f"bolt{k}", disc(x, 0.3)))
-    drawing = Drawing(tuple(parts), ignore=(("plate", "slide"),), goals=(Pull("slide", (1.0, 0.0)),))
-    ranking = ranked(assemble(drawing))
-    for bolt in ("bolt0", "bolt1"):
-        assert of(ranking, bolt) == pytest.approx((0.0, 1.0), abs=1e-3)
 
 
 def test_exact_solves_what_is_not_unique_again() -> None:
@@ -248,7 +160,6 @@ def test_of_glued_parts_only_the_one_that_touches_counts() -> None:
 
 ASSEMBLIES = {
     "jigsaw": lambda: wr.patterns.jigsaw(4, 3, gap=0.012, seed=5),
-    "dovetails": lambda: wr.patterns.chain(6, joint="dovetail", gap=0.015),
     "revolute": lambda: wr.patterns.chain(4, joint="revolute", gap=0.02),
     "grid of swallowtails": lambda: wr.patterns.grid(3, 3, joint="swallowtail", gap=0.02),
 }
@@ -314,7 +225,6 @@ def glued_grid() -> Drawing:
 @pytest.mark.parametrize(
     "drawing",
     [
-        lambda: wr.patterns.chain(3, joint="tee", gap=0.02).drawing,
         lambda: replace(
             wr.patterns.chain(4, joint="tee", gap=0.02).drawing,
             gaps=(JointGap(("b2", "b3"), 0.035), JointGap(("b1", "b2"), 0.012)),
@@ -323,7 +233,7 @@ def glued_grid() -> Drawing:
         offset_chain,
         pytest.param(glued_grid, marks=pytest.mark.slow),
     ],
-    ids=["chain", "own gaps", "turn", "offsets", "glued"],
+    ids=["own gaps", "turn", "offsets", "glued"],
 )
 def test_a_joint_is_worth_what_a_gap_of_its_own_is(drawing: Callable[[], Drawing]) -> None:
     made = drawing()
@@ -345,7 +255,7 @@ def slid(direction: tuple[float, float], gap: float) -> Drawing:
     return Drawing(parts, gap=gap, goals=(Pull("block", direction),))
 
 
-@pytest.mark.parametrize("direction", [(0.5, -1.0), (-0.2, 1.0), (0.1, 1.0)])
+@pytest.mark.parametrize("direction", [(0.5, -1.0), (0.1, 1.0)])
 def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direction: tuple[float, float]) -> None:
     """With more gap the floor keeps its height beyond the stretch, and the block rests on that step; with less it leaves it."""
     made = slid(direction, 0.02)
@@ -359,47 +269,9 @@ def test_a_block_that_has_slid_off_the_stretch_it_faced_is_held_at_its_end(direc
     assert ranking.ends == "whole"
 
 
-def test_what_lies_beside_makes_room_for_motions_as_large_as_the_largest() -> None:
-    """A bolt jams in its channel at any height. Above the stretch that it faced at rest less gap takes less away; the latch gives way."""
-    hole = [
-        (1, -3), (1, 3.4), (3, 3.4), (3, 2.3), (5, 2.3), (5, 4.2), (7, 4.2), (7, -3), (5, -3), (5, 1.3), (3, 1.3), (3, -3),
-    ]  # fmt: skip
-    frame = shapely.Polygon([(-1, -6), (11, -6), (11, 6), (-1, 6)], [hole])
-    latch = [(1.0, -3.0), (1.0, 3.0), (3.0, 3.0), (3.0, 2.3), (5.6, 2.3), (5.6, 1.3), (3.0, 1.3), (3.0, -3.0)]
-    bolt = [(5.0, -3.0), (5.0, 1.3), (5.6, 1.3), (5.6, 2.3), (5.0, 2.3), (5.0, 3.0), (7.0, 3.0), (7.0, -3.0)]
-    parts = (
-        part_at("frame", frame, (0.0, 0.0, 0.0), fixed=True),
-        polygon_part("latch", latch),
-        polygon_part("bolt", bolt),
-    )
-    made = Drawing(parts, gap=0.07, goals=(Turn("bolt", "cw"),))
-    ranking = wr.rank(assemble(made))
-    value, h = ranking.answer.objective, 1e-4
-    assert value is not None
-    joint = [set(pair) for pair in ranking.joints.tolist()].index({0, 2})
-    more, less = ((loosened_joint(made, ("frame", "bolt"), s * h) or np.nan) - value for s in (1, -1))
-    assert more / h > 1.2 * -less / h
-    assert (ranking.joint_looser[joint], ranking.joint_tighter[joint]) == pytest.approx((more / h, -less / h), rel=2e-3)
-    assert not ranking.joint_unique[joint]
-
-
-def test_motions_as_large_as_the_largest_lead_through_no_part_that_is_far_away_at_rest() -> None:
-    """A block lies flat on a wall and slides along it, up to a floor 1.2 mm below it or a roof 0.8 mm above it."""
-    gap = 0.04
-    wall = box("wall", -2, -3, 0, 5, fixed=True)
-    ends = box("floor", 0.2, -4, 1.5, -0.7, fixed=True), box("roof", 0.2, 3.2, 1.5, 4, fixed=True)
-    made = Drawing((box("block", 0, 0.5, 1.5, 2.4), wall, *ends), gap=gap, goals=(Pull("block", (-1.0, 0.0)),))
-    found = ended(wr.flex(assemble(made), search=0))
-    program, u = found.program, found.solution.u
-    active = touching(program, u, found.solution.lam)
-    others = other_optima(program, u, active.row, found.solution.lam[active.row])
-    slid = sorted(program.motion(o.u)[0, 1] for o in others)
-    assert (slid[0], slid[-1]) == pytest.approx((-1.2 - gap, 0.8 + gap), abs=2e-3)
-
-
-@pytest.mark.parametrize("slide", [0.3, 0.05])
-def test_a_joint_counts_at_the_place_where_both_of_its_sides_face_each_other(slide: float) -> None:
+def test_a_joint_counts_at_the_place_where_both_of_its_sides_face_each_other() -> None:
     """A bar on two wide blocks: with more gap in one joint it lies on the way between the ends of where it may slide."""
+    slide = 0.05
     tray = [(-9, -3), (9, -3), (9, 2), (6 + slide, 2), (6 + slide, -1), (-6 - slide, -1), (-6 - slide, 2), (-9, 2)]
     blocks = box("left", -4.2, 0.0, -3.8, 1.0, fixed=True), box("right", 1.5, 0.0, 2.5, 1.0, fixed=True)
     parts = box("bar", -6.0, -1.0, 6.0, 0.0), *blocks, polygon_part("tray", tray, fixed=True)
@@ -424,9 +296,8 @@ def test_parts_that_face_each_other_nowhere_have_no_joint_to_rank() -> None:
         loosened_joint(drawing, ("block", "tip"), 0.01)
 
 
-@pytest.mark.parametrize("name", ["frame", "jigsaw"])
-def test_both_ways_put_the_top_fifth_in_the_same_order(name: str) -> None:
-    assembly = wr.patterns.frame(15, 15, gap=0.01) if name == "frame" else wr.patterns.jigsaw(5, 4, gap=0.01)
+def test_both_ways_put_the_top_fifth_in_the_same_order() -> None:
+    assembly = wr.patterns.jigsaw(5, 4, gap=0.01)
     model = wr.prepare(assembly)
     answer = model.flex()
     duals, differences = wr.rank(answer), wr.rank(answer, by="differences", workers=1)
@@ -446,8 +317,8 @@ def test_what_has_no_end_cannot_be_ranked() -> None:
 
 
 @pytest.mark.slow
-def test_a_grid_of_4096_blocks_is_ranked() -> None:
-    answer = wr.flex(wr.patterns.grid(64, 64, joint="tee", gap=0.01), search=0)
+def test_a_grid_of_1024_blocks_is_ranked() -> None:
+    answer = wr.flex(wr.patterns.grid(32, 32, joint="tee", gap=0.01), search=0)
     ranking = wr.rank(answer)
     assert np.isfinite(ranking.looser).all()
     assert ranking.percent.sum() == pytest.approx(100)
@@ -464,33 +335,6 @@ def test_a_ranking_at_once_is_the_same_where_it_is_unique_and_never_surer() -> N
     np.testing.assert_allclose(quick.by_duals, whole.by_duals, atol=slack)
     assert (whole.looser <= quick.looser + slack).all()
     assert (whole.tighter >= quick.tighter - slack).all()
-
-
-def test_differences_where_an_outline_cannot_move():
-    """Flanges that are a hair thicker than the gap vanish when the gap grows: what the forces say stays."""
-
-    gap = 0.1
-    deep = gap * (1 + 1e-7)
-    base = [
-        (-4, 0),
-        (-1, 0),
-        (-1, -deep),
-        (-2, -deep),
-        (-2, -3),
-        (2, -3),
-        (2, -deep),
-        (1, -deep),
-        (1, 0),
-        (4, 0),
-        (4, -5),
-        (-4, -5),
-    ]
-    tee = [(-1, 1), (-1, -deep), (-2, -deep), (-2, -3), (2, -3), (2, -deep), (1, -deep), (1, 1)]
-    parts = polygon_part("base", base, fixed=True), polygon_part("tee", tee)
-    assembly = assemble(Drawing(parts, gap=gap, goals=(Pull("tee", (0.0, -1.0)),)))
-    differences, duals = ranked(assembly, by="differences"), ranked(assembly)
-    assert differences.looser == pytest.approx(duals.looser, rel=1e-3)
-    assert (differences.unique == duals.unique).all()
 
 
 def test_no_derivative_is_shown_that_is_only_rounding() -> None:
@@ -516,13 +360,8 @@ def almost_dependent_face() -> tuple[DualFace, sp.csr_matrix, np.ndarray]:
     )
 
 
-@pytest.mark.parametrize("with_highspy", [True, False])
-def test_ranges_are_those_of_the_equations_without_rounding(
-    with_highspy: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ranges_are_those_of_the_equations_without_rounding() -> None:
     face, worth, null = almost_dependent_face()
-    if not with_highspy:
-        monkeypatch.setattr("wiggleroom.sensitivity.rank.find_spec", lambda name: None)
     found = ranges(face, worth)
     for row, ends in zip(worth.toarray(), found, strict=True):
         for sign, end in zip((1.0, -1.0), ends, strict=True):
@@ -532,13 +371,6 @@ def test_ranges_are_those_of_the_equations_without_rounding(
             else:
                 assert end == pytest.approx(row @ face.force + sign * asked.fun, rel=1e-6)
     assert np.isfinite(found).any()
-
-
-def test_ranges_stop_when_asked() -> None:
-    face, worth, _ = almost_dependent_face()
-    stop = threading.Event()
-    stop.set()
-    assert np.isnan(ranges(face, worth, Context(stop=stop))).all()
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ def test_a_disc_is_reached_wherever_it_fits():
     assert found.region.area == pytest.approx(8, rel=0.02)
 
 
-@pytest.mark.parametrize("joint", ["tee", "swallowtail", "jigsaw"])
+@pytest.mark.parametrize("joint", ["tee", "jigsaw"])
 def test_of_two_bodies_all_that_drags_reach_is_shaded(joint):
     assembly = wr.patterns.chain(2, joint=joint, gap=0.02)
     live, random = wr.Live(assembly), np.random.default_rng(1)

@@ -1,13 +1,22 @@
-"""Exact slices against closed forms and against the independent slices of the oracle."""
+"""Exact slices against closed forms and the independent slices of the oracle; where the middle of a round body gets."""
+
+from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import shapely
+from benchmarks.attack import drawing
+from scipy import ndimage
 
 from tests.oracle.closed_forms import rectangle_turn_limit, square_turn_limit
 from tests.oracle.random_joints import peg_pair, tab_pair
 from tests.oracle.slices import Slices
 from wiggleroom.freespace.slices import pair_outlines, slice_near, slice_sequence
+from wiggleroom.freespace.subdivision.round_room import furthest_along, round_body, way_along
+from wiggleroom.geometry.offset_walls import CHORD_ANGLE, inner_offset
+from wiggleroom.geometry.outer_simplification import simplified_inward
 
 REST = shapely.Point(0, 0)
 
@@ -93,3 +102,95 @@ def test_symmetric_pairs_have_symmetric_slices():
     assert found.ends[0] == pytest.approx(-found.ends[1], abs=2e-7)
     for phi in (0.01, 0.05):
         assert found.at(phi).area == pytest.approx(found.at(-phi).area, rel=1e-12)
+
+
+# -- where the middle of a round body gets ---------------------------------------------------------------------------
+
+
+def star(rng: np.random.Generator) -> shapely.Polygon:
+    """A polygon with corners at random round the origin."""
+    count = rng.integers(3, 12)
+    angle, radius = np.sort(rng.uniform(0, 2 * np.pi, count)), rng.uniform(0.2, 1, count)
+    return shapely.Polygon(np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]))
+
+
+def test_walls_made_thicker_hold_what_is_nearer_than_the_radius():
+    rng, looked = np.random.default_rng(0), 0
+    for _ in range(200):
+        wall, radius = star(rng), rng.uniform(0.01, 1)
+        places = rng.uniform(-2, 2, (2000, 2))
+        if not wall.is_valid:
+            continue
+        looked += 1
+        inside = shapely.contains_xy(inner_offset(wall, radius), places)
+        apart = shapely.distance(wall, shapely.points(places))
+        assert not (inside & (apart > radius)).any()
+        assert inside[apart < radius * np.cos(CHORD_ANGLE / 2) - 1e-9].all()
+    assert looked > 150
+
+
+def test_walls_are_simplified_inward():
+    room = shapely.buffer(shapely.LineString([(0, 0), (-0.6, 0), (-0.6, 0.7), (0.8, 0.7)]), 0.22, quad_segs=200)
+    wall = shapely.union_all([drawing.cut(drawing.box(-2, -2, 2, 2), room), drawing.disc(0.05, 700, (-0.4, 0.35))])
+    fewer = simplified_inward(wall, 0.02, 4e-4, np.zeros((0, 2)), 2e-6)
+    assert shapely.get_num_coordinates(fewer) < shapely.get_num_coordinates(wall) / 4
+    assert shapely.area(shapely.difference(fewer, wall)) < 1e-12
+    assert shapely.hausdorff_distance(shapely.boundary(fewer), shapely.boundary(wall), densify=0.01) < 4.1e-4
+
+
+def rooms(seed: int) -> tuple[shapely.Geometry, shapely.Polygon, np.ndarray, float] | None:
+    """Walls round a random channel with a wider place and perhaps an island, a round body in it, a direction, and the clearance."""
+    rng = np.random.default_rng([seed, 5])
+    radius, heading, points = rng.uniform(0.15, 0.4), rng.uniform(0, 2 * np.pi), [np.zeros(2)]
+    gap = radius * float(rng.choice([0.04, 0.1, 0.2]))
+    for _ in range(int(rng.integers(1, 5))):
+        heading += rng.uniform(-2, 2)
+        points.append(points[-1] + rng.uniform(0.2, 1.4) * np.array([np.cos(heading), np.sin(heading)]))
+    room = shapely.buffer(shapely.LineString(points), radius + gap, quad_segs=int(rng.choice([2, 8, 60])))
+    wide = points[int(rng.integers(1, len(points)))]
+    room = shapely.union(room, drawing.disc(rng.uniform(1.5, 4) * radius, 20, wide))
+    if rng.random() < 0.6:
+        room = shapely.difference(room, drawing.disc(rng.uniform(0.1, 1) * radius, 12, wide + rng.normal(0, 0.1, 2)))
+    x0, y0, x1, y1 = shapely.bounds(room)
+    walls = drawing.cut(drawing.box(x0 - 0.4, y0 - 0.4, x1 + 0.4, y1 + 0.4), room)
+    body = drawing.disc(radius, int(rng.choice([12, 24, 80, 300])), phase=rng.uniform(0, 1))
+    angle = rng.uniform(0, 2 * np.pi)
+    return (walls, body, np.array([np.cos(angle), np.sin(angle)]), gap) if not walls.intersects(body) else None
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_bound_holds_on_a_grid_and_the_way_is_free(seed):
+    made = rooms(seed)
+    if made is None:
+        pytest.skip("the island lies on the body")
+    walls, material, pull, gap = made
+    body = round_body(material, walls, gap)
+    if body is None:
+        assert 0.4 * (1 - np.cos(np.pi / 12)) > gap / 2  # the body is not round to the clearance
+        pytest.skip("not round")
+    step = 0.01
+    x0, y0, x1, y1 = shapely.bounds(walls)
+    x, y = (np.arange(-np.ceil((m - low) / step), np.ceil((high - m) / step) + 1) * step + m
+            for m, low, high in zip(body.middle, (x0, y0), (x1, y1), strict=True))  # fmt: skip
+    place = np.stack(np.meshgrid(x, y, indexing="ij"), axis=2)
+    apart = shapely.distance(walls, shapely.points(place))
+    rest = tuple(np.rint((body.middle - (x[0], y[0])) / step).astype(int))
+
+    def reached(radius: float, neighbours: np.ndarray | None) -> float:
+        """Furthest place that the middle of a disc reaches on the grid from rest; it stays free on the way from place to place."""
+        label, _ = ndimage.label(apart >= radius, structure=neighbours)
+        among = label == label[rest] if label[rest] else np.zeros_like(label, dtype=bool)
+        return float(((place - body.middle) @ pull)[among].max(initial=-np.inf))
+
+    certain = reached(body.inner + step / 2, None)
+    possible = reached(body.inner - 0.71 * step, np.ones((3, 3))) + 0.71 * step
+    bound = furthest_along(body, walls, pull, gap)
+    assert bound is not None
+    assert certain <= bound <= possible + 1e-6
+    way = way_along(body, walls, pull, gap)
+    if way is not None:
+        assert way[0] == pytest.approx(body.middle)
+        assert (way[-1] - body.middle) @ pull <= bound
+        assert min(shapely.distance(walls, shapely.LineString(piece)) for piece in pairwise(way)) > body.outer
+    certain = reached(body.outer + 0.03 * gap + step / 2, None)
+    assert certain == -np.inf or (way is not None and (way[-1] - body.middle) @ pull >= certain)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,13 +23,11 @@ BOTH = pytest.mark.parametrize("solver", SOLVERS)
 USUAL, TIGHT = 1e-7, 1e-9
 
 PROBLEMS = {
-    "chain of 2 tees": lambda: patterns.chain(2),
     "chain of 10 tees": lambda: patterns.chain(10, gap=0.02),
     "chain of 5 swallowtails": lambda: patterns.chain(5, "swallowtail", 0.03),
     "chain of 10 dovetails": lambda: patterns.chain(10, "dovetail"),
     "revolute chain": lambda: patterns.chain(6, "revolute", 0.02),
     "6 by 5 tees": lambda: patterns.grid(6, 5),
-    "5 by 5 swallowtails": lambda: patterns.grid(5, 5, "swallowtail", 0.02),
     "frame": lambda: patterns.frame(5, 4),
     "jigsaw": lambda: patterns.jigsaw(4, 3),
     "tees, middle fixed and glued": ASSEMBLIES["tees, middle fixed, two glued"],
@@ -55,18 +53,6 @@ def value(program, solution):
     return program.objective.value(program.motion(solution.u))
 
 
-@dataclass
-class StopAfter:
-    """Set from the k-th question on."""
-
-    k: int
-    asked: int = 0
-
-    def is_set(self):
-        self.asked += 1
-        return self.asked > self.k
-
-
 def agree(program, size):
     found = {name: solver_named(name)(program, tolerance=TIGHT) for name in SOLVERS}
     for solution in found.values():
@@ -87,30 +73,10 @@ def test_same_optimum_and_optimality_conditions(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "goal"),
-    [
-        ("chain of 10 dovetails", "sideways"),
-        ("6 by 5 tees", "sideways"),
-        ("revolute chain", "turn"),
-        ("6 by 5 tees", "several"),
-        ("jigsaw", "several"),
-    ],
+    ("name", "goal"), [("6 by 5 tees", "sideways"), ("revolute chain", "turn"), ("6 by 5 tees", "several")]
 )  # the others have several local optima, and solvers may end at different ones
 def test_same_optimum_for_other_goals(name, goal):
     agree(problem(name, goal), PROBLEMS[name]().size)
-
-
-def test_same_multipliers_where_they_are_unique():
-    """The forces that pairs transmit, as single rows need not be unique."""
-    program = problem("chain of 5 swallowtails")
-    forces = []
-    for name in SOLVERS:
-        solution = solver_named(name)(program, tolerance=TIGHT)
-        at = program.linearise(solution.u)
-        pair = np.repeat(np.arange(len(program.cells.a)), np.diff(program.cells.row))
-        forces.append(np.column_stack([np.bincount(pair, at.d[:, k] * solution.lam) for k in range(3)]))
-    assert np.abs(forces[0]).max() > 0.1
-    np.testing.assert_allclose(*forces, atol=1e-4 * np.abs(forces[0]).max())
 
 
 @BOTH
@@ -143,7 +109,7 @@ def test_the_path_and_the_inner_point_are_strictly_inside(name, solver):
 
 
 @BOTH
-@pytest.mark.parametrize("name", ["chain of 10 tees", "6 by 5 tees", "jigsaw"])
+@pytest.mark.parametrize("name", ["6 by 5 tees", "jigsaw"])
 def test_a_start_inside_leads_to_the_same_optimum(name, solver):
     program = problem(name)
     solve = solver_named(solver)
@@ -153,25 +119,6 @@ def test_a_start_inside_leads_to_the_same_optimum(name, solver):
     assert np.array_equal(again.path[0], cold.inner)
     assert all(program.values(u).min() > 0 for u in again.path)
     assert value(program, again) == pytest.approx(value(program, cold), rel=1e-7)
-
-
-@BOTH
-@pytest.mark.parametrize("k", [0, 1, 4])
-def test_stop_is_asked_every_iteration(solver, k):
-    program, stop = problem("6 by 5 tees"), StopAfter(k)
-    solution = solver_named(solver)(program, stop=stop)
-    assert solution.status == "stopped"
-    assert solution.iterations == k
-    assert stop.asked == k + 1
-    assert program.values(solution.inner).min() > 0
-
-
-@BOTH
-def test_the_start_is_not_changed(solver):
-    program = problem("jigsaw")
-    start = np.zeros(len(program.scale))
-    solver_named(solver)(program, start)
-    assert not start.any()
 
 
 @BOTH
@@ -192,16 +139,6 @@ def test_stop_by_an_event_from_progress(solver):
 
 
 @BOTH
-def test_an_error_in_progress_reaches_the_caller(solver):
-    def progress(iteration, objective):
-        if iteration == 2:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        solver_named(solver)(problem("frame"), progress=progress)
-
-
-@BOTH
 def test_an_open_assembly_escapes(solver):
     assembly = squares(3)
     program = first_program(assembly)
@@ -214,19 +151,11 @@ def test_an_open_assembly_escapes(solver):
 
 
 @BOTH
-def test_a_closed_assembly_does_not_escape_within_its_size(solver):
-    assembly = PROBLEMS["jigsaw"]()
-    assert solver_named(solver)(first_program(assembly), horizon=assembly.size).status == "converged"
-
-
-@BOTH
 @pytest.mark.parametrize(
     "assembly",
     [
         pytest.param(lambda: with_roles(patterns.grid(4, 4), ("b1-1", "b4-1", "b1-4")), id="three corners fixed"),
         pytest.param(lambda: with_roles(patterns.grid(5, 3), ("b1-1",), (("b5-2", "b5-3"),)), id="glued end"),
-        pytest.param(lambda: patterns.grid(8, 1), id="one row"),
-        pytest.param(lambda: patterns.grid(8, 8), id="8 by 8"),
         pytest.param(lambda: patterns.frame(6, 6, gap=0.003), id="frame"),
     ],
 )
@@ -242,7 +171,6 @@ def test_degenerate_grids_converge(solver, assembly):
 @pytest.mark.parametrize(
     "assembly",
     [
-        pytest.param(lambda: patterns.chain(5, "swallowtail", 0.02), id="5 swallowtails"),
         pytest.param(lambda: patterns.chain(6, "revolute", 0.02), id="revolute"),
         pytest.param(lambda: patterns.grid(4, 4), id="4 by 4"),
     ],
@@ -256,28 +184,10 @@ def test_answers_are_the_same_through_flex(assembly):
     assert theirs.collision_free
 
 
-def test_ipopt_says_which_solver_takes_an_objective_it_has_no_expression_for():
-    @dataclass(frozen=True)
-    class Strange:
-        inside: object
-
-        def __getattr__(self, name):
-            return getattr(self.inside, name)
-
-    program = problem("jigsaw")
-    with pytest.raises(InputError, match='"Strange"; use the solver "interior-point"'):
-        ipopt.solve(replace(program, objective=Strange(program.objective)))
-
-
 def test_ipopt_names_the_extra_that_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "casadi", None)
     with pytest.raises(MissingExtraError, match=r"pip install '.\[ipopt\]'"):
         ipopt.solve(problem("jigsaw"))
-
-
-def test_ipopt_is_quiet(capfd):
-    ipopt.solve(problem("frame"))
-    assert capfd.readouterr() == ("", "")
 
 
 def test_an_unknown_solver_is_refused_by_name():

@@ -18,15 +18,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
 from wiggleroom.spatial.bodies.rotations import exponential, logarithm
 from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
-from wiggleroom.spatial.overlaps.pose_cells import (
-    CLOSED,
-    beyond_face,
-    quaternion_of,
-    rotation_of,
-    turned_within,
-    worn_by_pair,
-)
-from wiggleroom.spatial.overlaps.swept_check import SweptCheck
+from wiggleroom.spatial.overlaps.pose_cells import beyond_face, quaternion_of, rotation_of, turned_within, worn_by_pair
 from wiggleroom.spatial.proof.confinement import EFFORTS, PairwiseConfinement, inscribed_cylinders, packed_pieces
 from wiggleroom.spatial.proof.narrow_windows import behind_narrow_windows
 from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
@@ -54,23 +46,6 @@ def test_what_is_held_does_not_hang_on_size_and_place(scale, shift, opening, hel
     """An opening a little higher than the slab lets it out, though pieces overlap by next to nothing where they would have to touch."""
     assembly = tray(opening, scale, shift)
     assert PairwiseConfinement(prepare_spatial(assembly), UNLIMITED).prove(EFFORTS[1]) == held
-
-
-@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e3])
-def test_cells_are_blocked_by_more_than_the_reach_hides(scale, monkeypatch) -> None:
-    """Small where they meet, large besides: what must overlap is a share of the bodies' reach, not of the place where they meet."""
-    seen = []
-    monkeypatch.setattr("wiggleroom.spatial.proof.confinement.cover", lambda *given: seen.append(given[4:8]) or CLOSED)
-    rod = [[0, 0, 0, 400, 1, 1]]
-    hook = [[399, -1, -1, 402, 2, -0.1], [399, -1, 1.1, 402, 2, 2], [401, -1, -0.1, 402, 2, 1.1]]
-    made = [
-        {"name": n, "boxes": (scale * np.array(b, dtype=float)).tolist()} for n, b in (("rod", rod), ("hook", hook))
-    ]
-    assembly = spatial({**made[0], "fixed": True}, made[1])
-    assert PairwiseConfinement(prepare_spatial(assembly), UNLIMITED).prove(EFFORTS[0])
-    half_box, *_, margin = seen[0]
-    assert half_box > 400 * scale
-    assert 1e-7 * half_box < margin < 1e-5 * half_box
 
 
 def test_nothing_is_proven_where_the_rim_lets_it_out_only_after_it_is_let_down() -> None:
@@ -139,22 +114,8 @@ def test_cylinders_lie_inside_a_bored_block_and_reach_its_nearest_face() -> None
     assert np.ptp(cylinder.corners[:, 2]) == pytest.approx(3.0)
 
 
-def test_room_along_a_line_is_where_the_swept_check_first_finds_an_overlap() -> None:
-    rng = np.random.default_rng(3)
-    assembly = tray(opening=3.0)
-    checker, rest = SweptCheck(assembly), np.zeros((2, 6))
-    for direction in rng.normal(size=(12, 3)):
-        direction /= np.linalg.norm(direction)
-        far = checker.room(rest, [1], direction, 50.0)
-        end = rest.copy()
-        end[1, :3] = 0.999 * far * direction
-        assert not checker.overlaps(rest, end)
-        end[1, :3] = 1.001 * far * direction
-        assert checker.overlaps(rest, end)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [2, 18, 31])
+@pytest.mark.parametrize("number", [2, 31])
 def test_what_is_known_to_come_apart_is_never_proven_to_be_held(number: int, tmp_path) -> None:
     family, made = draw_solids(number)
     assert made.comes_apart, family
@@ -257,7 +218,7 @@ def _behind_a_window(wide: float, high: float, size: np.ndarray, turned: np.ndar
     return spatial({"name": "case", "boxes": case, "fixed": True}, block)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_cuboid_is_held_by_a_window_that_is_smaller_than_its_least_section(seed: int) -> None:
     """Of all sections through the middle that across the longest edges has the least area and border (Vaaler 1979 for areas)."""
     rng = np.random.default_rng(seed)
@@ -277,7 +238,7 @@ def test_a_cube_half_a_percent_too_large_for_its_window_is_held() -> None:
     assert wr.check(_behind_a_window(4, 4, np.full(3, 3.98), np.zeros(3)), every=False).verdict == "comes apart"
 
 
-@pytest.mark.parametrize("slope", [0, 1e-5, 1e-3, 0.02, 0.05])
+@pytest.mark.parametrize("slope", [0, 1e-5, 0.02])
 def test_a_bar_that_turns_and_leaves_through_a_leaning_lid_is_not_held(slope: float) -> None:
     """A bar of 12 x 3 x 3 turns in a case of 20 x 20 x 20 and leaves by a window of 4 x 4; one of 12 x 4.5 x 4.5 does not."""
     case = [(-11, -11, -11, 11, 11, -10), (-11, -11, -10, -10, 11, 12), (10, -11, -10, 11, 11, 12),

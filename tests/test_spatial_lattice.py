@@ -17,7 +17,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.spatial.escapes.lattice import lattice
-from wiggleroom.spatial.escapes.lattice_search import lattice_motions, lattice_search
+from wiggleroom.spatial.escapes.lattice_search import lattice_search
 from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
 from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
@@ -36,7 +36,7 @@ def burr(parts: list[set], gap: float = 0.05) -> Assembly:
 @pytest.mark.parametrize("pieces", [3, 5])
 def test_random_burrs_come_apart_by_whole_steps_as_the_cells_say(pieces: int) -> None:
     rng = np.random.default_rng(40 + pieces)
-    for _ in range(8):
+    for _ in range(4):
         parts = spatial_burrs.random_burr(rng, pieces)
         truth = spatial_burrs.comes_apart_on_grid(parts)
         grid = lattice(prepare_spatial(burr(parts)))
@@ -44,40 +44,6 @@ def test_random_burrs_come_apart_by_whole_steps_as_the_cells_say(pieces: int) ->
         found = lattice_search(grid, UNLIMITED)
         assert found.complete
         assert bool(found.offsets) == truth
-
-
-def test_a_path_by_whole_steps_is_free_by_the_collision_library() -> None:
-    # a drawer behind a door that must be slid up first, in a cabinet
-    cabinet = [[0, 0, 0, 10, 6, 1], [0, 0, 5, 10, 6, 6], [0, 0, 1, 10, 1, 5], [0, 5, 1, 10, 6, 5], [0, 1, 1, 1, 5, 5]]
-    drawer, door = [[1, 1, 1, 9, 5, 5]], [[10, 0, 0, 11, 6, 6]]
-    rails = [
-        [10, -1, 0, 12, 0, 12],
-        [10, 6, 0, 12, 7, 12],
-        [11, 0, 0, 12, 1, 6],
-        [11, 5, 0, 12, 6, 6],
-        [10, 0, -1, 12, 6, 0],
-    ]
-    assembly = spatial(
-        {"name": "cabinet", "boxes": cabinet + rails + [[0, -1, 0, 10, 0, 6], [0, 6, 0, 10, 7, 6]], "fixed": True},
-        {"name": "drawer", "boxes": drawer},
-        {"name": "door", "boxes": door},
-    )
-    ready = prepare_spatial(assembly)
-    grid = lattice(ready)
-    found = lattice_search(grid, UNLIMITED)
-    assert found.complete
-    path = lattice_motions(ready, grid, found.offsets)
-    boxes = [
-        [spatial_overlaps.box(np.add(b[:3], 0.05), np.subtract(b[3:], 0.05)) for b in part]
-        for part in (cabinet + rails, drawer, door)
-    ]
-    judge = spatial_overlaps.Judge(boxes, assembly.reference, [True, False, False])
-    for one, other in itertools.pairwise(path):
-        for share in (0.0, 0.5, 1.0):
-            assert judge.depth(spatial_overlaps.between(one, other, share)) < spatial_overlaps.SHALLOW
-    checked = check_spatial(assembly)
-    assert checked.verdict == "comes apart"
-    assert [e.parts for e in checked.escapes] == [("door",), ("drawer",)]
 
 
 def test_the_burr_of_the_gallery_comes_apart_on_the_grid_and_its_way_is_free_for_a_collision_library() -> None:
@@ -100,9 +66,7 @@ def test_the_burr_of_the_gallery_comes_apart_on_the_grid_and_its_way_is_free_for
     stays = list(range(6))
     for escape in found.escapes:
         judge = spatial_overlaps.Judge(
-            [shapes[k] for k in stays],
-            assembly.reference[stays] / 10,
-            [assembly.parts[k].fixed for k in stays],
+            [shapes[k] for k in stays], assembly.reference[stays] / 10, [assembly.parts[k].fixed for k in stays]
         )
         path = escape.path[:, stays] / [10, 10, 10, 1, 1, 1]
         assert spatial_overlaps.worst_on(judge, path) < spatial_overlaps.SHALLOW
@@ -162,11 +126,7 @@ def voxels(cells: set, inset: float) -> trimesh.Trimesh:
 
 @pytest.mark.parametrize(
     ("ending", "turned", "scale", "inset", "gap"),
-    [
-        ("stl", True, (9.7, 9.7, 9.7), 0.01, 0.0),
-        ("obj", True, (10.0, 10.0, 10.0), 0.04, 0.1),
-        ("obj", False, (1 / 3, 1 / 3, 1 / 3), 0.03, 0.0),
-    ],
+    [("stl", True, (9.7, 9.7, 9.7), 0.01, 0.0), ("obj", False, (1 / 3, 1 / 3, 1 / 3), 0.03, 0.0)],
 )
 def test_meshes_turned_anywhere_take_as_many_moves_as_their_cells(
     tmp_path: Path, ending: str, turned: bool, scale: tuple[float, float, float], inset: float, gap: float

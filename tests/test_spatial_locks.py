@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import sys
 
 import fcl
 import numpy as np
@@ -14,6 +15,7 @@ from scipy.spatial.transform import Rotation
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, sound, spatial, square
 from wiggleroom.drawing.model import Pull, Turn
+from wiggleroom.errors import InputError, MissingExtraError
 from wiggleroom.spatial.spatial_flex import flex_spatial
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
@@ -29,7 +31,7 @@ POSTS = [
 @pytest.mark.parametrize(
     ("moves", "turns"),
     [
-        *(((), turns) for k in range(4) for turns in itertools.combinations(AXES[3:], k)),
+        *(((), turns) for turns in ((), ("ry",), ("rx", "rz"), ("rx", "ry", "rz"))),
         (("x",), ("ry",)),
         (("y", "z"), ("rx", "rz")),
     ],
@@ -108,7 +110,7 @@ class Arm:
         return value(middle)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_an_arm_that_may_not_roll_reaches_what_sampling_finds(seed: int) -> None:
     rng = np.random.default_rng(seed)
     arm = {"name": "arm", "boxes": ARM, "lock": ["x", "y", "z", "rx"]}
@@ -121,10 +123,9 @@ def test_an_arm_that_may_not_roll_reaches_what_sampling_finds(seed: int) -> None
     assert answer.objective == pytest.approx(Arm(assembly.reference[4]).best(direction, point), abs=2e-4)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_ipopt_says_the_same_of_locked_parts(seed: int) -> None:
+def test_ipopt_says_the_same_of_locked_parts() -> None:
     pytest.importorskip("casadi")
-    rng = np.random.default_rng(10 + seed)
+    rng = np.random.default_rng(10)
     lock = [str(rng.choice(AXES[3:])), "z"]
     assembly = spatial(PLATE, PEG | {"lock": lock})
     goal = Pull("peg", tuple(rng.normal(size=3)), tuple(rng.uniform(-5, 5, 3) * [1, 1, 4]))
@@ -137,13 +138,6 @@ def test_what_turns_without_limit_does_so_about_what_is_left_free() -> None:
     assert wr.flex(spatial(PLATE, pin), wr.Turn("pin", (0, 0, 1))).turns == ("pin",)
     leaning = {"name": "pin", "boxes": [[-2, -2, -4, 2, 2, 4]], "lock": ["x", "y", "z", "rx", "ry"]}
     assert wr.flex(spatial(PLATE, leaning), wr.Turn("pin", (0.6, 0, 0.8))).turns == ("pin",)
-
-
-def test_studies_of_a_part_with_one_turn_locked_are_those_of_solving_again() -> None:
-    assembly = spatial(PLATE, PEG | {"lock": ["rx", "z"]}, gap=0.1)
-    goal = wr.Pull("peg", (1, 0.3, 0), (5, 5, 20))
-    by_forces, again = (wr.rank(assembly, goal, by=by) for by in ("duals", "differences"))
-    assert by_forces.looser == pytest.approx(again.looser, rel=1e-4)
 
 
 def test_a_lock_decides_whether_a_part_can_be_taken_out() -> None:
@@ -162,6 +156,7 @@ def test_a_lock_decides_whether_a_part_can_be_taken_out() -> None:
     assert held.verdict == "interlocked"
 
 
+@pytest.mark.slow
 def test_glued_parts_stay_together_between_way_points() -> None:
     """A thin peg turns in its hole and swings a block along that is glued to it, far away: half way the block is where the peg has it."""
     hole = [[-5.2, -3], [-5.2, 3], [5.2, 3], [5.2, -3]]
@@ -179,3 +174,45 @@ def test_glued_parts_stay_together_between_way_points() -> None:
             R = Rotation.from_rotvec(middle[1, 3:])
             seen = R.inv().apply(middle[2, :3] + arm - middle[1, :3])
             assert np.abs(seen - arm).max() < (1e-4 if share else 1e-9) * 62
+
+
+# -- IPOPT in space --------------------------------------------------------------------------------------------------
+
+
+def test_a_square_peg_moves_as_closed_forms_say():
+    pytest.importorskip("casadi")
+    assembly = spatial(PLATE, PEG | {"lock": ["rx", "ry"]})
+    twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 0, 0.5)
+    turned = wr.flex(assembly, Turn("peg", (0, 0, 1)), solver="ipopt")
+    assert turned.objective == pytest.approx(twist, abs=1e-7)
+    assert (turned.verdict, turned.path, turned.solver) == ("optimal", "checked", "ipopt")
+    assert wr.flex(assembly, wr.Pull("peg", (1, 0, 0)), solver="ipopt").objective == pytest.approx(0.2, abs=1e-7)
+
+
+def test_a_tilting_peg_moves_as_our_own_method_says():
+    pytest.importorskip("casadi")
+    assembly = spatial(PLATE, PEG)
+    pulls = [wr.Pull("peg", (s, 0, 0), (0, 0, 20.0 * s)) for s in (1, -1)]
+    ours, theirs = (wr.flex(assembly, pulls, solver=s) for s in ("interior-point", "ipopt"))
+    assert theirs.objective == pytest.approx(ours.objective, rel=1e-7)
+    assert theirs.collision_free
+    assert sum(c.force for c in theirs.contacts) == pytest.approx(sum(c.force for c in ours.contacts), rel=1e-2)
+
+
+def test_what_leaves_and_what_turns_without_limit_is_named():
+    pytest.importorskip("casadi")
+    assembly = spatial(PLATE, PEG)
+    assert wr.flex(assembly, wr.Pull("peg", (0, 0, 1)), solver="ipopt").leaves == ("peg",)
+    pin = {"name": "pin", "boxes": [[-2, -2, -20, 2, 2, 20]]}
+    assert wr.flex(spatial(PLATE, pin), Turn("pin", (0, 0, 1)), solver="ipopt").turns == ("pin",)
+
+
+def test_a_solver_that_is_not_there_is_said(monkeypatch):
+    pytest.importorskip("casadi")
+    assembly = spatial(PLATE, PEG)
+    pull = wr.Pull("peg", (1, 0, 0))
+    with pytest.raises(InputError, match='"simplex" is not known; solvers are interior-point, ipopt'):
+        wr.flex(assembly, pull, solver="simplex")
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    with pytest.raises(MissingExtraError, match=r"pip install '.\[ipopt\]'"):
+        wr.flex(assembly, pull, solver="ipopt")

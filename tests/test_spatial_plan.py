@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import re
 from collections import deque
 from pathlib import Path
 from typing import Any
@@ -17,10 +16,9 @@ import wiggleroom as wr
 from tests.test_spatial import spatial
 from wiggleroom.planning.gravity import Gravity
 from wiggleroom.planning.plan import Plan
-from wiggleroom.planning.steps import Step, moves_of
+from wiggleroom.planning.steps import Step
 from wiggleroom.report.page.plan_pictures import write_stills
 from wiggleroom.report.results.plan_results import PlanTolerances
-from wiggleroom.report.solids.spatial_picture import Shown, spatial_svg
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_plan_geometry import SpatialPlanGeometry
 from wiggleroom.studies.plan import PlanQuestion
@@ -72,11 +70,10 @@ def first_level(parts: list[set], most: int = 3000) -> int | None:
     return None
 
 
-@pytest.mark.parametrize("pieces", [4, pytest.param(5, marks=pytest.mark.slow)])
-def test_the_first_level_of_random_burrs_is_that_of_a_search_over_cells(pieces: int) -> None:
-    rng, levels = np.random.default_rng(60 + pieces), []
+def test_the_first_level_of_random_burrs_is_that_of_a_search_over_cells() -> None:
+    rng, levels = np.random.default_rng(64), []
     for _ in range(3):
-        parts = spatial_burrs.random_burr(rng, pieces)
+        parts = spatial_burrs.random_burr(rng, 4)
         truth = first_level(parts)
         found = wr.plan(burr(parts))
         if truth is not None:
@@ -103,12 +100,9 @@ def replayed(found: Plan, shapes: list[Any]) -> None:
 def bolted(folder: Path) -> Path:
     """A drawer in a case behind a bolt: the bolt goes in +x, then the drawer in -y."""
     case = [
-        [0, 0, 0, 40, 40, 2],
-        [0, 0, 12, 40, 40, 14],
-        [0, 0, 2, 2, 40, 12],
-        [38, 0, 2, 40, 40, 12],
+        [0, 0, 0, 40, 40, 2], [0, 0, 12, 40, 40, 14], [0, 0, 2, 2, 40, 12], [38, 0, 2, 40, 40, 12],
         [2, 38, 2, 38, 40, 12],
-    ]
+    ]  # fmt: skip
     rails = [[-4, -8, 0, 60, -4, 14], [-4, -4, 0, 0, 0, 14]]
     path = folder / "bolted.json"
     parts = [
@@ -139,21 +133,6 @@ def test_what_left_as_one_is_taken_apart_further() -> None:
     assert found.order[0] == ("key",)
     assert sum(len(parts) == 1 for parts in found.order) >= 4
     assert found.remains == ()
-
-
-def test_turns_are_one_move() -> None:
-    path = np.zeros((5, 2, 6))
-    path[1:4, 1, 5] = (0.1, 0.2, 0.3)
-    path[4, 1] = (0, 5, 0, 0, 0, 0.3)
-    assert moves_of(path).tolist() == [0, 0, 0, 1]
-
-
-def test_files_of_a_plan(tmp_path: Path) -> None:
-    found = wr.plan(wr.read(bolted(tmp_path)))
-    for name in ("a.svg", "a.glb", "a.html", "a.film.svg"):
-        found.draw(tmp_path / name)
-        assert (tmp_path / name).stat().st_size > 1000
-    assert "taken apart in" in (tmp_path / "a.html").read_text()
 
 
 def test_a_search_that_came_to_its_end_was_not_cut_short() -> None:
@@ -196,14 +175,6 @@ def test_a_beam_tips_where_its_centroid_is_beyond_its_support(begin: int, along:
     assert falls(stood(parts, "floor", 0.1), (0, 0, -1)) == (set() if begin + 8 < 5 else {"beam"})
 
 
-@pytest.mark.parametrize("height", [24, 40])
-def test_a_counterweight_holds_a_beam(height: int) -> None:
-    # moments about the edge of the block, at 5: the beam's 16 * 4 by 4 against the weight's 4 * height by 2
-    weight = [[1, -5, 14, 5, 5, 14 + height]]
-    parts = {"floor": FLOOR, "block": [[-5, -5, 0, 5, 5, 10]], "beam": [[1, -5, 10, 17, 5, 14]], "weight": weight}
-    assert falls(stood(parts, "floor", 0.1), (0, 0, -1)) == ({"beam"} if 4 * height * 2 < 16 * 4 * 4 else set())
-
-
 def test_a_table_on_three_legs_needs_the_third() -> None:
     # the top's centroid is outside what two of the legs carry; a denser weight over them holds it
     legs = {
@@ -217,11 +188,9 @@ def test_a_table_on_three_legs_needs_the_third() -> None:
 
 def test_only_the_lower_one_is_held_while_the_plate_goes() -> None:
     frame = [
-        [-30, -10, -20, 40, 10, -10],
-        [-30, -10, -10, -20, 10, 40],
-        [-20, -10, -10, -6, 10, -5],
+        [-30, -10, -20, 40, 10, -10], [-30, -10, -10, -20, 10, 40], [-20, -10, -10, -6, 10, -5],
         [-20, -10, 0, -6, 10, 40],
-    ]
+    ]  # fmt: skip
     frame += [
         [6, -10, 0, 40, 10, 40],
         [6, -10, -10, 40, 10, -5],
@@ -330,18 +299,6 @@ def test_the_command_of_a_plan_in_space(command: Any, tmp_path: Path, capsys: py
     assert command("plan", source, "--gravity", "-y,1") == 2
 
 
-def test_pictures_say_who_leaves_when_and_which_way(tmp_path: Path) -> None:
-    found = wr.check(wr.read("examples/44_six_piece_burr/burr.json"))
-    found.draw(tmp_path / "apart.svg")
-    drawn = (tmp_path / "apart.svg").read_text()
-    for name in found.assembly.names:
-        assert f">{name}</text>" in drawn
-    leaves = sum(len(escape.parts) for escape in found.escapes)
-    assert len(re.findall(r">\d+</text>", drawn)) == leaves == 5
-    found.draw(tmp_path / "apart.html")
-    assert 'id="path" type="range" min="0" max="1" step="0.001" value="0"' in (tmp_path / "apart.html").read_text()
-
-
 def test_a_still_shows_what_is_there_where_it_is(tmp_path: Path) -> None:
     found = wr.plan(wr.read("examples/44_six_piece_burr/burr.json"))
     assert write_stills(found, tmp_path) == len(found.steps)
@@ -350,20 +307,3 @@ def test_a_still_shows_what_is_there_where_it_is(tmp_path: Path) -> None:
     assert first.count(">key</text>") == 1
     assert ">key</text>" not in second
     assert f"step 2 of {len(found.steps)}: stick" in second
-
-
-def test_faces_of_one_plane_are_one_shape(tmp_path: Path) -> None:
-    """A cube shows three faces, whatever triangles they consist of."""
-    cube = spatial({"name": "a", "boxes": [[0, 0, 0, 10, 10, 10]]}, {"name": "b", "boxes": [[20, 0, 0, 30, 10, 10]]})
-    drawn = spatial_svg(cube, np.zeros((2, 6)), [], Shown())
-    assert drawn.count('fill-rule="evenodd"') == 6
-
-
-def test_a_gif_has_the_colours_of_parts_that_leave(tmp_path: Path) -> None:
-    image = pytest.importorskip("PIL.Image")
-    wr.check(wr.read("examples/40_box_with_a_lid/box.json")).draw(tmp_path / "a.gif")
-    with image.open(tmp_path / "a.gif") as film:
-        film.seek(film.n_frames // 4)
-        pixels = np.asarray(film.convert("RGB")).reshape(-1, 3).astype(int)
-    spread = np.ptp(pixels, axis=1)
-    assert (spread > 60).mean() > 0.05  # parts are not grey

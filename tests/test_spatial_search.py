@@ -9,29 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from benchmarks.spatial_figures import plate_of_tetrahedra
 
 import wiggleroom as wr
 from tests.test_spatial import sound, spatial
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.results.answer_words import answer_sure
-from wiggleroom.spatial import spatial_search
-from wiggleroom.spatial.planes.separating_plane_program import build_planes
-from wiggleroom.spatial.planes.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
-from wiggleroom.spatial.search.spatial_prepare import prepare_spatial, spatial_objective
 from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.verdict import SolverStatus
 
 WALLS = [
-    [-2, -2, 22, 0],
-    [-2, 0, 0, 16],
-    [20, 0, 22, 16],
-    [0, 5, 2, 16],
-    [2, 8, 6, 16],
-    [6, 5, 12, 16],
-    [12, 14, 16, 16],
+    [-2, -2, 22, 0], [-2, 0, 0, 16], [20, 0, 22, 16], [0, 5, 2, 16], [2, 8, 6, 16], [6, 5, 12, 16], [12, 14, 16, 16],
     [16, 5, 20, 16],
-]
+]  # fmt: skip
 """A room with a slot of 3 above the block, and one of 9 elsewhere."""
 CASE = {"name": "case", "boxes": [[x, y, 0, u, v, 4] for x, y, u, v in WALLS], "fixed": True}
 BLOCK = {"name": "block", "boxes": [[3, 1, 1, 5, 3, 3]], "lock": ["z", "rx", "ry"]}
@@ -71,21 +59,11 @@ def test_the_command_takes_the_number_of_starts(tmp_path: Path, command_output) 
     assert len(err) == 1
 
 
-@pytest.mark.parametrize("count", [10])
-def test_large_plates_settle_although_tips_meet_on_the_way(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
-    monkeypatch.setattr(spatial_search, "MAX_PAIRS_UNDAMPED", 100)
-    middle = f"t{count // 2}-{count // 2}"
-    found = sound(flex_spatial(plate_of_tetrahedra(count, 0.0005), Pull(middle, (0, 0, 1))))
-    assert found.verdict == "optimal"
-    assert found.rounds > 1
-
-
-@pytest.mark.parametrize("number", [3011, 4118])
-def test_contacts_that_close_to_the_last_digits_leave_the_path_checked(number: int, tmp_path: Path) -> None:
+def test_contacts_that_close_to_the_last_digits_leave_the_path_checked(tmp_path: Path) -> None:
     from benchmarks.attack.families_solid import draw_solids
 
     found = wr.flex(
-        wr.read(draw_solids(number)[1].write(tmp_path)), search=0
+        wr.read(draw_solids(3011)[1].write(tmp_path)), search=0
     )  # corners of a turned mesh lie off its faces by rounding
     assert (found.verdict, found.path) == ("optimal", "checked")
 
@@ -97,13 +75,12 @@ def test_a_film_that_cutting_leaves_across_a_bore_is_no_material(tmp_path: Path)
     assert found.verdict == "unbounded"  # the pin of this hinge has no heads
 
 
+@pytest.mark.slow
 def test_no_end_is_an_optimum_where_a_long_lid_still_tilts_over_a_pebble() -> None:
     rim = [
-        [-500, -500, 0, -450, 500, 25],
-        [450, -500, 0, 500, 500, 25],
-        [-500, -500, 0, 500, -450, 25],
+        [-500, -500, 0, -450, 500, 25], [450, -500, 0, 500, 500, 25], [-500, -500, 0, 500, -450, 25],
         [-500, 450, 0, 500, 500, 25],
-    ]
+    ]  # fmt: skip
     parts = (
         {"name": "slab", "boxes": [[-500, -500, 0, 500, 500, 10]], "fixed": True},
         {"name": "pebble", "boxes": [[0, 0, 10.01, 1, 1, 11]]},
@@ -114,55 +91,9 @@ def test_no_end_is_an_optimum_where_a_long_lid_still_tilts_over_a_pebble() -> No
     assert answer.verdict != "optimal" or answer.objective > 0.05
 
 
-def test_a_solve_ends_at_a_rough_answer_where_the_program_lacks_rows() -> None:
-    ready = prepare_spatial(plate_of_tetrahedra(5, 0.01))
-    objective = spatial_objective(ready, (Pull("t2-2", (0, 0, 1)),))
-    program = build_planes(ready.grouping.bodies, objective, ready.pieces, length=ready.clearance)
-
-    def solved(lacks: bool) -> SeparatingPlaneSolution:
-        return SeparatingPlaneSolver(program, inside=False, damped=True, lacks=lambda pose: lacks).solve()
-
-    whole, rough = solved(False), solved(True)
-    assert whole.status is SolverStatus.CONVERGED
-    assert rough.status is SolverStatus.STOPPED  # so it is never taken for an answer
-    assert not rough.curved_down
-    assert rough.iterations < whole.iterations
-    assert rough.value == pytest.approx(whole.value, rel=0.1)
-
-
-def test_a_wedge_slides_on_below_a_ceiling_of_two_pieces(tmp_path: Path) -> None:
-    """A tenon lifts a wedge to a ceiling, whose pieces meet where the wedge's edge touches it: the edge stops at no seam."""
-    c = 0.3
-    boxes = [
-        [-10, -6, -2, 10, 6, 0], [-10, -6, 0, -3 - c, 6, 12], [3 + c, -6, 0, 10, 6, 12], [-3 - c, -6, 0, 3 + c, -3 - c, 12],
-        [-3 - c, 3 + c, 0, 3 + c, 6, 12], [-10, -6, 16 + 2 * c, 10, 6, 18], [-10, -6, 12, -9, 6, 18], [9, -6, 12, 10, 6, 18],
-    ]  # fmt: skip
-    for name, some in (("post", boxes), ("tenon", [[-3, -3, c, 3, 3, 16]])):
-        solids = [
-            trimesh.convex.convex_hull(np.array(list(itertools.product(*np.reshape(box, (2, 3)).T.tolist()))))
-            for box in some
-        ]
-        whole = trimesh.boolean.union(solids, engine="manifold")  # it is cut over the wall of the mortise
-        whole.export(tmp_path / f"{name}.ply")
-    low, high = 16 + c, 16 + c + 0.2 * c
-    wedge = [[x, y, z] for y in (-2, 2) for x, z in ((-2.5, low), (2.5, low), (-2.5, high), (2.5, low + 0.8 * c))]
-    trimesh.convex.convex_hull(np.array(wedge)).export(tmp_path / "wedge.ply")
-    parts = [
-        {"name": "post", "mesh": "post.ply", "fixed": True},
-        {"name": "tenon", "mesh": "tenon.ply"},
-        {"name": "wedge", "mesh": "wedge.ply"},
-    ]
-    file = tmp_path / "a.json"
-    file.write_text(json.dumps({"format": "wiggleroom/2", "parts": parts}))
-    found = wr.flex(wr.read(file), wr.Pull("tenon", (0.0, 0.0, 1.0)))
-    assert found.objective == pytest.approx(2 * c, abs=1e-5)  # the tenon at the ceiling, the wedge gone aside
-    assert found.path == "checked"
-
-
-@pytest.mark.parametrize("cheek", [-2.99, 1.99])
-def test_a_wedge_slides_on_where_a_slope_ends(tmp_path: Path, cheek: float) -> None:
+def test_a_wedge_slides_on_where_a_slope_ends(tmp_path: Path) -> None:
     """A ceiling that rises and then is level: the wedge's upper edge stopped where both pieces meet. The plane knows of no pieces."""
-    floor, top, ends = -3.94, 5.35, (-8.71, -0.43)
+    cheek, floor, top, ends = -2.99, -3.94, 5.35, (-8.71, -0.43)
     ceiling = [[-12, 0], [-0.78, 0.16], [-0.49, 0.16], [0.52, 0.16], [12, 2.35]]
     wedge = [[-6.77, -1.12], [-2.77, -1.12], [-2.77, -0.12], [-6.77, -0.42]]
     profiles = [([p, q, [q[0], top], [p[0], top]], -6.0, 6.0) for p, q in itertools.pairwise(ceiling)]

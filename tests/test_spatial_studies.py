@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,11 +15,8 @@ import trimesh
 import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.drawing.model import JointGap, Pull
-from wiggleroom.spatial.solids.corner_displacement import corner_displacements
+from wiggleroom.drawing.model import JointGap
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
-from wiggleroom.spatial.spatial_flex import flex_spatial
-from wiggleroom.studies.gap_study_of import gap_study_of
 
 JOINT = "examples/43_mortise_and_tenon/joint.json"
 LOCKED = PEG | {"lock": ["rx", "ry", "rz"]}
@@ -46,9 +42,8 @@ def flex_joint(assembly: Assembly, goal: wr.Pull | wr.Turn, more: float) -> floa
     return answer.objective
 
 
-@pytest.mark.parametrize("goal", [wr.Pull("rail", (0, 0, 1), (120, 0, 0)), wr.Turn("rail", (0, 1, 0))])
-def test_ranking_by_forces_is_what_solving_again_gives(goal: wr.Pull | wr.Turn) -> None:
-    assembly = joint()
+def test_ranking_by_forces_is_what_solving_again_gives() -> None:
+    assembly, goal = joint(), wr.Pull("rail", (0, 0, 1), (120, 0, 0))
     by_forces, again = (wr.rank(assembly, goal, by=by) for by in ("duals", "differences"))
     assert by_forces.unique.all()
     assert by_forces.looser == pytest.approx(again.looser, rel=1e-4)
@@ -73,29 +68,6 @@ def test_ranking_of_many_parts_tells_who_holds_and_who_does_not() -> None:
     assert [tuple(burr.names[k] for k in pair) for pair in found.joints.tolist()] == [("stick1", "stick2")]
 
 
-def test_parts_that_are_made_anew_stop_where_they_are_asked_to() -> None:
-    stop = threading.Event()
-    study = gap_study_of(joint(), wr.Pull("rail", (0, 0, 1), (120, 0, 0)))
-    narrower = -0.01 * np.ones(2)
-    larger = study.with_inward(narrower, stop).assembly.solids[0].pieces[0].corners
-    assert np.ptp(larger, axis=0) == pytest.approx(np.ptp(study.assembly.solids[0].pieces[0].corners, axis=0) + 0.02)
-    stop.set()
-    with pytest.raises(wr.StoppedError):
-        study.with_inward(narrower, stop)
-    with pytest.raises(wr.StoppedError):
-        study.made_of(study.assembly.drawing, stop)
-
-
-def test_corners_follow_the_faces_of_plates_boxes_and_meshes() -> None:
-    outline = [[0, 0], [6, 0], [6, 2], [2, 2], [2, 5], [0, 5]]
-    boxes = [[0, 0, 0, 6, 2, 3], [0, 0, 0, 2, 5, 3]]
-    for part in ({"outline": outline, "thickness": 3}, {"boxes": boxes}):
-        made, smaller = (spatial({"name": "a", **part}, PLATE, gap=gap).solids[0] for gap in (0.2, 0.202))
-        for k, piece in enumerate(made.pieces):
-            moved = piece.corners + 1e-3 * corner_displacements(made, k)
-            assert np.abs(moved - smaller.pieces[k].corners).max() < 1e-9
-
-
 def test_draws_are_those_of_the_closed_form_also_where_parts_get_larger_than_drawn() -> None:
     # the peg, locked, moves by 0.2 and half of both extra gaps; nothing but these matters
     found = wr.sample(spatial(PLATE, LOCKED), 0.05, ALONG_X, draws=12, seed=3, limit=0.25)
@@ -104,11 +76,6 @@ def test_draws_are_those_of_the_closed_form_also_where_parts_get_larger_than_dra
     assert found.good == int((found.value <= 0.25).sum())
     assert found.foreseen == pytest.approx(0.05 / np.sqrt(2), rel=1e-4)
     assert not len(found.checked)
-
-
-def test_parts_that_do_not_fit_are_counted_as_misfits() -> None:
-    found = wr.sample(spatial(PLATE, LOCKED), wr.Spread(0.4, "uniform"), ALONG_X, draws=12, seed=1)
-    assert found.misfits == int((0.2 + found.extra.sum(axis=1) / 2 <= 0).sum()) > 0
 
 
 def test_tightening_takes_away_what_the_rank_says() -> None:
@@ -131,10 +98,9 @@ def test_the_largest_gap_that_holds_has_a_checked_state_on_both_sides() -> None:
     found = wr.largest_gap(assembly)
     assert found.holds <= 1.0 <= found.parts_at <= 1.0011 * found.holds
     assert (found.interlocked.verdict, found.apart.verdict) == ("interlocked", "comes apart")
-    held = wr.allowable_gap(assembly, holds=True)
-    assert (held.gap, held.beyond) == (found.holds, found.parts_at)
 
 
+@pytest.mark.slow
 def test_a_gap_that_holds_says_from_which_on_parts_fit() -> None:
     # one arm is 0.1 mm too thick: it overlaps the wall as drawn up to a gap of 0.1
     bar = BAR | {"boxes": [*BAR["boxes"][:1], [-10, -6, -4, -2.9, 6, 4], BAR["boxes"][2]]}
@@ -195,47 +161,15 @@ def test_questions_that_cannot_be_asked_in_space_are_refused_in_one_line() -> No
         wr.rank(spatial(PLATE, PEG), wr.Pull("peg", (0, 0, 1)))
 
 
-def test_a_tower_of_pegs_is_ranked_where_rows_belong_to_glued_bodies() -> None:
-    one = {"name": "one", "boxes": [[2, 0, 0, 4, 10, 10]]}
-    two = {"name": "two", "boxes": [[4, 0, 0, 7, 10, 10]]}
-    walls = [
-        {"name": "low", "boxes": [[0, 0, 0, 1, 10, 10]], "fixed": True},
-        {"name": "high", "boxes": [[10, 0, 0, 11, 10, 10]], "fixed": True},
-    ]
-    locked = [p | {"lock": ["y", "z", "rx", "ry", "rz"]} for p in (one,)]
-    found = wr.rank(spatial(*walls, *locked, gap=0.1), wr.Pull("one", (1, 0, 0)))
-    assert found.looser == pytest.approx([0, 0.5, 0.5], abs=1e-6)
-    glued = spatial(*walls, one, two, glue=[["one", "two"]], gap=0.1)
-    together = flex_spatial(glued, Pull("one", (1, 0, 0)), search=0)  # where both stay between the walls
-    ranked = wr.rank(together)
-    worth = dict(zip(["low", "high", "one", "two"], ranked.looser.tolist(), strict=True))
-    assert worth["low"] == worth["one"] == 0
-    assert worth["high"] > 0
-    assert worth["two"] > 0
-
-
 @pytest.mark.parametrize(
-    "ask",
-    [
-        wr.prepare,
-        wr.tight_verdict,
-        wr.blocking,
-        wr.Live,
-        lambda assembly: wr.free_space(assembly, "lid", "box"),
-    ],
+    "ask", [wr.prepare, wr.tight_verdict, wr.blocking, wr.Live, lambda assembly: wr.free_space(assembly, "lid", "box")]
 )
 def test_what_is_for_the_plane_alone_says_so(ask) -> None:
     with pytest.raises(wr.InputError, match=r"parts in the plane; this is in space"):
         ask(wr.read("examples/40_box_with_a_lid/box.json"))
 
 
-@pytest.mark.parametrize(
-    ("question", "options"),
-    [
-        (wr.check, {"boxes": 100}),
-        (wr.sweep, {"seconds": 5.0}),
-    ],
-)
+@pytest.mark.parametrize(("question", "options"), [(wr.check, {"boxes": 100}), (wr.sweep, {"seconds": 5.0})])
 def test_an_option_of_drawings_is_refused_in_space(question: Callable[..., Any], options: dict[str, Any]) -> None:
     with pytest.raises(wr.InputError, match=f"{next(iter(options))}: for drawings only") as raised:
         question(wr.read(JOINT), **options)
@@ -246,16 +180,6 @@ def test_an_option_of_drawings_is_refused_in_space(question: Callable[..., Any],
 def test_an_option_of_reading_drawings_is_refused_in_space(options: dict[str, Any]) -> None:
     with pytest.raises(wr.InputError, match=f"{next(iter(options))}: for drawings only"):
         wr.read(JOINT, **options)
-
-
-@pytest.mark.parametrize("question", [wr.flex, wr.check, wr.sweep, wr.largest_gap, wr.allowable_gap])
-def test_a_misspelt_option_is_refused_in_space(question: Callable[..., Any]) -> None:
-    with pytest.raises(TypeError, match="secnds"):
-        question(wr.read(JOINT), secnds=1.0)
-
-
-def test_a_check_in_space_ends_when_its_time_is_over() -> None:
-    assert wr.check(wr.read("examples/44_six_piece_burr/burr.json"), seconds=1e-6).verdict == "unknown"
 
 
 def test_the_table_of_an_answer_has_every_waypoint_of_what_moves(command: Callable[..., int], tmp_path: Path) -> None:

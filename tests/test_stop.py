@@ -10,18 +10,23 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 import wiggleroom as wr
+from wiggleroom import maximise
 from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.cli.study_command import unless_stopped
 from wiggleroom.cli.watch import at_once, interruptible
+from wiggleroom.deadline import GracePeriod
 from wiggleroom.drawing import write_drawing
+from wiggleroom.search import local_search
 from wiggleroom.search.progress import Progress
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
@@ -88,7 +93,7 @@ def test_stop_is_honoured_within_a_second(what: str, jigsaw: wr.Assembly) -> Non
 
 @pytest.mark.parametrize("extension", ["svg", "dxf"])
 def test_reading_a_large_drawing_stops(extension: str, tmp_path: Path) -> None:
-    pieces = wr.patterns.grid(30, 30, joint="revolute", gap=0.01).drawing
+    pieces = wr.patterns.grid(20, 20, joint="revolute", gap=0.01).drawing
     file = tmp_path / f"large.{extension}"
     write_drawing(pieces, file)
     wr.read(DRAWINGS / "pyjigsaw_4x5.svg", gap=1.0)
@@ -129,7 +134,7 @@ def many_tees() -> wr.Assembly:
     return wr.patterns.grid(32, 32, joint="tee", gap=0.02)
 
 
-@pytest.mark.parametrize("after", [0.2, 0.8, 1.6])
+@pytest.mark.parametrize("after", [0.2, 0.8])
 def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly) -> None:
     stop = AfterSeconds(after)
     answer = wr.flex(many_tees, stop=stop, search=0)
@@ -140,11 +145,8 @@ def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.As
         assert answer.objective == pytest.approx(wr.flex(many_tees, search=0).objective, rel=1e-6)
 
 
-@pytest.mark.parametrize("after", [0.5, 2.0])
-def test_check_of_a_thousand_parts_stops_in_any_stage(
-    after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly
-) -> None:
-    stop = AfterSeconds(after)
+def test_check_of_a_thousand_parts_stops(jigsaw: wr.Assembly, many_tees: wr.Assembly) -> None:
+    stop = AfterSeconds(0.5)
     assert wr.check(many_tees, stop=stop).verdict == "unknown"
     assert time.process_time() - stop.due < LATE
 
@@ -176,14 +178,13 @@ def test_what_was_found_before_the_stop_is_kept(jigsaw: wr.Assembly) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("what", ASKED)
-@pytest.mark.parametrize("seed", range(1))
-def test_stop_is_honoured_at_any_time(what: str, seed: int, jigsaw: wr.Assembly) -> None:
-    delay = float(np.random.default_rng([seed, len(what)]).uniform(0.05, 8.0))
+@pytest.mark.parametrize("what", ["check", "largest gap", "prove", "rank", "sample"])
+def test_stop_is_honoured_at_any_time(what: str, jigsaw: wr.Assembly) -> None:
+    delay = float(np.random.default_rng([0, len(what)]).uniform(0.05, 8.0))
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), delay) < LATE
 
 
-COMMANDS = ("flex", "check", "gap --holds", "plan", "rank", "sample --spread 0.05", "sweep", "tighten", "tolerances")
+COMMANDS = ("flex", "check", "gap --holds", "sample --spread 0.05")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a file that is never read to its end")
@@ -211,3 +212,57 @@ def test_the_time_limit_holds_while_a_file_is_read() -> None:
 
     with pytest.raises(wr.WiggleroomError, match="after 0"):
         read_for_ever()
+
+
+# -- what was audited before a stop ----------------------------------------------------------------------------------
+
+
+class AfterSteps:
+    """Asks to stop once the solver has gone so many steps."""
+
+    def __init__(self, steps: int) -> None:
+        self.left = steps
+
+    def __call__(self, told: wr.Progress) -> None:
+        self.left -= told.stage == "solve"
+
+    def is_set(self) -> bool:
+        return self.left < 0
+
+
+def grid() -> wr.Assembly:
+    return wr.patterns.grid(11, 11, joint="tee", gap=0.02)
+
+
+def deepest_area(assembly: wr.Assembly, waypoints: np.ndarray) -> float:
+    """Largest area [mm2] that two parts share at a waypoint or half way between two, by general polygon geometry."""
+    states = np.concatenate([waypoints, (waypoints[1:] + waypoints[:-1]) / 2])
+    most = 0.0
+    for motion in states:
+        shapes = []
+        for part, (x, y, turn) in zip(assembly.parts, assembly.rest + motion, strict=True):
+            c, s = np.cos(turn), np.sin(turn)
+            rings = [ring @ np.array([[c, s], [-s, c]]) + (x, y) for ring in (r.outer for r in part.regions)]
+            shapes.append(shapely.Polygon(rings[0]))
+        a, b = shapely.STRtree(shapes).query(shapes)
+        meeting = shapely.intersection(np.array(shapes)[a[a < b]], np.array(shapes)[b[a < b]])
+        most = max(most, float(shapely.area(meeting).max()))
+    return most
+
+
+@pytest.fixture
+def audits_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(local_search, "AUDIT_SECONDS", 0.0)
+    monkeypatch.setattr(local_search, "AUDIT_SECONDS_PER_BODY", 0.0)
+
+
+@pytest.mark.usefixtures("audits_at_every_step")
+def test_a_stopped_answer_keeps_what_was_audited_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(maximise, "GracePeriod", partial(GracePeriod, seconds=0.0))
+    stop, whole = AfterSteps(22), wr.flex(grid(), search=0).objective
+    found = wr.flex(grid(), search=0, stop=stop, progress=stop)
+    assert found.verdict == "stopped"
+    assert found.path == "checked"
+    assert 0.1 * whole < found.objective <= whole * (1 + 1e-6)
+    assert audit_path(grid(), found.waypoints).free
+    assert deepest_area(grid(), found.waypoints) < 1e-9

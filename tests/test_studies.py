@@ -35,13 +35,6 @@ def test_eleven_parts_of_the_frame_take_most_of_the_motion() -> None:
     assert found.after.collision_free
 
 
-def test_the_tightened_motion_is_that_of_parts_made_so() -> None:
-    assembly = wr.patterns.chain(5, joint="tee", gap=0.01)
-    found = wr.tighten(assembly, parts=2, gap=0.004, draws=0)
-    made = assemble(assembly.drawing, offset=dict.fromkeys(found.chosen, 0.003))
-    assert found.after.objective == pytest.approx(wr.flex(made).objective, rel=1e-6)
-
-
 def everything(assembly: wr.Assembly, count: int, outward: float) -> dict[tuple[str, ...], float]:
     """Motion with every choice of so many parts made larger."""
     found = {}
@@ -56,18 +49,6 @@ def test_no_other_choice_of_two_is_better() -> None:
     assembly = wr.patterns.chain(5, joint="swallowtail", gap=0.02)
     found = wr.tighten(assembly, parts=2, draws=0)
     assert found.after.objective <= min(everything(assembly, 2, 0.009).values()) * (1 + 1e-6)
-
-
-def test_of_parts_that_share_a_load_the_one_that_takes_most_is_chosen() -> None:
-    """A block that tilts between two walls until another one stops it: its own gap counts twice, but only where it gets less."""
-    tray = wr.Part("tray", (wr.Region(rectangle(0, 0, 30, 20), (rectangle(5, 5, 25, 15)[::-1],)),), fixed=True)
-    block, other = (
-        wr.Part(n, (wr.Region(rectangle(x, 5, y, 15)),)) for n, x, y in (("block", 5, 14), ("other", 14, 22))
-    )
-    goal = wr.Pull("block", (1, 0))
-    assembly = assemble(wr.Drawing((tray, block, other), gap=0.2, goals=(goal,)))
-    found = wr.tighten(assembly, parts=1, draws=0)
-    assert found.after.objective <= min(everything(assembly, 1, 0.09).values()) * (1 + 1e-6)
 
 
 def test_no_fewer_parts_keep_the_limit() -> None:
@@ -146,37 +127,16 @@ def test_no_band_in_space_and_none_of_nonsense() -> None:
         wr.sweep(wr.patterns.chain(2), [0.01], prove=0.0)
 
 
-@pytest.mark.slow
-def test_swallowtails_come_apart_where_they_are_known_to() -> None:
-    found = wr.sweep(wr.patterns.chain(2, joint="swallowtail"), np.linspace(0.02, 0.08, 4))
-    assert found.lost is not None
-    assert 0.0595 < found.lost[0] < found.lost[1] < 0.0607
-    assert found.lost[1] - found.lost[0] < 1e-3 * found.lost[1]
-    assert [s.verdict == "unbounded" for s in found.steps] == [False, False, False, True]
-
-
 def caged_bolt(*others: wr.Part) -> wr.Assembly:
     """A bolt pulled against a wall, below a mouth 0.2 mm narrower than itself, by which it leaves from a gap of 0.1 mm on."""
-    cage = [
-        (-10, -8),
-        (10, -8),
-        (10, 5),
-        (4.9, 5),
-        (4.9, 3),
-        (5, 3),
-        (5, -5),
-        (-5, -5),
-        (-5, 3),
-        (-4.9, 3),
-        (-4.9, 5),
-        (-10, 5),
-    ]
+    inside = [(4.9, 5), (4.9, 3), (5, 3), (5, -5), (-5, -5), (-5, 3), (-4.9, 3), (-4.9, 5)]
+    cage = [(-10, -8), (10, -8), (10, 5), *inside, (-10, 5)]
     parts = polygon_part("cage", cage, fixed=True), box("bolt", -5, -5, 5, 3)
     return assemble(wr.Drawing((*parts, *others), 0.05, goals=(wr.Pull("bolt", (1, 0)),)))
 
 
 def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends() -> None:
-    found = wr.sweep(caged_bolt(), [0.05, 0.09, 0.12, 0.2, 0.3, 0.5])
+    found = wr.sweep(caged_bolt(), [0.05, 0.09, 0.12, 0.5])
     assert [s.verdict == "unbounded" for s in found.steps] == [s.gap > 0.1 for s in found.steps]
     assert [s.objective for s in found.steps[:2]] == pytest.approx([0.05, 0.09])
     assert found.lost is not None
@@ -184,10 +144,11 @@ def test_a_sweep_finds_the_way_out_that_does_not_begin_where_the_motion_ends() -
     assert 0.1 * (1 - 1e-9) <= found.lost[1] < 0.1003
 
 
+@pytest.mark.slow
 def test_the_largest_gap_that_is_searched_is_one_at_which_parts_can_be_made() -> None:
     """A needle beside the bolt vanishes at a gap of 0.4 mm; where the bolt leaves, what cannot be made does not."""
-    found = wr.sweep(caged_bolt(box("needle", 20, 0, 20.4, 5, fixed=True)), [0.05, 0.2, 0.3, 0.5])
-    assert [s.verdict for s in found.steps[1:]] == ["unbounded", "unbounded", "cannot be made"]
+    found = wr.sweep(caged_bolt(box("needle", 20, 0, 20.4, 5, fixed=True)), [0.05, 0.2, 0.5])
+    assert [s.verdict for s in found.steps[1:]] == ["unbounded", "cannot be made"]
     assert found.lost is not None
     assert found.lost[0] < 0.2
     assert 0.1 <= found.lost[1] <= 0.2
@@ -218,14 +179,6 @@ def test_a_sweep_that_is_stopped_where_it_searches_again_keeps_what_it_found() -
     assert 0.1 < found.lost[1] <= 0.2  # the path out may have been followed a little before it was stopped
 
 
-def test_a_sweep_can_be_stopped() -> None:
-    stop = threading.Event()
-    found = wr.sweep(
-        wr.patterns.chain(3, gap=0.02), stop=stop, progress=lambda done, _: stop.set() if done == 2 else None
-    )
-    assert len(found.steps) == 2
-
-
 @pytest.mark.parametrize("gaps", [[], [-0.1], [float("nan")], [float("inf")]])
 def test_sweep_refuses(gaps: list[float]) -> None:
     with pytest.raises(wr.InputError):
@@ -243,7 +196,7 @@ def test_gaps_that_cannot_be_made_or_touch_are_said() -> None:
 
 
 def test_every_draw_of_the_slot_is_its_closed_form() -> None:
-    found = wr.sample(assemble(slot()), 0.05, draws=200, limit=0.32, workers=1)
+    found = wr.sample(assemble(slot()), 0.05, draws=60, limit=0.32, workers=1)
     left, right, block, *_ = found.extra.T
     exact = 0.3 + (right + block) / 2
     misfit = (exact <= 0) | (0.2 + (left + block) / 2 <= 0)
@@ -265,8 +218,8 @@ def test_parts_that_do_not_fit_are_counted_and_fail() -> None:
 
 
 def test_draws_on_a_jigsaw_are_what_flex_says() -> None:
-    assembly = wr.patterns.jigsaw(3, 3, gap=0.012, seed=8)
-    found = wr.sample(assembly, wr.Spread(0.002, "truncated", sheet=0.4), draws=12, seed=5, workers=1)
+    assembly = wr.patterns.jigsaw(3, 2, gap=0.012, seed=8)
+    found = wr.sample(assembly, wr.Spread(0.002, "truncated", sheet=0.4), draws=4, seed=5, workers=1)
     for value, extra in zip(found.value, found.extra, strict=True):
         offset = dict(zip(assembly.names, (-extra / 2).tolist(), strict=True))
         assert value == pytest.approx(wr.flex(assemble(assembly.drawing, offset=offset), search=0).objective, rel=1e-3)
@@ -305,14 +258,12 @@ def test_wilson_holds_as_often_as_it_says() -> None:
     assert wilson(57, 60) == pytest.approx((truth.low, truth.high))
 
 
-@pytest.mark.parametrize("spread", [0.0, -1.0, float("nan"), float("inf")])
-def test_sample_refuses(spread: float) -> None:
-    with pytest.raises(wr.InputError, match="spread"):
-        wr.sample(assemble(slot()), spread)
-
-
-def test_sample_refuses_other_nonsense() -> None:
+def test_sample_refuses_nonsense() -> None:
     for make, said in (
+        *(
+            (lambda wide=wide: wr.sample(assemble(slot()), wide), "spread")
+            for wide in (0.0, -1.0, float("nan"), float("inf"))
+        ),
         (lambda: wr.Spread(0.1, "cauchy"), "distribution"),
         (lambda: wr.Spread(0.1, sheet=1.5), "correlation"),
         (lambda: wr.Spread(0.1, bias=float("nan")), "bias"),

@@ -19,7 +19,7 @@ from tests.test_plots import all_of, axis
 from wiggleroom.report.page import pages
 from wiggleroom.report.page.finding_page import page_of_finding
 from wiggleroom.report.pictures import palette
-from wiggleroom.report.pictures.finding_picture import picture_of_finding, shade
+from wiggleroom.report.pictures.finding_picture import picture_of_finding
 from wiggleroom.report.results.separability import Checked
 from wiggleroom.report.results.tables import csv_of
 from wiggleroom.studies.registry import finding_of
@@ -96,21 +96,6 @@ def test_draws_without_an_end_are_said_not_drawn(studies: dict[type, Any]) -> No
     none = replace(found, value=np.full(60, np.nan))
     assert "50 % below" not in picture(none)
     page_of(none)
-
-
-def test_parts_are_coloured_by_their_numbers(studies: dict[type, Any]) -> None:
-    ranking = studies[wr.Ranking]
-    svg = picture(ranking)
-    fill = {}
-    for group in all_of(svg, "g"):
-        for use in group.findall("{http://www.w3.org/2000/svg}use"):
-            title = use.find("{http://www.w3.org/2000/svg}title")
-            if title is not None:
-                fill[title.text] = group.get("fill")
-    share = ranking.looser / ranking.looser.max()
-    assert fill == dict(zip(ranking.answer.assembly.names, map(shade, share), strict=True))
-    tight = studies[wr.Tightening]
-    assert picture(tight).count(f'fill="{palette.CHOSEN}" fill-opacity') == 1
 
 
 def test_pages_hold_the_numbers(studies: dict[type, Any]) -> None:

@@ -41,11 +41,7 @@ def names(drawing: Drawing) -> list[str]:
 
 @pytest.mark.parametrize(
     ("file", "gap", "count", "area"),
-    [
-        ("jointpanel_4x4", 0.2, 16, 160**2),
-        ("jointpanel_10x10", 0.2, 100, 500**2),
-        ("pyjigsaw_4x5", 1.0, 20, 500 * 400),
-    ],
+    [("jointpanel_4x4", 0.2, 16, 160**2), ("jointpanel_10x10", 0.2, 100, 500**2), ("pyjigsaw_4x5", 1.0, 20, 500 * 400)],
 )
 def test_real_drawings_fit_together(file, gap, count, area):
     drawing = read_drawing(DRAWINGS / f"{file}.svg", gap=gap)
@@ -60,14 +56,6 @@ def test_real_drawings_fit_together(file, gap, count, area):
     assert len(drawing.notes) == file.startswith("pyjigsaw")
 
 
-def test_a_finer_flattening_has_more_corners_and_the_same_parts():
-    coarse, fine = (read_drawing(DRAWINGS / "pyjigsaw_4x5.svg", gap=gap) for gap in (1.0, 0.1))
-    for a, b in zip(coarse.parts, fine.parts, strict=True):
-        assert len(b.regions[0].outer) > 2 * len(a.regions[0].outer)
-        ends = shapely.points(place(b.regions[0].outer, b.at))
-        assert shapely.distance(ends, material(a).exterior).max() <= 0.02 * (1 + 1e-6)
-
-
 # Geometry ------------------------------------------------------------------------------------------------------------
 
 SLOT = "M20 20H60A10 15 0 0 1 60 50A5 5 30 0 0 50 55H30A6 9 0 1 1 20 50A15 15 0 0 0 20 20Z"
@@ -76,10 +64,7 @@ SLOT = "M20 20H60A10 15 0 0 1 60 50A5 5 30 0 0 50 55H30A6 9 0 1 1 20 50A15 15 0 
 @pytest.mark.parametrize(
     ("transform", "matrix"),
     [
-        ("", np.eye(2)),
-        ("scale(1,-1)", np.diag([1, -1])),
         ("skewX(30)", np.array([[1, np.tan(np.pi / 6)], [0, 1]])),
-        ("skewY(-20)", np.array([[1, 0], [-np.tan(np.pi / 9), 1]])),
         ("matrix(1 .3 -.8 2 0 0)", np.array([[1, -0.8], [0.3, 2]])),
         ("scale(2,.5) rotate(90)", np.array([[0, -2], [0.5, 0]])),
     ],
@@ -105,13 +90,10 @@ def test_slot_with_four_arcs_under_any_transform(transform, matrix):
         ('<rect x="10" y="20" width="30" height="10" rx="2"/>', 300 - (4 - np.pi) * 4, (25, 75)),
         ('<rect x="10" y="20" width="30" height="10" rx="99" ry="3"/>', 300 - (4 - np.pi) * 45, (25, 75)),
         ('<circle cx="40" cy="40" r="10"/>', np.pi * 100, (40, 60)),
-        ('<ellipse cx="40" cy="40" rx="10" ry="5"/>', np.pi * 50, (40, 60)),
         ('<polygon points="0,0 30,0 30,-30"/>', 450, (20, 110)),
-        ('<polyline points="0,0 30,0 30,-30 0,0"/>', 450, (20, 110)),
         ('<rect x="10%" y="20%" width="1cm" height="50%"/>', 96 / 2.54 * 50, (10 + 96 / 5.08, 55)),
         ('<path d="M10 10C10 10 20 10 20 10L20 20L10 20z"/>', 100, (15, 85)),
         ('<path d="M10 10Q20 30 30 10z"/>', 2 / 3 * 20 * 10, (20, 90 - 4)),
-        ('<path d="M0 0L0 10L10 10L10 0L0 0"/>', 100, (5, 95)),
     ],
 )
 def test_basic_shapes(body, area, centre):
@@ -175,7 +157,6 @@ RECT = '<rect id="a" x="10" y="20" width="4" height="2"/>'
     ("head", "scale", "left", "bottom", "noted"),
     [
         ('width="100mm" height="100mm" viewBox="0 0 100 100"', 1, 0, 100, False),
-        ('width="10cm" height="10cm" viewBox="0 0 100 100"', 1, 0, 100, False),
         ('width="2in" height="2in" viewBox="-5 7 100 100"', 0.508, -5, 107, False),
         ('width="72pt" viewBox="0 0 254 100"', 0.1, 0, 100, False),
         ('height="50mm" viewBox="0 0 254 100"', 0.5, 0, 100, False),
@@ -183,7 +164,6 @@ RECT = '<rect id="a" x="10" y="20" width="4" height="2"/>'
         ('width="100mm" height="50mm" viewBox="0 0 100 100" preserveAspectRatio="xMidYMid slice"', 1, 0, 100, False),
         ('width="96mm" height="96mm"', 25.4 / 96, 0, 96 * 96 / 25.4, False),
         ('viewBox="0 0 50 40"', 1, 0, 40, True),
-        ('width="500" height="400"', 1, 0, 400, True),
         ('width="500px" height="400px" viewBox="0 0 50 40"', 1, 0, 40, True),
         ('width="100%" height="100%" viewBox="1 1 50 40"', 1, 1, 41, True),
     ],
@@ -195,13 +175,7 @@ def test_page(head, scale, left, bottom, noted):
     assert [("1 user unit" in note) for note in drawing.notes] == [True] * noted
 
 
-def test_stretched_page():
-    drawing = read(RECT, 'width="100mm" height="50mm" viewBox="0 0 100 100" preserveAspectRatio="none"')
-    assert drawing.parts[0].at == pytest.approx((12, 39.5, 0))
-    assert material(drawing.parts[0]).area == pytest.approx(4)
-
-
-@pytest.mark.parametrize(("unit", "mm"), [("mm", 1), ("cm", 10), ("in", 25.4), ("px", 25.4 / 96)])
+@pytest.mark.parametrize(("unit", "mm"), [("mm", 1), ("in", 25.4), ("px", 25.4 / 96)])
 def test_unit_overrides(unit, mm):
     for head in (PAGE, 'viewBox="0 0 100 100"', 'width="7in" viewBox="0 0 100 100"'):
         drawing = read(RECT, head, unit=unit)
@@ -226,13 +200,10 @@ def squares(*sides: tuple[float, bool]) -> str:
     [
         ([(10, False), (5, True)], "nonzero", 300, 1, 1),
         ([(10, False), (5, False)], "nonzero", 400, 1, 0),
-        ([(10, True), (5, False)], "nonzero", 300, 1, 1),
         ([(10, False), (5, False)], "evenodd", 300, 1, 1),
-        ([(5, False), (10, False)], "evenodd", 300, 1, 1),
         ([(10, False), (5, False), (2, True)], "evenodd", 316, 2, 1),
         ([(10, False), (5, True), (2, False)], "nonzero", 316, 2, 1),
         ([(10, False), (5, False), (2, True)], "nonzero", 400, 1, 0),
-        ([(10, False), (5, True), (2, True)], "nonzero", 316, 2, 1),
     ],
 )
 def test_fill_rules(sides, rule, area, regions, holes):
@@ -248,11 +219,6 @@ def test_fill_rules(sides, rule, area, regions, holes):
         assert all(part.at == pytest.approx((50, 50, 0)) for part in parts)
 
 
-def test_reference_point_counts_no_holes():
-    part = read('<path fill-rule="evenodd" d="M0 0H40V20H0z M30 5H38V15H30z"/>').parts[0]
-    assert part.at == pytest.approx((20, 90, 0))
-
-
 def test_nested_parts_alternate():
     drawing = read(
         "".join(
@@ -266,11 +232,6 @@ def test_nested_parts_alternate():
     assert Polygon(hole).equals(Polygon(drawing.parts[1].regions[0].outer))
 
 
-def test_order_of_drawing_does_not_matter():
-    drawing = read('<rect id="tile" x="10" y="10" width="5" height="5"/><rect id="tray" width="30" height="30"/>')
-    assert [material(part).area for part in drawing.parts] == pytest.approx([25, 875])
-
-
 @pytest.mark.parametrize("half", [4.0, 5.0, 5.5])
 def test_a_peg_in_a_ring_cuts_nothing(half):
     """Loose, touching, or too big: the ring has its hole already."""
@@ -278,13 +239,6 @@ def test_a_peg_in_a_ring_cuts_nothing(half):
     ring = f'<path id="ring" fill-rule="evenodd" d="{squares((10, False), (5, False))}"/>'
     drawing = read(ring + peg)
     assert [material(part).area for part in drawing.parts] == pytest.approx([300, 4 * half**2])
-
-
-def test_a_round_peg_touching_a_ring_drawn_otherwise():
-    ring = '<path fill-rule="evenodd" d="M30 30H70V70H30z M60 50A10 10 0 0 0 40 50A10 10 0 0 0 60 50z"/>'
-    drawing = read(ring + '<circle cx="50" cy="50" r="10"/>', gap=1.0)
-    assert len(drawing.parts[0].regions[0].holes) == 1
-    assert material(drawing.parts[0]).intersection(material(drawing.parts[1])).area == pytest.approx(0, abs=1e-9)
 
 
 def test_a_jigsaw_in_a_plain_tray():
@@ -303,16 +257,6 @@ def test_an_inlay_flush_with_the_edge_is_a_notch():
     drawing = read('<rect id="plate" width="30" height="30"/><rect id="inlay" x="10" width="5" height="5"/>')
     assert [material(part).area for part in drawing.parts] == pytest.approx([875, 25])
     assert not drawing.parts[0].regions[0].holes
-
-
-def test_neighbours_that_only_interlock_cut_nothing():
-    drawing = read('<path d="M0 0H30V30H20V10H0z"/><rect x="5" y="10" width="15" height="15"/>')
-    assert [material(part).area for part in drawing.parts] == pytest.approx([500, 225])
-
-
-def test_self_crossing_outlines_are_passed_on():
-    part = read('<path d="M0 0L40 40L40 0L0 40z"/>').parts[0]
-    assert not Polygon(part.regions[0].outer).is_valid
 
 
 # Names and roles -----------------------------------------------------------------------------------------------------
@@ -345,18 +289,14 @@ def test_names(body, expected):
     "body",
     [
         rect(1, 'fill="red"'),
-        rect(1, 'fill="#F00"'),
         rect(1, 'fill="#ff0000"'),
         rect(1, 'fill="rgb( 255, 0 , 0 )"'),
-        rect(1, 'fill="rgb(100%,0%,0%)"'),
-        rect(1, 'fill="blue" style="stroke:none; fill : Red"'),
         f'<g fill="red">{rect(1)}</g>',
         '<g style="fill:#f00"><g>' + rect(1, 'stroke="blue"') + "</g></g>",
         "<style>.stand { fill: red }</style>" + rect(1, 'class="x stand" fill="blue"'),
         "<style><![CDATA[ #q, .z {fill:rgb(255 0 0)} rect {fill:blue} ]]></style>" + rect(1, 'id="q"'),
         '<g color="red">' + rect(1, 'fill="currentColor"') + "</g>",
         '<g id="fixed">' + rect(1) + rect(2) + "</g>",
-        '<g inkscape:label="Fixed">' + rect(1) + rect(2) + "</g>",
         rect(1, 'id="fixed"'),
     ],
 )
@@ -495,7 +435,7 @@ def test_real_drawings_come_back(file, tmp_path):
         assert_same_geometry(drawing, read_drawing(tmp_path / f"x.{extension}"))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     st.lists(
         st.tuples(st.floats(3, 9), st.floats(3, 9), st.floats(0, 360), st.booleans(), st.booleans()),
@@ -529,36 +469,9 @@ def test_a_drawing_below_zero_is_moved_onto_the_page():
     assert material(again.parts[1]).equals(box(10, 5, 14, 9))
 
 
-def test_repeated_and_straight_points_are_gone():
-    part = read('<path d="M0 0H5H10V0V10L10 10L0 10L0 5L0 0L0 0z"/>').parts[0]
-    assert len(part.regions[0].outer) == 4
-
-
-def test_gap_and_flatten_decide_the_corners():
-    circle = '<circle cx="50" cy="50" r="40"/>'
-
-    def count(**options) -> int:
-        return len(read(circle, **options).parts[0].regions[0].outer)
-
-    for options, error in (
-        ({"gap": 1.0}, 0.02),
-        ({"flatten": 0.5}, 0.5),
-        ({"gap": 1.0, "flatten": 0.1}, 0.1),
-        ({}, 80e-4),
-    ):
-        needed = np.pi / np.arccos(1 - error / 40)
-        assert needed <= count(**options) <= needed + 4
-    assert read(circle, gap=0.3).gap == 0.3
-
-
 def test_flatten_finer_than_numbers_allow_is_refused():
     with pytest.raises(InputError, match="at least 8e-08 mm"):
         read('<circle cx="50" cy="50" r="40"/>', flatten=1e-12)
-
-
-def test_negative_gap_is_refused():
-    with pytest.raises(InputError, match="gap is -1"):
-        read(rect(0), gap=-1.0)
 
 
 # What a renderer does besides drawing --------------------------------------------------------------------------------

@@ -218,12 +218,6 @@ def test_the_worst_of_all_corners_in_space() -> None:
     assert found.first_order == pytest.approx(max(values), rel=1e-2)
 
 
-def test_parts_in_space_that_do_not_fit_at_their_largest() -> None:
-    found = wr.worst_case(spatial(PLATE, PEG), [Tolerance(("peg",), 0.3, 0.0)], Pull("peg", (1, 0, 0)))
-    assert found.tightest is None
-    assert "peg" in found.misfit
-
-
 def test_tolerances_of_a_file_in_space_by_the_command(
     command: Callable[..., int], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

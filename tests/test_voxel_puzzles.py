@@ -73,7 +73,7 @@ def test_the_page_opens_a_puzzle_as_boxes(tmp_path: Path) -> None:
     assert opened_file.drawing.gap == read_puzzle(file).gap
 
 
-def testorientations_are_all_turns_of_a_cube_and_their_mirrors() -> None:
+def test_orientations_are_all_turns_of_a_cube_and_their_mirrors() -> None:
     turns = [orientation(k) for k in range(48)]
     assert len({turn.tobytes() for turn in turns}) == 48
     assert [round(np.linalg.det(turn)) for turn in turns] == 24 * [1] + 24 * [-1]

@@ -95,23 +95,6 @@ def test_a_server_begins_after_its_first_answer_and_ends_it_when_it_closes(
     assert not runs(pid)
 
 
-def test_it_is_done_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(warming, "IDLE_SECONDS", 0.01)
-    note = tmp_path / "note"
-
-    async def live() -> None:
-        one = Warming(nothing, (sys.executable, "-c", f"open({str(note)!r}, 'a').write('x')"))
-        for _ in range(2):
-            with one.held():
-                pass
-            await until(lambda: one.done)
-            await asyncio.sleep(0.2)
-        await one.close()
-
-    asyncio.run(live())
-    assert note.read_text() == "x"
-
-
 def test_a_server_prepares_the_next_page_after_its_first_answer() -> None:
     served = Served()
     pool = served.page.pool

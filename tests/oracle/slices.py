@@ -181,10 +181,7 @@ def _clipped(sides: np.ndarray, box: tuple[float, float, float, float]) -> np.nd
     keep = enter < leave
     sides, start, edge, enter, leave = (v[keep] for v in (sides, start, edge, enter[:, None], leave[:, None]))
     return np.stack(
-        [
-            np.where(enter == 0, start, start + enter * edge),
-            np.where(leave == 1, sides[:, 1], start + leave * edge),
-        ],
+        [np.where(enter == 0, start, start + enter * edge), np.where(leave == 1, sides[:, 1], start + leave * edge)],
         axis=1,
     )
 
