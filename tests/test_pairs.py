@@ -165,3 +165,28 @@ def test_overlaps_of_some_bodies_are_those_that_polygons_of_all_have_with_one_of
         found += len(pairs)
     assert found > 10
     assert not len(overlaps(them, motion, NONE, np.zeros(len(them.fixed), dtype=bool)).a)
+
+
+def test_edges_have_material_on_their_left():
+    for name in ASSEMBLIES:
+        them = bodies(ASSEMBLIES[name]())
+        shapes = them.shapes
+        middle = (shapes.corner + shapes.corner[shapes.after]) / 2
+        for s in range(len(shapes.radius)):
+            who = int(np.flatnonzero(them.shape == s)[0])
+            solid = placed(them)[who]
+            for k in range(shapes.first[s], shapes.first[s + 1]):
+                tip = place((middle[k] + 1e-5 * shapes.normal[k])[None], tuple(them.rest[who]))[0]
+                root = place((middle[k] - 1e-5 * shapes.normal[k])[None], tuple(them.rest[who]))[0]
+                assert not shapely.contains_xy(solid, *tip)
+                assert shapely.contains_xy(solid, *root)
+
+
+@each
+@anywhere
+def test_placed_moves_bodies_about_their_own_origin(name, change):
+    them = bodies(change(ASSEMBLIES[name]()))
+    motion = np.random.default_rng(1).uniform(-1, 1, (len(them.fixed), 3))
+    for before, after, rest, (dx, dy, angle) in zip(placed(them), placed(them, motion), them.rest, motion, strict=True):
+        turned = affinity.rotate(before, angle, origin=tuple(rest[:2]), use_radians=True)
+        assert shapely.symmetric_difference(after, affinity.translate(turned, dx, dy)).area < 1e-9

@@ -200,3 +200,9 @@ def test_only_pairs_outside_the_program_are_missed(glue):
         found = missed_at(ready, motion[None], program)
         assert set(zip(*(one.tolist() for one in found), strict=True)) == truth - known
     assert met  # some overlap that the program answers for
+
+
+def test_collinear_sides_and_touching_corners_are_no_overlap(tmp_path: Path) -> None:
+    one, other = part("one", box(0, 0, 1, 1), fixed=True), part("other", box(1.5, 0, 2.5, 1))
+    assembly = made_of(tmp_path, one, other)
+    assert audit_path(assembly, waypoints_of(2, 1, (-0.5, 0, 0), (-0.5, 1, 0), (-1.5, 1, 0))).free

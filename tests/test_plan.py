@@ -19,6 +19,7 @@ from benchmarks.plan_families import (
     random_tray,
     tray,
     tray_of_squares,
+    tumbler_lock,
     turning_room,
 )  # fmt: skip
 
@@ -326,3 +327,16 @@ def test_a_frame_of_twenty_parts_and_numbers_that_fit_into_their_discs():
 def test_a_part_that_is_named_twice_is_taken_out_once() -> None:
     assembly = turning_room(False)
     assert wr.plan(assembly, ["bar", "bar"]).targets == ("bar",)
+
+
+def test_trays_full_of_squares():
+    for wide, high, holes in ((3, 2, 2), (3, 3, 1)):
+        found = wr.plan(tray(*tray_of_squares(wide, high, holes)))
+        assert len(found.order) == wide * high - holes
+        see_free(found)
+
+
+def test_a_lock_with_three_tumblers():
+    found = wr.plan(tumbler_lock(turn=0.7), ["bolt"])
+    assert found.level == (7,)
+    see_free(found)

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 
 from wiggleroom.assembly import patterns
 from wiggleroom.drawing.model import Closer, Pull, Towards, Translation, Turn, W
+from wiggleroom.geometry.relative_pose import relative_pose
 from wiggleroom.geometry.row_kinds import A_EDGE, B_EDGE, HIGH_TURN, LOW_TURN
 from wiggleroom.program.objectives import TERMS, objective
 from wiggleroom.program.retraction import Retraction, factorised
@@ -225,3 +226,42 @@ def test_condensed_matrix_with_an_objective_of_the_whole(name, term):
     lam = random.uniform(0, 2, of.rows)
     curved = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam) + of.linearise(v).gradient, u, steps(of))
     close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
+
+
+@each_assembly
+@each_seed
+def test_products_are_those_of_the_jacobian(name, seed):
+    of = program(name)
+    u, random = anywhere(of, seed)
+    at = of.linearise(u)
+    du, y = random.normal(size=len(u)), random.normal(size=of.rows)
+    close(at.h, of.values(u), 1e-14)
+    close(at.jacobian_product(du), at.jacobian() @ du, 1e-13)
+    close(at.transposed_jacobian_product(y), at.jacobian().T @ y, 1e-13)
+
+
+@each_assembly
+@each_seed
+def test_relative_poses_are_what_the_part_sees(name, seed):
+    of = program(name)
+    u, _ = anywhere(of, seed)
+    pose = of.bodies.rest + of.motion(u)
+    place = pose[:, 0] + 1j * pose[:, 1]
+    a, b = of.cells.a, of.cells.b
+    seen = (place[b] - place[a]) * np.exp(-1j * pose[a, 2])
+    g, turn = of.relative(of.motion(u))
+    close(g, np.column_stack([seen.real, seen.imag, pose[b, 2] - pose[a, 2]]), 1e-13)
+    close(turn, np.column_stack([np.cos(pose[a, 2]), np.sin(pose[a, 2])]), 1e-13)
+    close(relative_pose(of.bodies, a, b, of.motion(u)), g, 1e-13)
+
+
+@each_assembly
+def test_half_way_is_the_same_from_both_ends(name):
+    of = program(name)
+    u, random = anywhere(of, 6)
+    v = u + random.normal(size=len(u)) * 0.05 / of.scale
+    retraction = Retraction(of)
+    np.testing.assert_allclose(retraction.between(u, v), retraction.between(v, u), rtol=0, atol=1e-10 / of.scale.min())
+    np.testing.assert_allclose(retraction.between(u, u) * of.scale, u * of.scale, rtol=0, atol=1e-7)
+    off = np.abs(retraction.between(u, v) - (u + v) / 2) * of.scale
+    assert off.max() < 0.1

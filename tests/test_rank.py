@@ -25,6 +25,35 @@ from wiggleroom.sensitivity.dual_face import DualFace
 from wiggleroom.sensitivity.rank import ranges, rank_at_once
 
 
+def three_stops() -> Drawing:
+    """A bar in a tray, pushed up onto three blocks at one height, which share its load in many ways; it may slide to either side."""
+    blocks = [
+        box(name, x - 0.1, 0.0, x + 0.1, 1.0, fixed=True) for name, x in (("left", -4), ("middle", 1), ("right", 3))
+    ]
+    tray = [(-9, -3), (9, -3), (9, 2), (6.5, 2), (6.5, -1), (-6.5, -1), (-6.5, 2), (-9, 2)]
+    parts = box("bar", -6.0, -1.0, 6.0, 0.0), *blocks, polygon_part("tray", tray, fixed=True)
+    return Drawing(parts, 0.1, goals=(Pull("bar", (0.0, 1.0), (0.0, -0.5)),))
+
+
+def table_on_humps() -> Drawing:
+    """A table on three humps under a low ceiling, pushed down beside its middle; it may slide further to the right than to the left."""
+    humps = [
+        polygon_part(name, [(x - 0.7, -2), (x + 0.7, -2), (x + 0.2, 0), (x - 0.2, 0)], fixed=True)
+        for name, x in (("left", -6), ("middle", -1), ("right", 4))
+    ]
+    table = polygon_part("table", [(-8, 0), (8, 0), (8, 2), (1, 2), (1, 6), (-1, 6), (-1, 2), (-8, 2)])
+    tray = shapely.box(-12, -5, 12, 10) - shapely.box(-9, -2, 9.5, 7)
+    goal = Pull("table", (0.0, -1.0), (0.3, 5.0))
+    return Drawing((table, *humps, part_at("tray", tray, fixed=True)), 0.2, goals=(goal,))
+
+
+def block_at_a_wall() -> Drawing:
+    """A block in a tray, pulled against a wall along which it may slide by a quarter of its side, up or down."""
+    tray = [(0, -3), (6, -3), (6, 7), (0, 7), (0, 5), (4.4, 5), (4.4, -1), (0, -1)]
+    parts = box("wall", -2, -3, 0, 7, fixed=True), box("block", 0, 0, 4, 4), polygon_part("tray", tray, fixed=True)
+    return Drawing(parts, 0.1, goals=(Pull("block", (-1.0, 0.0)),))
+
+
 def ranked(assembly: wr.Assembly, **how: Any) -> wr.Ranking:
     """Importance for the motion that a climb from rest ends at: the differences beside it begin there, too."""
     return wr.rank(wr.flex(assembly, search=0), **how)
@@ -379,3 +408,57 @@ def test_solves_that_end_in_another_optimum_say_nothing_of_a_gap() -> None:
     assert not ranking.unique.all()
     assert (ranking.looser > -1e-6).all()  # more gap never takes motion away
     assert ranking.tighter.max() < 20  # 14.6 by the multipliers, for the part that is pulled
+
+
+def test_with_more_gap_in_a_joint_a_bar_lies_where_the_least_force_makes_it_worth_most() -> None:
+    """With less gap it lies where the largest force of that joint loses least; the best place for the left one lies between those met."""
+    ranking = wr.rank(assemble(three_stops()))
+    names = ranking.answer.assembly.names
+    joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
+    for stop, met in (("left", 0.9), ("middle", 1.0), ("right", 1.0)):
+        k = joints[frozenset(("bar", stop))]
+        looser, tighter = (joint_again(three_stops(), ("bar", stop), h) for h in (2e-3, -2e-3))
+        assert met * looser - 1e-4 <= ranking.joint_looser[k] <= looser + 1e-4
+        assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3)
+
+
+def test_the_load_moves_to_the_side_to_which_a_table_slides() -> None:
+    """Then the left hump need not carry anything, and at most what it does where the table lies furthest to the right."""
+    ranking = wr.rank(assemble(table_on_humps()))
+    names = ranking.answer.assembly.names
+    joints = {frozenset(names[k] for k in pair): k for k, pair in enumerate(ranking.joints.tolist())}
+    for hump in ("left", "middle", "right"):
+        k = joints[frozenset(("table", hump))]
+        looser, tighter = (joint_again(table_on_humps(), ("table", hump), h) for h in (2e-3, -2e-3))
+        assert ranking.joint_looser[k] == pytest.approx(looser, rel=5e-3, abs=1e-4)
+        assert ranking.joint_tighter[k] == pytest.approx(tighter, rel=5e-3, abs=1e-4)
+
+
+def test_less_gap_in_a_joint_is_felt_where_a_block_lies_half_beside_the_stretch_that_it_faced() -> None:
+    """A step stands up below the block there: all of the gap is lost, wherever it lies."""
+    ranking = wr.rank(assemble(block_at_a_wall()))
+    (joint,) = ranking.joints.tolist()
+    again = joint_again(block_at_a_wall(), tuple(ranking.answer.assembly.names[k] for k in joint), -2e-3)
+    assert again == pytest.approx(1.0, abs=1e-3)
+    assert ranking.joint_tighter[0] == pytest.approx(again, abs=1e-3)
+    assert ranking.joint_looser[0] <= 1 + 1e-6
+
+
+def test_bolts_in_line_share_a_load_in_any_way() -> None:
+    """Two bolts in line along the pull, each between flat sides of holes: either alone could hold, so both ends are nothing and all."""
+
+    def disc(x: float, r: float) -> list[tuple[float, float]]:
+        return [(x + r * np.cos(a), r * np.sin(a)) for a in np.pi / 24 + 2 * np.pi * np.arange(24) / 24]
+
+    parts = []
+    for name, fixed in (("plate", True), ("slide", False)):
+        material = shapely.Polygon(
+            [(-0.8, -0.8), (2.3, -0.8), (2.3, 0.8), (-0.8, 0.8)], [disc(0, 0.34), disc(1.5, 0.34)]
+        )
+        parts.append(part_at(name, material, (0.75, 0.0, 0.0), fixed=fixed))
+    for k, x in enumerate((0.0, 1.5)):
+        parts.append(polygon_part(f"bolt{k}", disc(x, 0.3)))
+    drawing = Drawing(tuple(parts), ignore=(("plate", "slide"),), goals=(Pull("slide", (1.0, 0.0)),))
+    ranking = ranked(assemble(drawing))
+    for bolt in ("bolt0", "bolt1"):
+        assert of(ranking, bolt) == pytest.approx((0.0, 1.0), abs=1e-3)

@@ -19,6 +19,7 @@ import wiggleroom as wr
 from tests.makers.by_hand import FINDINGS, LINE, STYLES, box, svg
 from wiggleroom.cli import main
 from wiggleroom.drawing import read_drawing, write_drawing
+from wiggleroom.drawing.outlines.joining import join_ends
 from wiggleroom.drawing.strokes.read_options import ReadOptions
 from wiggleroom.errors import InputError
 
@@ -194,3 +195,16 @@ def test_an_id_that_two_parts_share_names_neither(tmp_path):
     body = f'<path id="path9" d="{data}" {LINE}/><text x="5" y="5">a</text><text x="25" y="5">b</text>'
     parts = read_drawing(file_of(tmp_path, body)).parts
     assert [(part.name, part.aliases) for part in parts] == [("a", ()), ("b", ())]
+
+
+def test_an_end_goes_to_the_nearest_only():
+    lines = [np.array([[0.0, 0], [9, 0]]), np.array([[9.01, 0], [9, 9]]), np.array([[9.03, 0], [20, 0]])]
+    ends = join_ends(lines, 0.05, 20.0)
+    assert ends.node[0, 1] == ends.node[1, 0] == ends.node[2, 0]
+    pairs = [
+        np.array([[0.0, 0], [9, 0]]),
+        np.array([[9.0, 0], [9, 9]]),
+        np.array([[9.02, 0], [9.02, 9], [20, 0], [9.02, 0]]),
+    ]
+    ends = join_ends(pairs, 0.05, 20.0)
+    assert ends.node[0, 1] != ends.node[2, 0]

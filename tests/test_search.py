@@ -23,8 +23,13 @@ from wiggleroom.program.nonlinear_program import build_program
 from wiggleroom.report.results.answer_words import searched
 from wiggleroom.report.results.json_results import flex_result
 from wiggleroom.search.canonical_frame import canonical_frame
+from wiggleroom.search.global_search import search_on
+from wiggleroom.search.incumbent import start_at_rest
+from wiggleroom.search.local_search import LocalSearch
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import prepare_as_drawn
 from wiggleroom.search.separated_bodies import without_separated
+from wiggleroom.solve import interior_point
 from wiggleroom.verdict import Verdict
 
 BENT = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
@@ -269,3 +274,14 @@ def test_order_and_handedness_of_the_parts_change_nothing():
     rng = np.random.default_rng(1)
     values = [witness(one).objective for one in (assembly, shuffled(assembly, rng), mirrored(assembly))]
     assert max(values) / min(values) - 1 < 1e-4
+
+
+def test_no_end_that_was_met_is_better_than_the_answer():
+    ready = wr.prepare(wr.patterns.chain(2, joint="tee", gap=0.01))
+    goal = ready.objective(ready.assembly.drawing.goals)
+    first = LocalSearch(ready, goal, interior_point.solve, THOROUGH)
+    first.improve(start_at_rest(ready))
+    best = first.best.value
+    first.best = replace(first.best, value=best * (1 - 5e-5))  # a little below an end that other climbs meet
+    further, _ = search_on(first, 8)
+    assert further.best.value == pytest.approx(best, rel=1e-6)

@@ -227,3 +227,22 @@ def test_nonnegative_least_squares_comes_as_near_as_the_library():
         assert (found >= 0.0).all()
         assert abs(np.linalg.norm(columns.T @ found - right) - left) <= 1e-9 * size
         assert left <= nnls(columns.T, right)[1] + 1e-9 * size
+
+
+def test_same_multipliers_where_they_are_unique():
+    """The forces that pairs transmit, as single rows need not be unique."""
+    program = problem("chain of 5 swallowtails")
+    forces = []
+    for name in SOLVERS:
+        solution = solver_named(name)(program, tolerance=TIGHT)
+        at = program.linearise(solution.u)
+        pair = np.repeat(np.arange(len(program.cells.a)), np.diff(program.cells.row))
+        forces.append(np.column_stack([np.bincount(pair, at.d[:, k] * solution.lam) for k in range(3)]))
+    assert np.abs(forces[0]).max() > 0.1
+    np.testing.assert_allclose(*forces, atol=1e-4 * np.abs(forces[0]).max())
+
+
+@BOTH
+def test_a_closed_assembly_does_not_escape_within_its_size(solver):
+    assembly = PROBLEMS["jigsaw"]()
+    assert solver_named(solver)(first_program(assembly), horizon=assembly.size).status == "converged"

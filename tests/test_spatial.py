@@ -444,3 +444,36 @@ def test_the_command_asks_for_the_whole_assembly(
     assert json.loads(capfd.readouterr().out)["objective"] == pytest.approx(0.18, rel=1e-6)
     assert command("flex", tmp_path / "a.json", "--objective", "closer", "--pull", "peg:+x") == 2
     assert "leave one of them out" in capfd.readouterr().err
+
+
+def test_a_sweep_in_space_follows_the_closed_form() -> None:
+    locked = spatial(PLATE, PEG | {"lock": ["rx", "ry", "rz"]})
+    found = wr.sweep(locked, [0.3, 0.0, 0.1], wr.Pull("peg", (1, 0, 0)))
+    assert [s.gap for s in found.steps] == [0.0, 0.1, 0.3]
+    assert [s.objective for s in found.steps] == pytest.approx([0.2, 0.3, 0.5], abs=1e-7)
+    assert all(s.checked and s.verdict == "optimal" for s in found.steps)
+    assert found.lost is None
+
+
+def test_chains_of_plates_locked_in_the_plane_move_as_the_drawing_does() -> None:
+    for joint in ("tee", "swallowtail"):
+        flat = wr.patterns.chain(10, joint=joint, gap=0.01)
+        truth = wr.flex(flat, wr.Pull(flat.names[-1], (0, 1))).objective
+        parts = [
+            {
+                "name": p.name,
+                "outline": p.regions[0].outer.tolist(),
+                "thickness": 0.4,
+                "at": [p.at[0], p.at[1], 0],
+                "fixed": p.fixed,
+                "lock": ["z", "rx", "ry"],
+            }
+            for p in flat.drawing.parts
+        ]
+        answer = sound(
+            flex_spatial(
+                spatial(*parts, gap=0.01), Pull(flat.names[-1], (0, 1, 0), (*flat.drawing.parts[-1].at[:2], 0.2))
+            )
+        )
+        assert answer.objective == pytest.approx(truth, abs=1e-6)
+        assert answer.iterations <= 30

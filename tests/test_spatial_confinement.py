@@ -18,7 +18,15 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
 from wiggleroom.spatial.bodies.rotations import exponential, logarithm
 from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
-from wiggleroom.spatial.overlaps.pose_cells import beyond_face, quaternion_of, rotation_of, turned_within, worn_by_pair
+from wiggleroom.spatial.overlaps.pose_cells import (
+    CLOSED,
+    beyond_face,
+    quaternion_of,
+    rotation_of,
+    turned_within,
+    worn_by_pair,
+)
+from wiggleroom.spatial.overlaps.swept_check import SweptCheck
 from wiggleroom.spatial.proof.confinement import EFFORTS, PairwiseConfinement, inscribed_cylinders, packed_pieces
 from wiggleroom.spatial.proof.narrow_windows import behind_narrow_windows
 from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
@@ -251,3 +259,34 @@ def test_a_bar_that_turns_and_leaves_through_a_leaning_lid_is_not_held(slope: fl
     bars = [cuboid(-np.array([6, half, half]), np.array([6, half, half])) for half in (1.5, 2.25)]
     assert not behind_narrow_windows(cage, bars[0])
     assert slope or behind_narrow_windows(cage, bars[1])
+
+
+@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e3])
+def test_cells_are_blocked_by_more_than_the_reach_hides(scale, monkeypatch) -> None:
+    """Small where they meet, large besides: what must overlap is a share of the bodies' reach, not of the place where they meet."""
+    seen = []
+    monkeypatch.setattr("wiggleroom.spatial.proof.confinement.cover", lambda *given: seen.append(given[4:8]) or CLOSED)
+    rod = [[0, 0, 0, 400, 1, 1]]
+    hook = [[399, -1, -1, 402, 2, -0.1], [399, -1, 1.1, 402, 2, 2], [401, -1, -0.1, 402, 2, 1.1]]
+    made = [
+        {"name": n, "boxes": (scale * np.array(b, dtype=float)).tolist()} for n, b in (("rod", rod), ("hook", hook))
+    ]
+    assembly = spatial({**made[0], "fixed": True}, made[1])
+    assert PairwiseConfinement(prepare_spatial(assembly), UNLIMITED).prove(EFFORTS[0])
+    half_box, *_, margin = seen[0]
+    assert half_box > 400 * scale
+    assert 1e-7 * half_box < margin < 1e-5 * half_box
+
+
+def test_room_along_a_line_is_where_the_swept_check_first_finds_an_overlap() -> None:
+    rng = np.random.default_rng(3)
+    assembly = tray(opening=3.0)
+    checker, rest = SweptCheck(assembly), np.zeros((2, 6))
+    for direction in rng.normal(size=(12, 3)):
+        direction /= np.linalg.norm(direction)
+        far = checker.room(rest, [1], direction, 50.0)
+        end = rest.copy()
+        end[1, :3] = 0.999 * far * direction
+        assert not checker.overlaps(rest, end)
+        end[1, :3] = 1.001 * far * direction
+        assert checker.overlaps(rest, end)

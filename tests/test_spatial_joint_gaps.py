@@ -249,3 +249,13 @@ def test_the_option_replaces_the_gap_of_the_file(tmp_path: Path, monkeypatch, ca
         assert json.loads(capsys.readouterr().out)["objective"] == pytest.approx(far, abs=1e-9)
     assert run("--gap-of block,oast:0.7") == 2
     assert "--gap-of" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("own", [0.05, 0.6])
+def test_a_region_inside_a_face_is_cut_away_or_built_up(own: float) -> None:
+    big = {"name": "big", "boxes": [[0, 0, 0, 20, 20, 10]], "fixed": True}
+    small = {"name": "small", "boxes": [[4, 6, 10, 9, 12, 14]]}
+    made = spatial(big, small, gap=0.2, gaps=[joint("big", "small", own)]).solids
+    assert volume(made[0]) == pytest.approx(19.8**2 * 9.8 - 30 * (own - 0.2) / 2, rel=1e-12)
+    assert volume(made[1]) == pytest.approx(4.8 * 5.8 * (3.9 - own / 2), rel=1e-12)
+    assert sum(len(m.pieces) for m in made) >= 2

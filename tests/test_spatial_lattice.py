@@ -17,7 +17,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.context import UNLIMITED
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.spatial.escapes.lattice import lattice
-from wiggleroom.spatial.escapes.lattice_search import lattice_search
+from wiggleroom.spatial.escapes.lattice_search import lattice_motions, lattice_search
 from wiggleroom.spatial.escapes.spatial_disassembly import check_spatial
 from wiggleroom.spatial.search.spatial_prepare import prepare_spatial
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
@@ -179,3 +179,37 @@ def test_solids_off_every_lattice_have_none() -> None:
     wedge = {"name": "block", "outline": [[1, 1], [2, 1], [2, 2]], "thickness": 1, "at": [0, 0, 2]}
     assert lattice(prepare_spatial(spatial(floor, wedge))) is None
     assert lattice(prepare_spatial(spatial(floor, block, ignore=[["floor", "block"]]))) is None
+
+
+def test_a_path_by_whole_steps_is_free_by_the_collision_library() -> None:
+    # a drawer behind a door that must be slid up first, in a cabinet
+    cabinet = [[0, 0, 0, 10, 6, 1], [0, 0, 5, 10, 6, 6], [0, 0, 1, 10, 1, 5], [0, 5, 1, 10, 6, 5], [0, 1, 1, 1, 5, 5]]
+    drawer, door = [[1, 1, 1, 9, 5, 5]], [[10, 0, 0, 11, 6, 6]]
+    rails = [
+        [10, -1, 0, 12, 0, 12],
+        [10, 6, 0, 12, 7, 12],
+        [11, 0, 0, 12, 1, 6],
+        [11, 5, 0, 12, 6, 6],
+        [10, 0, -1, 12, 6, 0],
+    ]
+    assembly = spatial(
+        {"name": "cabinet", "boxes": cabinet + rails + [[0, -1, 0, 10, 0, 6], [0, 6, 0, 10, 7, 6]], "fixed": True},
+        {"name": "drawer", "boxes": drawer},
+        {"name": "door", "boxes": door},
+    )
+    ready = prepare_spatial(assembly)
+    grid = lattice(ready)
+    found = lattice_search(grid, UNLIMITED)
+    assert found.complete
+    path = lattice_motions(ready, grid, found.offsets)
+    boxes = [
+        [spatial_overlaps.box(np.add(b[:3], 0.05), np.subtract(b[3:], 0.05)) for b in part]
+        for part in (cabinet + rails, drawer, door)
+    ]
+    judge = spatial_overlaps.Judge(boxes, assembly.reference, [True, False, False])
+    for one, other in itertools.pairwise(path):
+        for share in (0.0, 0.5, 1.0):
+            assert judge.depth(spatial_overlaps.between(one, other, share)) < spatial_overlaps.SHALLOW
+    checked = check_spatial(assembly)
+    assert checked.verdict == "comes apart"
+    assert [e.parts for e in checked.escapes] == [("door",), ("drawer",)]

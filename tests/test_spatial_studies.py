@@ -16,6 +16,7 @@ import wiggleroom as wr
 from tests.test_spatial import PEG, PLATE, spatial
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import JointGap
+from wiggleroom.spatial.solids.corner_displacement import corner_displacements
 from wiggleroom.spatial.solids.spatial_assembly import assemble_spatial
 
 JOINT = "examples/43_mortise_and_tenon/joint.json"
@@ -192,3 +193,24 @@ def test_the_table_of_an_answer_has_every_waypoint_of_what_moves(command: Callab
     rail = joint().names.index("rail")
     told = np.array([[float(x) for x in row[3:]] for row in rows[1:]])
     assert told == pytest.approx(np.hstack([path[:, rail, :3], np.degrees(path[:, rail, 3:])]), abs=1e-9)
+
+
+def test_corners_follow_the_faces_of_plates_boxes_and_meshes() -> None:
+    outline = [[0, 0], [6, 0], [6, 2], [2, 2], [2, 5], [0, 5]]
+    boxes = [[0, 0, 0, 6, 2, 3], [0, 0, 0, 2, 5, 3]]
+    for part in ({"outline": outline, "thickness": 3}, {"boxes": boxes}):
+        made, smaller = (spatial({"name": "a", **part}, PLATE, gap=gap).solids[0] for gap in (0.2, 0.202))
+        for k, piece in enumerate(made.pieces):
+            moved = piece.corners + 1e-3 * corner_displacements(made, k)
+            assert np.abs(moved - smaller.pieces[k].corners).max() < 1e-9
+
+
+def test_parts_that_do_not_fit_are_counted_as_misfits() -> None:
+    found = wr.sample(spatial(PLATE, LOCKED), wr.Spread(0.4, "uniform"), ALONG_X, draws=12, seed=1)
+    assert found.misfits == int((0.2 + found.extra.sum(axis=1) / 2 <= 0).sum()) > 0
+
+
+@pytest.mark.parametrize("question", [wr.flex, wr.check, wr.sweep, wr.largest_gap, wr.allowable_gap])
+def test_a_misspelt_option_is_refused_in_space(question: Callable[..., Any]) -> None:
+    with pytest.raises(TypeError, match="secnds"):
+        question(wr.read(JOINT), secnds=1.0)

@@ -281,3 +281,22 @@ def test_a_stopped_sample_says_what_it_has() -> None:
     )  # fmt: skip
     assert len(found.value) == 7
     assert found.asked == 30
+
+
+def test_the_tightened_motion_is_that_of_parts_made_so() -> None:
+    assembly = wr.patterns.chain(5, joint="tee", gap=0.01)
+    found = wr.tighten(assembly, parts=2, gap=0.004, draws=0)
+    made = assemble(assembly.drawing, offset=dict.fromkeys(found.chosen, 0.003))
+    assert found.after.objective == pytest.approx(wr.flex(made).objective, rel=1e-6)
+
+
+def test_of_parts_that_share_a_load_the_one_that_takes_most_is_chosen() -> None:
+    """A block that tilts between two walls until another one stops it: its own gap counts twice, but only where it gets less."""
+    tray = wr.Part("tray", (wr.Region(rectangle(0, 0, 30, 20), (rectangle(5, 5, 25, 15)[::-1],)),), fixed=True)
+    block, other = (
+        wr.Part(n, (wr.Region(rectangle(x, 5, y, 15)),)) for n, x, y in (("block", 5, 14), ("other", 14, 22))
+    )
+    goal = wr.Pull("block", (1, 0))
+    assembly = assemble(wr.Drawing((tray, block, other), gap=0.2, goals=(goal,)))
+    found = wr.tighten(assembly, parts=1, draws=0)
+    assert found.after.objective <= min(everything(assembly, 1, 0.09).values()) * (1 + 1e-6)

@@ -7,6 +7,7 @@ import time
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,11 +19,15 @@ from tests.flexing import box, part_at, polygon_part
 from tests.test_studies import caged_bolt, everything, rectangle
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.context import UNLIMITED
 from wiggleroom.drawing.model import Drawing, Tolerance
 from wiggleroom.maximise import flex
 from wiggleroom.report.findings.sample import yield_sentence
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity import planar_study
 from wiggleroom.sensitivity.gap_trials import CLIMBED
+from wiggleroom.sensitivity.perturbation import perturbed_objective_anew
 from wiggleroom.sensitivity.planar_study import PlanarStudy
 from wiggleroom.studies.gap import GapQuestion
 from wiggleroom.studies.sample import SampleQuestion
@@ -292,3 +297,24 @@ def test_what_is_proven_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyP
     assert (kept.keeps, kept.certainty) == (True, Certainty.PROVEN)
     found = wr.allowable_gap(wr.patterns.chain(2, joint="tee", gap=0.02), at_most=0.1)
     assert found.certainty is Certainty.PROVEN
+
+
+def test_a_sweep_never_falls_where_searches_are_cut_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    def cut_short(question: Assembly, goals: tuple, **_: Any) -> Answer:
+        found = flex(question, goals, search=0)
+        share = 1.0 if question.gap < 0.015 else 0.1
+        return replace(found, verdict=Verdict.STOPPED, objective=share * found.objective, warm_start=None)
+
+    monkeypatch.setattr(planar_study, "flex", cut_short)
+    tight, loose = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01, 0.02]).steps
+    assert loose.objective == tight.objective
+    assert loose.verdict is Verdict.STOPPED
+    assert audit_path(loose.answer.assembly, loose.answer.waypoints).free
+
+
+def test_a_part_that_is_gone_is_not_said_to_touch() -> None:
+    assembly = wr.patterns.chain(2, joint="tee", gap=0.02)
+    found = perturbed_objective_anew(assembly, assembly.goals, np.full(2, assembly.size))
+    assert found.verdict is Verdict.NOT_MAKEABLE
+    touching = perturbed_objective_anew(assembly, assembly.goals, np.full(2, -0.02))
+    assert touching.verdict is Verdict.TOUCHING

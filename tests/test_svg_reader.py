@@ -534,3 +534,31 @@ def test_a_view_box_without_a_size_is_ignored(tmp_path):
     drawing = read_drawing(file)
     assert len(drawing.parts) == 1
     assert any('the viewBox "0 0 0 523" has no size' in note for note in drawing.notes)
+
+
+def test_stretched_page():
+    drawing = read(RECT, 'width="100mm" height="50mm" viewBox="0 0 100 100" preserveAspectRatio="none"')
+    assert drawing.parts[0].at == pytest.approx((12, 39.5, 0))
+    assert material(drawing.parts[0]).area == pytest.approx(4)
+
+
+def test_reference_point_counts_no_holes():
+    part = read('<path fill-rule="evenodd" d="M0 0H40V20H0z M30 5H38V15H30z"/>').parts[0]
+    assert part.at == pytest.approx((20, 90, 0))
+
+
+def test_a_round_peg_touching_a_ring_drawn_otherwise():
+    ring = '<path fill-rule="evenodd" d="M30 30H70V70H30z M60 50A10 10 0 0 0 40 50A10 10 0 0 0 60 50z"/>'
+    drawing = read(ring + '<circle cx="50" cy="50" r="10"/>', gap=1.0)
+    assert len(drawing.parts[0].regions[0].holes) == 1
+    assert material(drawing.parts[0]).intersection(material(drawing.parts[1])).area == pytest.approx(0, abs=1e-9)
+
+
+def test_neighbours_that_only_interlock_cut_nothing():
+    drawing = read('<path d="M0 0H30V30H20V10H0z"/><rect x="5" y="10" width="15" height="15"/>')
+    assert [material(part).area for part in drawing.parts] == pytest.approx([500, 225])
+
+
+def test_negative_gap_is_refused():
+    with pytest.raises(InputError, match="gap is -1"):
+        read(rect(0), gap=-1.0)

@@ -237,3 +237,9 @@ def test_tolerances_of_a_file_in_space_by_the_command(
     assert [entry["outline"] for entry in said["contributions"]] == [None, "thickness"]
     (tmp_path / "t.csv").write_text("part,outline,plus,minus\nplate,thickness,0.1,0.1\npeg,,0,0.05\n")
     assert wr.read_tolerances(tmp_path / "t.csv") == wr.read(tmp_path / "a.json").drawing.tolerances
+
+
+def test_parts_in_space_that_do_not_fit_at_their_largest() -> None:
+    found = wr.worst_case(spatial(PLATE, PEG), [Tolerance(("peg",), 0.3, 0.0)], Pull("peg", (1, 0, 0)))
+    assert found.tightest is None
+    assert "peg" in found.misfit

@@ -98,3 +98,25 @@ def test_a_box_that_can_be_taken_out_goes_on_downwards_without_end() -> None:
 def test_a_box_under_a_roof_stays() -> None:
     answer = wr.flex(tray_with_lid((0, -1), roof=True))
     assert answer.objective == pytest.approx(0.1, rel=1e-6)
+
+
+def test_a_pin_drops_to_the_floor_where_its_key_has_left_the_lock() -> None:
+    """The key lifts both pins as it leaves; the tip of the pin is then 0.45 above the floor, and nothing else holds it."""
+    body = [
+        (1.2, 1.0), (-1.3, 1.0), (-1.3, -0.3), (-0.65, -0.3), (-0.65, 0.9), (-0.35, 0.9), (-0.35, -0.3), (0.15, -0.3), (0.15, 0.7),
+        (0.45, 0.7), (0.45, -0.3), (1.0, -0.3), (1.0, -0.8), (-1.3, -0.8), (-1.3, -1.2), (1.2, -1.2),
+    ]  # fmt: skip
+    key = [
+        (0.7, -0.79), (0.7, -0.31), (0.5, -0.31), (0.3, -0.5), (0.1, -0.31), (-0.27, -0.31), (-0.5, -0.41), (-0.73, -0.31),
+        (-1.6, -0.31), (-1.6, -0.79),
+    ]  # fmt: skip
+    long = [(-0.63, -0.29), (-0.5, -0.35), (-0.37, -0.29), (-0.37, 0.5), (-0.63, 0.5)]
+    short = [(0.17, -0.29), (0.3, -0.4), (0.43, -0.29), (0.43, 0.2), (0.17, 0.2)]
+    parts = (
+        polygon_part("body", body, fixed=True), polygon_part("key", key), polygon_part("pin", long), polygon_part("other", short),
+    )  # fmt: skip
+    answer = wr.flex(assemble(Drawing(parts)), wr.Pull("pin", (0, -1), (-0.5, -0.35)))
+    assert answer.objective == pytest.approx(0.45, rel=0.02)
+    assert answer.objective >= 0.45 * (1 - 1e-6)
+    assert answer.path == "checked"
+    assert audit_path(answer.assembly, answer.waypoints).free
