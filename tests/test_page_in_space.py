@@ -162,7 +162,7 @@ def test_the_second_button_opens_what_can_be_done_and_still_moves_the_view(brows
         asked = page.get_by_label(f"what is asked of {part}")
         until(page, lambda: asked.count() > 0 and asked.input_value() == "twist", "it is not twisted")
         page.keyboard.press("w")
-        page.get_by_role("heading", name="Wiggle, freedom 1").wait_for()
+        page.locator("#answer").filter(has_text="Wiggle, freedom 1").wait_for()
 
 
 def test_a_contact_that_is_pressed_chooses_its_joint(browser: Any, lid: Served) -> None:
