@@ -272,7 +272,12 @@ def _pictures(
         large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
         if all(row in parents for row in rows) and not large and len(nested & set(rows)) >= _NESTED * len(rows):
             found.add(style)
-    return found
+    pictured = {colour for colour, _ in found if colour}
+    return found | {
+        style
+        for style in {*styles} - fitting
+        if style[0] in pictured and all(row in parents for row, other in enumerate(styles) if other == style)
+    }
 
 
 def _scores(
