@@ -378,8 +378,11 @@ def _glyphs(
 
 def _bays(polygons: NDArray[np.object_]) -> NDArray[np.int64]:
     """How many bays each outline has: pieces of its hull that it leaves empty."""
-    bays, owner = shapely.get_parts(shapely.difference(shapely.convex_hull(polygons), polygons), return_index=True)
-    return np.bincount(owner[shapely.area(bays) > _BAY * shapely.area(polygons)[owner]], minlength=len(polygons))
+    hulls, area = shapely.convex_hull(polygons), shapely.area(polygons)
+    bent = np.flatnonzero(shapely.area(hulls) - area > _BAY * area)  # the others, often circles, have none
+    bays, owner = shapely.get_parts(shapely.difference(hulls[bent], polygons[bent]), return_index=True)
+    owner = bent[owner]
+    return np.bincount(owner[shapely.area(bays) > _BAY * area[owner]], minlength=len(polygons))
 
 
 def _near(shapes: NDArray[np.object_], height: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
