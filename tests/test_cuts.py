@@ -36,6 +36,9 @@ ACROSS = "1 outline across the edge of a part cuts it"
 
 CUTS = [
     case("a slot over the edge", PANEL, SLOT, noted=ACROSS),
+    case("a row of windows beside one of their size", PANEL, *(rect(20 + 8 * k, 20, 8, 8) for k in range(4)), rect(70, 30, 8, 8),
+         noted="5 outlines inside others are holes"),
+    case("a hole drawn twice, a little aside", PANEL, disc(40, 30, 3), disc(40.05, 30.02, 3), noted="2 of them touch each other"),
     CutCase("a slot over the edge, drawn first", [SLOT, PANEL], [minus(PANEL, SLOT)], ACROSS),
     case("a slot over two edges at a corner", PANEL, rect(85, 45, 10, 10), noted=ACROSS),
     case("a notch flush with the edge", PANEL, rect(70, 40, 5, 10), noted="1 outline inside another is a hole"),

@@ -463,8 +463,19 @@ def test_what_is_hidden_or_no_outline(sheet):
         "points and specks are left out",
         "1 HATCH",
         "1 tilted CIRCLE",
+        "1 hidden LWPOLYLINE",
     ):
         assert words in said
+
+
+def test_a_tilt_that_shortens_nothing(sheet):
+    """A plane off by 0.1 degrees, as a model in space leaves it, shortens a circle by 2e-6 of its size."""
+    sheet.space.add_lwpolyline(SQUARE, close=True)
+    angle = math.radians(0.1)
+    sheet.space.add_circle((2, 2), 1, dxfattribs={"extrusion": (math.sin(angle), 0, math.cos(angle))})
+    (part,) = sheet.read().parts
+    ((hole,),) = [region.holes for region in part.regions]
+    assert np.ptp(hole, axis=0) == pytest.approx([2, 2], rel=1e-4)
 
 
 def test_what_lies_in_another_file_is_said(sheet):

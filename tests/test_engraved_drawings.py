@@ -437,3 +437,11 @@ def test_gears_are_no_letters(tmp_path):
 
     gears = [gear(40 + 20 * k, 9 + k % 2) for k in range(4)]
     assert not said(read(tmp_path, rect(0, 0, 200, 100), *gears), LETTERS)
+
+
+def test_a_picture_on_several_layers(tmp_path):
+    """What one colour draws on the layer of each part is engraved on all of them."""
+    links = [rect(0, 120 * k, 200, 100) + disc(20, 120 * k + 50, 5) for k in range(2)]
+    marks = [disc(100, 50, 20, RED) + disc(100, 50, 15, RED), disc(100, 170, 20, RED)]
+    layers = [f'<g inkscape:groupmode="layer" inkscape:label="link {k}">{links[k]}{marks[k]}</g>' for k in range(2)]
+    assert counted(read(tmp_path, *layers)) == (2, 2)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import platform
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -177,6 +176,8 @@ def _write_page(markdown: Path, page: str, found: list[Bench]) -> None:
 
 def machine() -> Record:
     """Processor kind, cores, system, Python and wiggleroom."""
+    from importlib.metadata import version
+
     return {
         "processor": platform.machine(),
         "cores": os.cpu_count(),

@@ -19,12 +19,14 @@ BESIDE = 0.05
 
 FULL = 0.9
 """An outline that lies in a hole with more than this share is no further cut there, but a part pressed in."""
+MOVED = 1e-3
+"""An outline whose area differs by no more than this share from one that it nearly fills is the same one, drawn beside itself."""
 LEAST = 1e-6
 """Outlines that share less than this of the smaller one only touch."""
 TILE_SIZES = 0.02
 """Sizes of tiles differ by no more than this share, ..."""
 TILE_SIDE = 0.15
-"""... and each shares at least this share of its outline with another one."""
+"""... each shares at least this share of its outline with another one, and none of that size is a hole beside them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +143,7 @@ def crossings(outlines: NDArray[np.object_], parents: dict[int, int], lies: dict
     crossing = (share > LEAST) & (outside > 1e-9 * area[first])
     for i, j, shared in zip(first[crossing].tolist(), second[crossing].tolist(), share[crossing].tolist(), strict=True):
         of.setdefault(i, {})[j] = shared
-        if shared > FULL and area[i] > FULL * area[j]:
+        if shared > FULL and FULL * area[j] < area[i] < (1 - MOVED) * area[j]:
             alike |= {i, j}
         both.setdefault(i, set()).add(j)
         both.setdefault(j, set()).add(i)
@@ -279,7 +281,10 @@ def _touching(
             open_ = [row for row in members if not claims.cut[row]]
             small = area[open_].sum() <= SMALL * area[parent]
             named = any(claims.named[row] or claims.is_part(row) for row in open_)
-            named = named or _are_tiles(outlines[[row for row in open_ if not claims.face[row]]], touch)
+            lone = area[[row for row in rows if row not in touching]]
+            like = (np.abs(lone[:, None] - area[open_]) <= TILE_SIZES * area[open_]).any()
+            tiles = not like and _are_tiles(outlines[[row for row in open_ if not claims.face[row]]], touch)
+            named = named or tiles
             for row in open_:
                 crosses = crossing.both.get(row, set()) & inside
                 if row in crossing.alike or (not crosses and (named or not small)):

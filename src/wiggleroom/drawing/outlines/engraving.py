@@ -272,7 +272,12 @@ def _pictures(
         large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
         if all(row in parents for row in rows) and not large and len(nested & set(rows)) >= _NESTED * len(rows):
             found.add(style)
-    return found
+    pictured = {colour for colour, _ in found if colour}
+    return found | {
+        style
+        for style in {*styles} - fitting
+        if style[0] in pictured and all(row in parents for row, other in enumerate(styles) if other == style)
+    }
 
 
 def _scores(
@@ -373,8 +378,11 @@ def _glyphs(
 
 def _bays(polygons: NDArray[np.object_]) -> NDArray[np.int64]:
     """How many bays each outline has: pieces of its hull that it leaves empty."""
-    bays, owner = shapely.get_parts(shapely.difference(shapely.convex_hull(polygons), polygons), return_index=True)
-    return np.bincount(owner[shapely.area(bays) > _BAY * shapely.area(polygons)[owner]], minlength=len(polygons))
+    hulls, area = shapely.convex_hull(polygons), shapely.area(polygons)
+    bent = np.flatnonzero(shapely.area(hulls) - area > _BAY * area)  # the others, often circles, have none
+    bays, owner = shapely.get_parts(shapely.difference(hulls[bent], polygons[bent]), return_index=True)
+    owner = bent[owner]
+    return np.bincount(owner[shapely.area(bays) > _BAY * area[owner]], minlength=len(polygons))
 
 
 def _near(shapes: NDArray[np.object_], height: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

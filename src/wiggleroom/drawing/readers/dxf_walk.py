@@ -25,8 +25,8 @@ IGNORED_KINDS = ("VIEWPORT", "ATTDEF", "ATTRIB", "SEQEND")
 _SPELLED = re.compile(r"\\U\+([0-9A-Fa-f]{4})")
 MAX_NESTING = 50
 """Blocks inside each other at most."""
-TILT_TOLERANCE = 1e-9
-"""An entity whose plane is tilted by more than this is not in the drawing's plane."""
+TILT_TOLERANCE = 1e-5
+"""An entity that is foreshortened by more than this share is not in the drawing's plane."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,10 @@ class DxfWalk:
                 continue
             own = decoded_text(str(entity.dxf.get("layer", "0")))
             layer = state.layer if own == "0" else own
-            if entity.dxf.get("invisible", 0) or layer.lower() in HIDDEN_LAYERS:
+            if layer.lower() in HIDDEN_LAYERS:
+                continue
+            if entity.dxf.get("invisible", 0):
+                self.left_out[f"hidden {entity.dxftype()}"] += 1
                 continue
             if layer.lower() in self._off:
                 self.hidden.add(layer)

@@ -18,6 +18,8 @@ Complex = NDArray[np.complex128]
 
 QUADRATURE_CELLS = 64
 """Cells in which the bend of a curve is summed up; a power of two keeps the grid symmetric to the last bit."""
+MOST_COMPARED = 1 << 20
+"""Shares compared at once."""
 ROUNDING_SHARE = 1e-9
 """Share of the tolerance given to rounding, so that copies of a curve elsewhere in the plane get as many chords."""
 MAX_CHORDS = 65536
@@ -249,11 +251,15 @@ def _spread(shares: Real, n: int) -> Real:
     """Parameters (k, n + 1) at which the summed-up shares (k, cells + 1) reach 0, 1/n, ..., 1."""
     t = np.empty((len(shares), n + 1))
     t[:, 0], t[:, -1] = 0, 1
-    row = np.arange(len(shares))
-    for i in range(1, n):
-        cell = np.clip((shares <= i / n).sum(axis=1) - 1, 0, QUADRATURE_CELLS - 1)
-        low, high = shares[row, cell], shares[row, cell + 1]
-        t[:, i] = (cell + (i / n - low) / np.where(high > low, high - low, 1)) / QUADRATURE_CELLS
+    ends = np.arange(1, n) / n
+    step = max(1, MOST_COMPARED // shares.size)
+    for first in range(0, n - 1, step):
+        end = ends[first : first + step]
+        cell = np.clip((shares[:, None] <= end[:, None]).sum(axis=2) - 1, 0, QUADRATURE_CELLS - 1)
+        low, high = np.take_along_axis(shares, cell, 1), np.take_along_axis(shares, cell + 1, 1)
+        t[:, 1 + first : 1 + first + len(end)] = (
+            cell + (end - low) / np.where(high > low, high - low, 1)
+        ) / QUADRATURE_CELLS
     return t
 
 
