@@ -17,7 +17,7 @@ from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import AXES, Part
-from wiggleroom.planning.steps import moves_of
+from wiggleroom.planning.steps import moves_of, without_rests
 from wiggleroom.search.state_tree import Exit, Level, StateTree
 from wiggleroom.spatial.bodies.rigid import near_pieces
 from wiggleroom.spatial.bodies.rotations import exponential, logarithm
@@ -141,7 +141,7 @@ class SpatialStages:
             verdict, sure = stage.verdict()
             whole = verdict is not Separability.UNKNOWN
             return Stage(verdict, sure, NO_BODIES, None, NO_BODIES, stage.questions, whole=whole)
-        who, path = found
+        who, path = found[0], without_rests(found[1])
         moves = moves_of(path)
         return Stage(
             Separability.COMES_APART, Certainty.PROVEN, np.array(who), path, NO_BODIES, stage.questions, moves=moves
