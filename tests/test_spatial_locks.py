@@ -156,6 +156,17 @@ def test_a_lock_decides_whether_a_part_can_be_taken_out() -> None:
     assert held.verdict == "interlocked"
 
 
+@pytest.mark.parametrize("fully", [False, True])
+def test_locked_parts_side_by_side_are_held(fully: bool) -> None:
+    # each block only tips about x, and the plate below is in the way
+    plate = {"name": "plate", "boxes": [[0, 0, 0, 30, 30, 5]], "fixed": True}
+    tips = ["x", "y", "z", "ry", "rz"]
+    blocks = [{"name": f"b{x}", "boxes": [[x, 10, 5.1, x + 8, 20, 10]], "lock": tips} for x in (2, 10.1)]
+    still = {"name": "still", "boxes": [[18.2, 10, 5.1, 26, 20, 10]], "lock": list(AXES)}
+    held = wr.check(spatial(plate, *blocks, *([still] if fully else [])))
+    assert (held.verdict, held.certainty) == ("interlocked", "searched")
+
+
 @pytest.mark.slow
 def test_glued_parts_stay_together_between_way_points() -> None:
     """A thin peg turns in its hole and swings a block along that is glued to it, far away: half way the block is where the peg has it."""

@@ -135,6 +135,20 @@ def test_what_left_as_one_is_taken_apart_further() -> None:
     assert found.remains == ()
 
 
+def test_every_step_moves_something() -> None:
+    # the door turns in the room on the right, and its path comes to rest on the way
+    walls = [
+        [[-8, -6, 0], [9, 10, 1]], [[-8, -6, 1], [9, -2, 4]], [[-8, -2, 1], [-6, 10, 4]], [[-6, -2, 3], [9, 10, 4]],
+        [[-6, 2, 1], [-2, 10, 3]], [[-2, 7, 1], [9, 10, 3]], [[-1, 2, 1], [0, 7, 3]], [[0, 3, 1], [9, 7, 3]],
+        [[5, -2, 1], [9, -1, 3]], [[5, 2, 1], [9, 3, 3]],
+    ]  # fmt: skip
+    house = {"name": "house", "boxes": [low + high for low, high in walls], "fixed": True}
+    found = wr.plan(spatial(house, {"name": "door", "boxes": [[-2, -2, 1, -1, 2, 3]]}, gap=0.1))
+    assert found.order == (("door",),)
+    assert all(step.parts == ("door",) and step.moves > 0 for step in found.steps)
+    assert (np.abs(np.diff(found.path, axis=0)).max(axis=(1, 2)) > 0).all()
+
+
 def test_a_search_that_came_to_its_end_was_not_cut_short() -> None:
     lid = wr.plan(wr.read("examples/40_box_with_a_lid/box.json"))
     assert (str(lid.verdict), str(lid.certainty), lid.whole) == ("interlocked", "searched", True)

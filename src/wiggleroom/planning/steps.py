@@ -101,6 +101,16 @@ def moves_of(path: Floats) -> Ints:
     return found
 
 
+def without_rests(path: Floats) -> Floats:
+    """The path (k, n, 3), in space (k, n, 6), without pieces in which nothing moves.
+
+    >>> without_rests(np.array([[[0.0, 0, 0]], [[1, 0, 0]], [[1, 0, 0]], [[3, 0, 0]]]))[:, 0, 0].tolist()
+    [0.0, 1.0, 3.0]
+    """
+    moved = (np.abs(np.diff(path, axis=0)) > STILL).any(axis=(1, 2))
+    return path[np.flatnonzero(np.append(True, moved))]
+
+
 def axes_of(path: Floats) -> int:
     """Number of translations in a path: 2 in the plane, 3 in space."""
     return 2 if path.shape[-1] == 3 else 3

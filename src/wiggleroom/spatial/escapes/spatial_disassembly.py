@@ -16,8 +16,8 @@ from wiggleroom.disassembly.disassembly_sequence import NO_BODIES, Disassembly, 
 from wiggleroom.disassembly.ground import with_ground
 from wiggleroom.disassembly.interlock_result import Interlock
 from wiggleroom.disassembly.remaining import only
-from wiggleroom.drawing.model import Part
-from wiggleroom.planning.steps import moves_of
+from wiggleroom.drawing.model import AXES, Part
+from wiggleroom.planning.steps import moves_of, without_rests
 from wiggleroom.search.state_tree import Exit, Level, StateTree
 from wiggleroom.spatial.bodies.rigid import near_pieces
 from wiggleroom.spatial.bodies.rotations import exponential, logarithm
@@ -32,7 +32,7 @@ from wiggleroom.spatial.search.spatial_prepare import SpatialPrepared, prepare_s
 from wiggleroom.spatial.search.spatial_search import SpatialSearch
 from wiggleroom.spatial.search.spatial_starts import best_of_starts, random_leads
 from wiggleroom.spatial.search.straight_departure import StraightDeparture
-from wiggleroom.spatial.search.turning_in_place import common_edges, turn_in_place, turns_in_place
+from wiggleroom.spatial.search.turning_in_place import ACROSS, common_edges, turn_in_place, turns_in_place
 from wiggleroom.spatial.solids.convex import distinct_axes
 from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.verdict import Certainty, Separability, SolverStatus
@@ -141,7 +141,7 @@ class SpatialStages:
             verdict, sure = stage.verdict()
             whole = verdict is not Separability.UNKNOWN
             return Stage(verdict, sure, NO_BODIES, None, NO_BODIES, stage.questions, whole=whole)
-        who, path = found
+        who, path = found[0], without_rests(found[1])
         moves = moves_of(path)
         return Stage(
             Separability.COMES_APART, Certainty.PROVEN, np.array(who), path, NO_BODIES, stage.questions, moves=moves
@@ -301,20 +301,25 @@ class DisassemblyStage:
         return False
 
     def _turn_together(self, motion: Floats) -> bool:
-        """True where two neighbours, or all that move, turn in place as one: each may keep the other from turning alone."""
-        assembly = displaced(self.ready.assembly, motion)
-        group = grouped(assembly)
-        moving = np.flatnonzero(group.bodies.moves)
+        """True where two neighbours, or all that move, turn in place as one: each may keep the other from turning alone.
+
+        They turn about axes about which none of them is locked; locked slides are taken as free, which can only find more.
+        """
+        assembly = unlocked(displaced(self.ready.assembly, motion))
+        group, free = grouped(assembly), self.ready.grouping.bodies.free[:, 3:]
+        moving = np.flatnonzero(self.ready.grouping.bodies.moves)
         near = near_pieces(group.bodies, group.pose_of(self._rest), NEW_PLACE * self.ready.clearance)[:, [0, 2]]
         pairs = np.unique(np.sort(near[np.isin(near, moving).all(axis=1)], axis=1), axis=0)
         for bodies in (moving.tolist(), *pairs[:MAX_TOGETHER].tolist()):
-            who = np.flatnonzero(np.isin(group.body_of, bodies))
-            if len(bodies) < 2 or self.context.stopped:
+            who, turns = np.flatnonzero(np.isin(group.body_of, bodies)), free[bodies].all(axis=0)
+            if len(bodies) < 2 or not turns.any() or self.context.stopped:
                 continue
             glue = (*assembly.drawing.glue, tuple(assembly.names[k] for k in who))
             ready = prepare_spatial(replace(assembly, drawing=replace(assembly.drawing, glue=glue)))
             body = int(ready.grouping.body_of[who[0]])
-            if any(turns_in_place(ready, self._rest, body, common_edges(ready, body))):
+            edges = np.array(common_edges(ready, body))
+            axes = np.eye(3)[turns] if turns.sum() == 1 else edges[(np.abs(edges[:, ~turns]) < ACROSS).all(axis=1)]
+            if any(turns_in_place(ready, self._rest, body, axes)):
                 return True
         return False
 
@@ -496,6 +501,15 @@ def continued(before: Floats, path: Floats) -> Floats:
     turns = exponential(path[:, :, 3:].reshape(-1, 3)).reshape(*path.shape[:2], 3, 3) @ exponential(before[:, 3:])
     out[:, :, 3:] = logarithm(turns.reshape(-1, 3, 3)).reshape(*path.shape[:2], 3)
     return out
+
+
+def unlocked(assembly: Assembly) -> Assembly:
+    """The assembly without locks; parts that were locked altogether are fixed."""
+    parts, drawn = (
+        tuple(replace(p, fixed=p.fixed or len(p.lock) == len(AXES), lock=frozenset()) for p in some)
+        for some in (assembly.parts, assembly.drawing.parts)
+    )
+    return Assembly(parts, replace(assembly.drawing, parts=drawn))
 
 
 def displaced(assembly: Assembly, motion: Floats) -> Assembly:
