@@ -121,6 +121,7 @@ def test_a_sum_of_squares_is_searched_and_says_so() -> None:
     assert (3 + found.gap) ** 2 <= 3.3**2
 
 
+@pytest.mark.slow
 def test_a_joint_of_its_own_gap_stays() -> None:
     drawing = replace(peg_in_slot(), gaps=(JointGap(("rim", "peg"), 0.4),))
     found = wr.allowable_gap(assemble(drawing, gap=0.1), Pull("peg", (-1.0, 0.0)), at_most=0.5)

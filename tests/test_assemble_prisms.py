@@ -86,6 +86,7 @@ def test_equal_outlines_of_two_thicknesses_do_not_stand_for_each_other() -> None
     assert not PanelIsometries({0: plate, 1: plate}, thickness={0: 3.0, 1: 6.0}).between(0, 1)
 
 
+@pytest.mark.slow
 def test_a_prism_without_one_wall_is_not_sure(tmp_path: Path) -> None:
     design = prism(regular(5, 43), 70, 3.0)
     del design.panels["wall 4"]

@@ -93,6 +93,7 @@ def test_every_family_draws_parts_that_can_be_asked_about(tmp_path: Path, kind: 
     assert draw(kind)[1] == made  # the same again
 
 
+@pytest.mark.slow
 def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert [f.number for f in run(1, 2, tmp_path, programs=0)] == [2]
     before = (tmp_path / "log.jsonl").read_text()

@@ -48,6 +48,7 @@ def escapes(boxes, radius, step=0.25):
     return regions[middle, middle, middle] == regions[0, 0, 0] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("window", "stays"), [(5.5, True), (6.5, False)])
 def test_a_ball_stays_behind_windows_that_are_too_narrow(window, stays):
     boxes = cage(window)

@@ -239,6 +239,7 @@ def test_of_a_chain(options, others, tmp_path, command, capsys):
     assert capsys.readouterr().out.startswith("not verified: ")
 
 
+@pytest.mark.slow
 def test_of_a_dxf_drawing(tmp_path, command, capsys):
     proof = tmp_path / "proof.json"
     options = ["--gap", 0.2, "--pull", "slider:+x"]

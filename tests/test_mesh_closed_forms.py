@@ -90,6 +90,7 @@ def test_a_bolt_plays_in_its_nut_by_the_clearances_of_flank_and_crest(tmp_path: 
     assert moves(path, "+x") == pytest.approx(radial, rel=1e-4)  # between two facets of the crest
 
 
+@pytest.mark.slow
 def test_a_shell_moves_as_its_solid_does_and_says_no_more(tmp_path: Path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=3)
     block = manifold3d.Manifold.cube((26, 26, 19)).translate((-13, -13, -13))

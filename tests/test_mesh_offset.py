@@ -40,6 +40,7 @@ def socket() -> trimesh.Trimesh:
     return trimesh.creation.box(bounds=[(-13, -13, -13), (13, 13, 6)]).difference(ball)
 
 
+@pytest.mark.slow
 def test_a_moved_mesh_goes_round_what_is_made_and_little_more() -> None:
     mesh, gap = dented(), 0.1
     made = made_of(mesh, gap)

@@ -93,6 +93,7 @@ def test_progress_counts_up(processes: Context) -> None:
     assert told == [(1, 3), (2, 3), (3, 3)]
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     one, two = (wr.sample(wr.patterns.chain(4, gap=0.02), 0.002, draws=6, workers=w) for w in (1, 2))

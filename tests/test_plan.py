@@ -101,6 +101,7 @@ def test_random_trays_agree_with_the_grid(seed):
     see_free(found)
 
 
+@pytest.mark.slow
 def test_a_tray_that_is_locked():
     pieces, wall = random_tray(3)
     assert grid_search(pieces, wall) == (set(), True)

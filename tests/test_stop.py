@@ -19,7 +19,7 @@ import pytest
 import shapely
 
 import wiggleroom as wr
-from wiggleroom import maximise
+from wiggleroom import context
 from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.cli.study_command import unless_stopped
@@ -258,7 +258,7 @@ def audits_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("audits_at_every_step")
 def test_a_stopped_answer_keeps_what_was_audited_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(maximise, "GracePeriod", partial(GracePeriod, seconds=0.0))
+    monkeypatch.setattr(context, "GracePeriod", partial(GracePeriod, seconds=0.0))
     stop, whole = AfterSteps(22), wr.flex(grid(), search=0).objective
     found = wr.flex(grid(), search=0, stop=stop, progress=stop)
     assert found.verdict == "stopped"
