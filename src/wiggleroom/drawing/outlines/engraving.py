@@ -267,17 +267,14 @@ def _pictures(
         alike = [k for k in rows if styles[k] == styles[row]]
         nested |= {row, *alike} if several or alike else set()
     found = set()
-    for style in {styles[row] for row in nested} - fitting:
+    inside = {*styles} - {style for row, style in enumerate(styles) if row not in parents}
+    for style in ({styles[row] for row in nested} & inside) - fitting:
         rows = [row for row, other in enumerate(styles) if other == style]
         large = any(in_part[row] and area[row] > _PICTURE * area[parents[row]] for row in rows)
-        if all(row in parents for row in rows) and not large and len(nested & set(rows)) >= _NESTED * len(rows):
+        if not large and len(nested & set(rows)) >= _NESTED * len(rows):
             found.add(style)
     pictured = {colour for colour, _ in found if colour}
-    return found | {
-        style
-        for style in {*styles} - fitting
-        if style[0] in pictured and all(row in parents for row, other in enumerate(styles) if other == style)
-    }
+    return found | {style for style in inside - fitting if style[0] in pictured}
 
 
 def _scores(

@@ -187,9 +187,10 @@ def _gaps_of_loops(
         if may[k]:
             nearest.setdefault(int(i[k]), (int(j[k]), float(apart[k])))
     pairs = [(a, b, gap) for a, (b, gap) in nearest.items() if a < b and nearest.get(b, (-1, 0.0))[0] == a]
-    loop = components(size, chain[[a for a, _, _ in pairs]], chain[[b for _, b, _ in pairs]])[chain]
-    gaps = np.bincount(loop[[a for a, _, _ in pairs]], [gap for *_, gap in pairs], minlength=size)
-    closed = 2 * np.bincount(loop[[a for a, _, _ in pairs]], minlength=size) == np.bincount(loop, loose, minlength=size)
+    first = [a for a, _, _ in pairs]
+    loop = components(size, chain[first], chain[[b for _, b, _ in pairs]])[chain]
+    gaps = np.bincount(loop[first], [gap for *_, gap in pairs], minlength=size)
+    closed = 2 * np.bincount(loop[first], minlength=size) == np.bincount(loop, loose, minlength=size)
     closed &= gaps <= LOOP_SHARE * np.bincount(loop[::2], drawn_length, minlength=size)
     free_ends = np.flatnonzero(loose)
     near = shapely.STRtree(shapely.points(ends[free_ends]))

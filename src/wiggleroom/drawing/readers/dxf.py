@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -38,16 +39,10 @@ def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = N
 
 def walked_dxf(file: DxfFile, unit: str | None = None, stop: Stop | None = None) -> tuple[DxfWalk, Artwork]:
     """The same with the entity that every stroke comes from; see `dxf_artwork`."""
-    in_units: list[DxfWalk] = []
-
-    def sizes() -> list[float]:
-        if not in_units:
-            in_units.append(_walked(file, 1.0, stop))
-        return _sizes(in_units[0].strokes)
-
-    scale, assumed = scale_of(file, unit, sizes)
+    walked = cache(lambda scale: _walked(file, scale, stop))
+    scale, assumed = scale_of(file, unit, lambda: _sizes(walked(1.0).strokes))
     go_on(stop)
-    walk = in_units[0] if in_units and scale == 1.0 else _walked(file, scale, stop)
+    walk = walked(scale)
     notes = [*assumed, *file.notes]
     if walk.hidden:
         notes.append(f"{file.name}: layers that are off or frozen are left out: {', '.join(sorted(walk.hidden))}")
