@@ -22,6 +22,8 @@ from wiggleroom.cli.words import DRAWINGS
 from wiggleroom.drawing import dimension
 from wiggleroom.drawing.read import READERS
 from wiggleroom.schema import replies, requests, results
+from wiggleroom.solve import SOLVERS
+from wiggleroom.studies.flex import FlexQuestion
 
 TOP = Path(__file__).parents[1]
 
@@ -101,3 +103,23 @@ def test_every_file_that_the_architecture_names_is_there():
     assert [
         name for name in named if not any(any(TOP.glob(f"{folder}/{name}".lstrip("/"))) for folder in folders)
     ] == []
+
+
+def test_every_solver_is_a_choice_of_the_command():
+    hints = typing.get_type_hints(FlexQuestion)
+    assert set(typing.get_args(hints["solver"])) == set(SOLVERS)
+
+
+def test_every_name_that_the_architecture_gives_with_a_file_is_in_that_file():
+    page = (TOP / "docs/architecture.md").read_text().split("## Where to find")[1].split("\n## ")[0]
+    rows = [line for line in page.splitlines() if line.startswith("| ")]
+    lost = []
+    for quoted in (re.findall(r"`([^`]+)`", row) for row in rows):
+        source = ""
+        for one in quoted:
+            if one.endswith(".py"):
+                path = TOP / "src/wiggleroom" / one
+                source = path.read_text() if path.exists() else ""
+            elif re.fullmatch(r"[A-Za-z_]\w*(\.\w+)*", one) and source:
+                lost += [f"{one}: {name}" for name in one.split(".") if not re.search(rf"\b{name}\b", source)]
+    assert lost == []

@@ -31,8 +31,8 @@ Give the fixed and the pulled part, and get the largest motion as a number and a
 wiggleroom COMMAND --help lists the options of a command; most commands draw their answer with --picture.
 
 Lengths are in mm, angles in degrees; turns of --at-most and --limit in rad.
-Exit codes: 0 answered; 1 check: it comes apart, or verify: a proof
-is not verified; 2 bad input or usage; 3 no verdict.
+Exit codes: 0 answered; 1 the assembly comes apart (check) or a proof
+does not hold (verify); 2 bad input or usage; 3 no verdict.
 """
 
 
